@@ -51,7 +51,8 @@ if(RODWAKE_TESTS)
     find_package(Catch2 2.13 REQUIRED)
 endif()
 # Plots need the interpreter that has matplotlib: Debian's own, whichever python3 comes first on PATH.
-set(RODWAKE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with matplotlib and h5py, for rodwake plot")
+set(RODWAKE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python that the package is built for, and of the tests")
+set(RODWAKE_FIGURES_PYTHON ${RODWAKE_PYTHON} CACHE STRING "Python with matplotlib and h5py, for rodwake plot: a path, or a name on PATH")
 if(RODWAKE_PYTHON_PACKAGE)
     set(PYTHON_EXECUTABLE ${RODWAKE_PYTHON}) # of pybind11
     find_package(pybind11 2.10 QUIET)

@@ -15,6 +15,18 @@ function giveUp(why) {
   find("#work").hidden = true;
 }
 
+/** Of an address with ?show=wake,phases these panels alone, for a frame in another page, and a link to the whole page. */
+function showPart() {
+  const asked = (new URLSearchParams(location.search).get("show") ?? "").split(","), panels = [...document.querySelectorAll(".panel")];
+  if (!panels.some(({ id }) => asked.includes(id))) return;
+  document.body.classList.add("part");
+  for (const panel of panels) panel.hidden = !asked.includes(panel.id);
+  for (const other of document.querySelectorAll("header, nav, .knobs, .below, footer")) other.hidden = true;
+  const whole = find("#whole");
+  whole.hidden = false;
+  whole.addEventListener("click", () => { whole.href = location.pathname + location.hash; });
+}
+
 class Explorer {
   constructor(api) {
     const start = { ...START, ...(setup.state ?? {}) };
@@ -235,6 +247,7 @@ if (typeof WebAssembly !== "object") {
   window.rodwake.ready = createKernel({ wasmBinary: bytesOf(find("#kernel").textContent) }).then(kernel => {
     const api = rodwakeOn(kernel);
     Object.assign(window.rodwake, { strain: api.strain, simulate: api.simulate, encounters: api.encounters, flat: api.flat });
+    showPart();
     describeParameters(setup.keys);
     PARAMETERS.contact_distance.legal = { from: 0, to: 1e12 };  // 0: no stop
     readColours();

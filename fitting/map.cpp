@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 namespace rodwake::fitting {
@@ -217,7 +218,14 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
             std::ranges::find_if(*all,
                                  [&](const Fitted& f) { return same_model(f.map, map, isotropic(terms)); }) -
             all->begin());
-        problem.residuals += 2 * all->back().bins.size();
+        for (const char* quantity : {"U_x", "U_y"}) {
+            Series one{map.name, quantity, std::vector<std::size_t>(all->back().bins.size())};
+            std::iota(one.residuals.begin(), one.residuals.end(), problem.residuals);
+            problem.residuals += problem.series.emplace_back(std::move(one)).residuals.size();
+        }
+        for_each_residual(all->back(), [&](Eigen::Index, std::size_t, std::size_t, double weight) {
+            problem.log_sigma.push_back(-std::log(weight));
+        });
         values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
         if (all->back().like + 1 == all->size() && medium_is_fixed(parameters))
             all->back().field.hold_medium(starts_of(parameters));

@@ -190,6 +190,14 @@ std::vector<double> independent_worth(std::span<const double> places, double spa
     return worth;
 }
 
+std::vector<Series> series_of(const Problem& problem) {
+    if (!problem.series.empty())
+        return problem.series;
+    Series all{"the data", "values", std::vector<std::size_t>(problem.residuals)};
+    std::iota(all.residuals.begin(), all.residuals.end(), std::size_t{0});
+    return {all};
+}
+
 double mean_worth(std::span<const double> worth) {
     return std::accumulate(worth.begin(), worth.end(), 0.0) / static_cast<double>(worth.size());
 }
@@ -267,6 +275,12 @@ Problem joined(const std::vector<Problem>& problems) {
         for (const Parameter& parameter : problem.parameters)
             part.index.push_back(slot_of(parameter, whole.parameters));
         whole.residuals += problem.residuals;
+        whole.log_sigma.insert(whole.log_sigma.end(), problem.log_sigma.begin(), problem.log_sigma.end());
+        for (Series one : series_of(problem)) {
+            for (std::size_t& i : one.residuals)
+                i += part.first_residual;
+            whole.series.push_back(std::move(one));
+        }
         whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
         values += problem.independent * static_cast<double>(problem.residuals);
         parts->push_back(std::move(part));

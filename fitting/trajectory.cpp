@@ -59,6 +59,22 @@ std::string residual_name(const Trajectory& one, std::size_t i) {
     return fmt::format("{} {}{}", row_name(one, in_rows / n + 1), names[component % 3], component / 3);
 }
 
+/// Of x, y and heading of each rod, from residual `first` on; a time of contact stands alone.
+void add_series(const Trajectory& one, std::size_t first, std::vector<Series>& all) {
+    const Residuals size(one);
+    const std::size_t n = one.states.front().size();
+    for (std::size_t component = 0; component < n; ++component) {
+        Series series{one.name, component % 3 == 2 ? "headings" : "places", {}};
+        if (is_free(one, component))
+            series.residuals.push_back(first + (one.free_start ? component : component / 3));
+        for (std::size_t row = 0; row < size.rows / n; ++row)
+            series.residuals.push_back(first + size.start + row * n + component);
+        all.push_back(std::move(series));
+    }
+    if (size.contact > 0)
+        all.push_back({one.name, "contact time", {first + size.start + size.rows}});
+}
+
 class Trajectories {
 public:
     Trajectories(integrate::OdeOptions options, const std::vector<Trajectory>& all,
@@ -83,6 +99,19 @@ public:
         for (std::size_t k = 0; k < all_.size(); ++k)
             at = add(k, run_model(options_, all_[k], k, roles_, p, jacobian ? &wanted_ : nullptr), at, r,
                      jacobian);
+    }
+
+    std::vector<double> log_sigma() const {
+        std::vector<double> out;
+        for (const Trajectory& one : all_) {
+            for (std::size_t row = 0; row < one.states.size(); ++row)
+                for (std::size_t i = 0; i < one.states[row].size(); ++i)
+                    if (row > 0 || is_free(one, i))
+                        out.push_back(std::log(sigma_of(one, i)));
+            if (one.contact_time)
+                out.push_back(std::log(one.sigma_contact));
+        }
+        return out;
     }
 
     std::string name(std::size_t i) const {
@@ -166,6 +195,8 @@ std::vector<std::string> trajectory_parameter_names() {
     std::vector<std::string> names;
     for (const rods::Coupling& coupling : rods::coupling_list)
         names.emplace_back(coupling.name);
+    for (const rods::OtherTurning& turning : rods::other_turning)
+        names.emplace_back(turning.name);
     names.insert(names.end(), {"eta", "xi", "alpha"});
     return names;
 }
@@ -182,7 +213,13 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
+    problem.log_sigma = all->log_sigma();
     problem.independent = mean_independent(trajectories);
+    std::size_t first = 0;
+    for (const Trajectory& one : trajectories) {
+        add_series(one, first, problem.series);
+        first += Residuals(one).count();
+    }
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                              Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
@@ -297,18 +334,28 @@ void check_trajectory_parameters(const std::vector<Parameter>& parameters) {
     const auto has = [&](std::string_view name) {
         return std::ranges::find(parameters, name, &Parameter::name) != parameters.end();
     };
-    if (!has("eta"))
-        throw InputError("fit of trajectories: parameter eta is missing; fix it if it is known");
-    if (has("xi") == has("alpha"))
+    const auto in_wakes = [](const Parameter& p) { return rods::turns_in_wakes(p.name); };
+    const bool wakes = std::ranges::any_of(parameters, in_wakes),
+               medium = has("eta") || has("xi") || has("alpha");
+    if (has("rows_direction") && !has("gamma_rows"))
         throw InputError(
-            has("xi") ? "fit of trajectories: xi and alpha = 1/xi are both given; leave one out"
-                      : "fit of trajectories: parameter xi (or alpha) is missing; fix it if it is known");
+            "fit of trajectories: rows_direction needs gamma_rows, which turns the rods into these rows");
+    if (wakes && !has("eta"))
+        throw InputError("fit of trajectories: parameter eta is missing; fix it if it is known");
+    if (has("xi") && has("alpha"))
+        throw InputError("fit of trajectories: xi and alpha = 1/xi are both given; leave one out");
+    if (wakes && !has("xi") && !has("alpha"))
+        throw InputError("fit of trajectories: parameter xi (or alpha) is missing; fix it if it is known");
+    const auto free_medium = [](const Parameter& p) {
+        return !p.fixed && (p.name == "eta" || p.name == "xi" || p.name == "alpha");
+    };
     std::vector<std::string_view> couplings;
     for (const rods::Coupling& coupling : rods::coupling_list)
         couplings.push_back(coupling.name);
-    if (std::ranges::none_of(couplings, has))
+    if (!wakes && medium && std::ranges::any_of(parameters, free_medium))
         throw InputError(
-            fmt::format("fit of trajectories: none of {} is a parameter, so nothing turns the rods",
+            fmt::format("fit of trajectories: none of {}, gamma_flow is a parameter, so nothing turns "
+                        "the rods in the medium that is to be fitted",
                         fmt::join(couplings, ", ")));
 }
 

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <tuple>
+#include <utility>
 
 namespace rodwake::fitting {
 
@@ -20,7 +22,10 @@ const std::map<std::string, Role>& physical_roles() {
     static const std::map<std::string, Role> roles = [] {
         std::map<std::string, Role> all = {{"eta", {rods::Parameter::eta}},
                                            {"xi", {rods::Parameter::xi}},
-                                           {"alpha", {rods::Parameter::xi, true}}};
+                                           {"alpha", {rods::Parameter::xi, true}},
+                                           {"gamma_flow", {.flow = true}},
+                                           {"gamma_rows", {rods::Parameter::rows_gamma}},
+                                           {"rows_direction", {rods::Parameter::rows_direction}}};
         for (int k = 0; k < static_cast<int>(rods::Parameter::eta); ++k)
             all[std::string(rods::coupling_list[k].name)] = {static_cast<rods::Parameter>(k)};
         return all;
@@ -28,43 +33,72 @@ const std::map<std::string, Role>& physical_roles() {
     return roles;
 }
 
-/// What the sensitivities are taken by, and which parameter of the fit each column is.
+/// What the sensitivities are taken by, and how it follows from the parameters of the fit.
 struct Columns {
     std::vector<rods::Parameter> physical;
     std::vector<std::size_t> headings, places;
-    std::vector<std::size_t> parameter;
-    std::vector<double> factor; ///< d physical / d parameter
+    Eigen::MatrixXd by_parameter; ///< d column / d parameter
+
+    bool empty() const { return physical.empty() && headings.empty() && places.empty(); }
 };
 
+/// d physical / d parameter, of those that are not 0.
+using Slopes = std::vector<std::pair<rods::Parameter, double>>;
+
+/// A number of the medium enters gamma1 += gamma_flow xi and gamma2 += gamma_flow xi eta, too.
+Slopes slopes_of(const Role& role, double value, double gamma_flow, const elastic::Medium& medium) {
+    using enum rods::Parameter;
+    if (role.flow)
+        return {{gamma1, medium.xi}, {gamma2, medium.xi * medium.eta}};
+    const double own = role.inverse ? -1.0 / (value * value) : 1.0;
+    Slopes slopes = {{*role.physical, own}};
+    if (gamma_flow != 0.0 && role.physical == xi)
+        slopes.insert(slopes.end(), {{gamma1, own * gamma_flow}, {gamma2, own * gamma_flow * medium.eta}});
+    if (gamma_flow != 0.0 && role.physical == eta)
+        slopes.emplace_back(gamma2, own * gamma_flow * medium.xi);
+    return slopes;
+}
+
+double gamma_flow_of(std::span<const Role> roles, std::span<const double> values) {
+    const auto at = std::ranges::find_if(roles, &Role::flow);
+    return at == roles.end() ? 0.0 : values[static_cast<std::size_t>(at - roles.begin())];
+}
+
 Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<const double> values,
-                   const std::vector<bool>& wanted) {
+                   const std::vector<bool>& wanted, const elastic::Medium& medium) {
     Columns columns;
-    const auto kind = [](const Role& role) { return role.physical ? 0 : role.component == 2 ? 1 : 2; };
-    for (const int wanted_kind : {0, 1, 2})
-        for (std::size_t j = 0; j < roles.size(); ++j) {
-            const Role& role = roles[j];
-            if (!wanted[j] || !role.matters_to(index) || kind(role) != wanted_kind)
-                continue;
-            if (role.physical)
-                columns.physical.push_back(*role.physical);
-            else if (role.component == 2)
-                columns.headings.push_back(role.rod);
-            else
-                columns.places.push_back(2 * role.rod + role.component);
-            columns.parameter.push_back(j);
-            columns.factor.push_back(role.inverse ? -1.0 / (values[j] * values[j]) : 1.0);
+    std::vector<std::size_t> headings, places; // which parameters they are
+    std::vector<std::tuple<std::size_t, std::size_t, double>> entries;
+    const double flow = gamma_flow_of(roles, values);
+    for (std::size_t j = 0; j < roles.size(); ++j) {
+        const Role& role = roles[j];
+        if (!wanted[j] || !role.matters_to(index))
+            continue;
+        if (role.of_start()) {
+            (role.component == 2 ? headings : places).push_back(j);
+            (role.component == 2 ? columns.headings : columns.places)
+                .push_back(role.component == 2 ? role.rod : 2 * role.rod + role.component);
+            continue;
         }
+        for (const auto& [physical, slope] : slopes_of(role, values[j], flow, medium)) {
+            const auto at = std::ranges::find(columns.physical, physical);
+            entries.emplace_back(at - columns.physical.begin(), j, slope);
+            if (at == columns.physical.end())
+                columns.physical.push_back(physical);
+        }
+    }
+    std::size_t column = columns.physical.size();
+    for (const auto* list : {&headings, &places})
+        for (const std::size_t j : *list)
+            entries.emplace_back(column++, j, 1.0);
+    columns.by_parameter.setZero(static_cast<Column>(column), static_cast<Column>(roles.size()));
+    for (const auto& [row, j, slope] : entries)
+        columns.by_parameter(static_cast<Column>(row), static_cast<Column>(j)) += slope;
     return columns;
 }
 
 /// From the columns of a run to those of the fit.
-Eigen::MatrixXd spread(const Columns& columns, std::size_t parameters, const Eigen::MatrixXd& S) {
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(S.rows(), static_cast<Column>(parameters));
-    for (std::size_t j = 0; j < columns.parameter.size(); ++j)
-        all.col(static_cast<Column>(columns.parameter[j])) =
-            columns.factor[j] * S.col(static_cast<Column>(j));
-    return all;
-}
+Eigen::MatrixXd spread(const Columns& columns, const Eigen::MatrixXd& S) { return S * columns.by_parameter; }
 
 Eigen::VectorXd vector(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Column>(v.size()));
@@ -92,7 +126,7 @@ integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Columns
                                      const integrate::OdeOptions& options, std::span<const double> times) {
     const auto problem =
         rods::to_sensitivity_problem(rods, columns.physical, columns.headings, columns.places);
-    if (columns.parameter.empty())
+    if (columns.empty())
         return {integrate::solve(problem.ode, options, times), {}, {}, {}};
     return integrate::solve_with_sensitivities(problem, options, times);
 }
@@ -105,26 +139,26 @@ Eigen::VectorXd slope_at_end(const rods::RodProblem& problem, const integrate::S
 
 /// The end and its derivatives; at a contact those of the moving end.
 void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::SensitivitySolution& solved,
-             const Columns& columns, std::size_t parameters, std::size_t rows) {
+             const Columns& columns, std::size_t rows) {
     Eigen::MatrixXd S = solved.final_sensitivity;
     if (solved.event_time_by_parameter.size() > 0)
         S += slope_at_end(problem, solved.solution) * solved.event_time_by_parameter.transpose();
     while (run.states.size() < rows) {
         run.states.push_back(vector(solved.solution.final_state));
-        if (!columns.parameter.empty())
-            run.derivatives.push_back(spread(columns, parameters, S));
+        if (!columns.empty())
+            run.derivatives.push_back(spread(columns, S));
     }
 }
 
 /// A run that has not met by the end counts as if its closest pair closed in at speed 1 from there: the
 /// residual then goes on where contact moves out of the run, and its slope says in which direction to look.
 void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::SensitivitySolution& solved,
-                 const Columns& columns, std::size_t parameters) {
+                 const Columns& columns) {
     const bool met = solved.solution.status.termination == integrate::Termination::stopped_at_event;
     const rods::Separation pair = rods::closest_pair(solved.solution.final_state, trajectory.box);
     run.contact_time =
         solved.solution.final_time + (met ? 0.0 : pair.distance - *trajectory.contact_distance);
-    if (columns.parameter.empty())
+    if (columns.empty())
         return;
     Eigen::MatrixXd by = solved.event_time_by_parameter.transpose();
     if (!met) {
@@ -134,7 +168,7 @@ void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::S
         const Eigen::RowVector2d axis = Eigen::RowVector2d(d.x, d.y) / pair.distance;
         by = axis * (solved.final_sensitivity.middleRows(a, 2) - solved.final_sensitivity.middleRows(b, 2));
     }
-    run.contact_time_by_parameter = spread(columns, parameters, by).transpose();
+    run.contact_time_by_parameter = spread(columns, by).transpose();
 }
 
 /// Fields are singular where rods meet, and no solve gets past that. Without a contact distance of its own a
@@ -196,9 +230,11 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
     for (std::size_t j = 0; j < roles.size(); ++j) {
         if (roles[j].physical)
             rods::value(problem, *roles[j].physical) = roles[j].inverse ? 1.0 / values[j] : values[j];
-        else if (roles[j].trajectory == index)
+        else if (roles[j].of_start() && roles[j].trajectory == index)
             component(problem.rods[roles[j].rod], roles[j].component) = values[j];
     }
+    problem.couplings = rods::with_flow(problem.couplings, gamma_flow_of(roles, values), problem.medium->eta,
+                                        problem.medium->xi);
     problem.box = trajectory.box;
     problem.contact_distance = trajectory.contact_distance.value_or(implied_contact(trajectory));
     problem.t_end = times_to_solve(trajectory).back();
@@ -209,7 +245,7 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
                    std::span<const Role> roles, std::span<const double> values,
                    const std::vector<bool>* wanted) {
     const rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
-    const Columns columns = wanted ? columns_of(index, roles, values, *wanted) : Columns{};
+    const Columns columns = wanted ? columns_of(index, roles, values, *wanted, *problem.medium) : Columns{};
     const integrate::SensitivitySolution solved =
         solve(problem, columns, tightened(options), times_to_solve(trajectory));
     if (!solved.solution.status.ok())
@@ -218,12 +254,12 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
     const std::size_t rows = trajectory.times.size();
     for (std::size_t k = 0; k < std::min(rows, solved.solution.times.size()); ++k) {
         run.states.push_back(vector(solved.solution.states[k]));
-        if (!columns.parameter.empty())
-            run.derivatives.push_back(spread(columns, roles.size(), solved.sensitivities[k]));
+        if (!columns.empty())
+            run.derivatives.push_back(spread(columns, solved.sensitivities[k]));
     }
-    add_end(run, problem, solved, columns, roles.size(), rows);
+    add_end(run, problem, solved, columns, rows);
     if (trajectory.contact_time)
-        add_contact(run, trajectory, solved, columns, roles.size());
+        add_contact(run, trajectory, solved, columns);
     return run;
 }
 

@@ -10,11 +10,13 @@ namespace rodwake::fitting {
 
 /// What a parameter is to the trajectories.
 struct Role {
-    std::optional<rods::Parameter> physical;            ///< empty: a component of the initial pose of a rod
+    std::optional<rods::Parameter> physical = {};       ///< empty: a component of the initial pose of a rod
     bool inverse = false;                               ///< alpha = 1/xi
+    bool flow = false;                                  ///< gamma_flow, which is two polar couplings
     std::size_t trajectory = 0, rod = 0, component = 2; ///< 0, 1, 2: x, y, heading
 
-    bool matters_to(std::size_t one) const { return physical || trajectory == one; }
+    bool of_start() const { return !physical && !flow; }
+    bool matters_to(std::size_t one) const { return !of_start() || trajectory == one; }
 };
 
 /// "heading.<trajectory>.<rod>", "x. ...", "y. ..."

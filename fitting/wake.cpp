@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 namespace rodwake::fitting {
 
@@ -244,6 +245,16 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     problem.residuals = points->size();
     problem.sigma_known = sigmas_known(profiles);
     problem.independent = mean_independent(model, profiles);
+    for (const ProfilePoint& point : *points)
+        problem.log_sigma.push_back(std::log(point.sigma));
+    std::size_t first = 0;
+    for (const Profile& profile : profiles) {
+        Series one{profile.name, "values",
+                   std::vector<std::size_t>(outside_core(profile, model.core).place.size())};
+        std::iota(one.residuals.begin(), one.residuals.end(), first);
+        first += one.residuals.size();
+        problem.series.push_back(std::move(one));
+    }
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };

@@ -125,7 +125,7 @@ def heading(lab):
         film = lab.make(f"rod_{number}", text.replace('"tracks.csv"', f'"{lab.folder / "rod_film/tracks.csv"}"'), *keys, verbs=("measure",))
         one = told(film, "measure")["heading_diffusion"]["D_r"]
         found.append((one["value"], one["error"]))
-    values, errors = np.array(found).T
+    values, errors = np.array(found, dtype=float).T  # an error that is not known is no number
     table(f"Heading diffusion from {len(values)} films, the rod lost in a tenth of the pictures",
           ["of the bed, rad^2/s", "of the films, +- their scatter", "error told", "bed within 1, 2 errors"],
           [[f"{truth['value']:.4g} +- {truth['error']:.2g}", f"{values.mean():.4g} +- {values.std(ddof=1):.1g}", f"{errors.mean():.2g}",

@@ -1,9 +1,11 @@
 // rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
 
+#include "rodwake/app/explore.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
 
@@ -18,6 +20,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -53,9 +56,9 @@ int run(const std::vector<std::string>& command) {
             const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it
     arguments.push_back(nullptr);
     pid_t child = 0;
-    if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
+    if (::posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
         throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
-                                    "(tools/quickstart --deps-only installs them)");
+                                    "(tools/quickstart --deps-only or pip installs them)");
     const int status = wait_for(child);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }
@@ -78,17 +81,39 @@ std::vector<std::string> looks_of(const Options& options) {
     return looks;
 }
 
+/// Where the explorer shows what ran, its page goes beside the report, which then speaks of it. Of scans
+/// scan.html computes; a scene that is not readable is for the plotting program to tell.
+void write_explorer(const fs::path& folder) {
+    std::optional<scene::Scene> scene;
+    try {
+        scene = scene::read_scene(folder / "scene.toml");
+    } catch (const InputError&) {
+        return;
+    }
+    if (!app::shown_by_explorer(*scene) || scene->scan)
+        return;
+    const std::string name = fs::absolute(folder).lexically_normal().filename().string();
+    store::write_atomically(
+        folder / app::explorer_file,
+        app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name}));
+}
+
 } // namespace
 
 void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
                   const std::vector<std::string>& looks) {
-    std::vector<std::string> command = {
-        RODWAKE_PYTHON, (shipped_folder() / "plots" / "rodwake_plot.py").string(), run_directory.string()};
+    std::vector<std::string> command = {RODWAKE_FIGURES_PYTHON,
+                                        (shipped_folder() / "plots" / "rodwake_plot.py").string(),
+                                        run_directory.string()};
     if (pdf)
         command.emplace_back("--pdf");
     if (quiet)
         command.emplace_back("--quiet");
     command.insert(command.end(), looks.begin(), looks.end());
+    const bool elsewhere =
+        std::ranges::any_of(looks, [](const auto& look) { return look.starts_with("--output="); });
+    if (!elsewhere)
+        write_explorer(run_directory);
     const int code = run(command);
     if (code == usage_error && !looks.empty()) // Python itself ends with that code, too
         throw InputError("nothing was drawn (see above)");
@@ -96,7 +121,7 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
         throw RunError(fmt::format("the figures could not be made (see above); the results themselves are in "
                                    "{0}, and rodwake plot {0} tries again",
                                    run_directory.string()));
-    if (std::ranges::none_of(looks, [](const auto& look) { return look.starts_with("--output="); }))
+    if (!elsewhere)
         app::write_manifest(run_directory);
 }
 

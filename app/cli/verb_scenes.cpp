@@ -142,7 +142,7 @@ fs::path shipped_folder() {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
     const fs::path installed = program.parent_path().parent_path() / "share" / "rodwake";
-    return !error && fs::is_directory(installed, error) ? installed : fs::path(RODWAKE_SOURCE_DIR);
+    return !error && fs::is_directory(installed, error) ? installed : fs::path(RODWAKE_UNINSTALLED);
 }
 
 scene::Scene scene_of(const Options& options) {

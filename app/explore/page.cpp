@@ -133,4 +133,8 @@ std::vector<std::string> left_out_by_explorer(const scene::Scene& scene) {
     return left;
 }
 
+bool shown_by_explorer(const scene::Scene& scene) {
+    return scene.rods_run && scene.rods.size() == 2 && scene.medium && left_out_by_explorer(scene).empty();
+}
+
 } // namespace rodwake::app

@@ -129,6 +129,12 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
     if (!keys.trajectories.empty())
         for (const rods::Coupling& coupling : rods::coupling_list)
             add_term(keys, std::string(coupling.name), coupling.words, lines);
+    for (const rods::OtherTurning& turning : rods::other_turning)
+        if (scene::fit_has(keys, std::string(turning.name)))
+            add_term(keys, std::string(turning.name), turning.words, lines);
+    for (const scene::FitModel& model : keys.models)
+        lines.push_back(
+            {true, fmt::format("fit: rival \"{}\" with {}", model.name, fmt::join(model.set, ", "))});
 }
 
 } // namespace

@@ -307,6 +307,9 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
     require_values(plan.problem);
+    if (keys.posterior && !plan.problem.sigma_known)
+        throw InputError("fit.posterior needs data whose standard errors are known: give sigma in the files, "
+                         "sigma_position and sigma_heading of trajectories");
     plan.problem.remarks = data_remarks(plan);
     require_start(plan.problem);
     plan.method = {keys.search};
@@ -388,6 +391,8 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
         return parameter.starts_with("heading") ? "rad" : "f/mu";
     if (const rods::Coupling* coupling = rods::find_coupling(parameter))
         return std::string(coupling->unit);
+    if (const rods::OtherTurning* turning = rods::find_other_turning(parameter))
+        return std::string(turning->unit);
     if (parameter == "eta" || parameter == "alpha")
         return "1";
     const std::string length = keys.profiles.empty() && keys.maps.empty() ? "f/mu" : keys.length_unit;

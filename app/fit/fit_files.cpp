@@ -311,6 +311,7 @@ std::string fit_json(const FitPlan& plan, const FitResults& results, const FitOr
                                    {"high", finite_or_null(l.high)}};
     add_data(out, plan, results);
     out["systematics"] = systematics_json(plan, results);
+    out["misfit"] = misfit_json(results.misfit);
     out["length_unit"] = plan.keys.length_unit;
     out["box"] = sides(plan.keys.box);
     out["core"] = plan.keys.core;
@@ -389,7 +390,7 @@ void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, c
 std::string findings_text(const FitPlan& plan, const FitResults& results) {
     std::string text;
     for (const std::string& line : findings(plan, results))
-        text += (text.empty() ? "\nLikelihood and predictions\n  - " : "  - ") + line + "\n";
+        text += (text.empty() ? "\nMisfit, likelihood and predictions\n  - " : "  - ") + line + "\n";
     return text;
 }
 

@@ -2,8 +2,13 @@
 // The files of a fit: fit.json, fit.txt, fit_profile_<i>.csv, fit_curve_<i>.csv, fit_trajectory_<i>.csv.
 
 #include "rodwake/app/fit_results.hpp"
+#include "rodwake/app/run.hpp"
 #include "rodwake/fitting/method.hpp"
+#include "rodwake/fitting/posterior.hpp"
 #include "rodwake/store/append_log.hpp"
+#include "run/log.hpp"
+
+#include <nlohmann/json_fwd.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -30,6 +35,36 @@ struct FitOrigin {
 /// fit.json comes last: where it is, the others are.
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const FitOrigin& origin);
+
+// The posterior of a fit, with fit.posterior.
+
+/// As fit.posterior asks for it.
+fitting::PosteriorMethod posterior_method(const FitPlan& plan);
+
+/// Its files; blocks of chains that are done are kept in the folder (posterior_blocks.log) until then. False
+/// if a signal stopped it.
+bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
+                   const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// posterior.csv, posterior.nc, what the samples predict, and last posterior.json.
+void write_posterior(const std::filesystem::path& folder, const FitPlan& plan,
+                     const fitting::Posterior& found, const RunContext& context);
+
+/// posterior_curve_<k>.csv and posterior_trajectory_<k>.csv.
+void write_predictions(const std::filesystem::path& folder, const FitPlan& plan,
+                       const fitting::Posterior& found, std::size_t threads);
+
+/// The model along a profile's line, with derivatives by all parameters of the fit.
+fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
+                                   std::span<const double> places, std::span<const double> values);
+
+/// Rivals in models/<name>/, and all of them weighed in models.json and models.csv. Nothing without
+/// [[fit.models]]. False if a signal stopped it.
+bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults& results,
+                const RunContext& context, const std::filesystem::path& folder, const Logger& log);
+
+/// Member `misfit` of fit.json and of models.json.
+nlohmann::ordered_json misfit_json(const fitting::Misfit& misfit);
 
 // Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
 

@@ -4,6 +4,8 @@
 
 #include "rodwake/core/record.hpp"
 
+#include <cmath>
+
 namespace rodwake::app {
 
 /// fit_profile_<i>.csv
@@ -70,6 +72,69 @@ struct FittedPose {
         return std::tuple{field("model_x", &R::x, {"{data}", "fitted place of the rod"}),
                           field("model_y", &R::y, {"{data}", "fitted place of the rod"}),
                           field("model_theta", &R::theta, {"rad", "fitted heading of the rod"})};
+    }
+};
+
+/// posterior_curve_<i>.csv: what the samples predict along a profile's line
+struct PredictedRow {
+    double x, median, low, high, noise_low, noise_high;
+
+    static constexpr auto fields() {
+        using R = PredictedRow;
+        return std::tuple{
+            field("x", &R::x, {"{data}", "place along the line"}),
+            field("median", &R::median, {"{data}", "displacement: median of the posterior"}),
+            field("low", &R::low, {"{data}", "displacement: 2.5 % of the posterior"}),
+            field("high", &R::high, {"{data}", "displacement: 97.5 % of the posterior"}),
+            field("noise_low", &R::noise_low, {"{data}", "a datum there: 2.5 %; empty: sigma unknown"}),
+            field("noise_high", &R::noise_high, {"{data}", "a datum there: 97.5 %; empty: sigma unknown"})};
+    }
+};
+
+/// posterior_trajectory_<i>.csv: a row a time and a coordinate of a rod
+struct PredictedPoseRow {
+    double t, rod, coordinate, data, median, low, high, noise_low, noise_high;
+
+    static constexpr auto fields() {
+        using R = PredictedPoseRow;
+        return std::tuple{field("t", &R::t, {"{data}", "time"}),
+                          field("rod", &R::rod, {"1", "which rod, from 0"}),
+                          field("coordinate", &R::coordinate, {"1", "0: x, 1: y, 2: heading"}),
+                          field("data", &R::data, {"{data}", "measured; headings in rad"}),
+                          field("median", &R::median, {"{data}", "median of the posterior"}),
+                          field("low", &R::low, {"{data}", "2.5 % of the posterior"}),
+                          field("high", &R::high, {"{data}", "97.5 % of the posterior"}),
+                          field("noise_low", &R::noise_low, {"{data}", "a datum then: 2.5 %"}),
+                          field("noise_high", &R::noise_high, {"{data}", "a datum then: 97.5 %"})};
+    }
+};
+
+/// models.csv, behind the model's name
+struct FitModelRow {
+    double weight = 0.0, log_evidence = std::nan(""), evidence_error = std::nan(""), aic = std::nan(""),
+           bic = std::nan(""), parameters = 0.0, chi2 = std::nan(""), dof = std::nan(""),
+           misfit = std::nan(""), foretold = std::nan(""), foretold_error = std::nan(""),
+           foretold_difference = std::nan(""), difference_error = std::nan("");
+
+    static constexpr auto fields() {
+        using R = FitModelRow;
+        return std::tuple{
+            field("weight", &R::weight, {"1", "probability of the model among those offered"}),
+            field("log_evidence", &R::log_evidence, {"1", "logarithm of the evidence; empty: not asked for"}),
+            field("log_evidence_stderr", &R::evidence_error, {"1", "its standard error"}),
+            field("aic", &R::aic, {"1", "Akaike's criterion, up to what all models share"}),
+            field("bic", &R::bic, {"1", "Bayesian criterion, likewise"}),
+            field("parameters", &R::parameters, {"1", "number of free parameters"}),
+            field("chi2", &R::chi2, {"1", "sum of the squared residuals"}),
+            field("dof", &R::dof, {"1", "independent values less free parameters"}),
+            field("misfit", &R::misfit, {"1", "probability of a misfit like this if the model is right"}),
+            field("foretold", &R::foretold,
+                  {"1", "log-likelihood of stretches of the data, each foretold by a fit of the others"}),
+            field("foretold_stderr", &R::foretold_error, {"1", "its standard error"}),
+            field("foretold_difference", &R::foretold_difference,
+                  {"1", "the same less that of the best model"}),
+            field("foretold_difference_stderr", &R::difference_error,
+                  {"1", "standard error of this difference"})};
     }
 };
 

@@ -10,14 +10,8 @@
 
 namespace rodwake::app {
 
-namespace {
-
-constexpr std::size_t curve_points = 401;
-const std::vector<fitting::Parameter> point_force = {{.name = "f_over_mu"}, {.name = "eta"}, {.name = "xi"}};
-
-/// The model along a profile's line, with derivatives by all parameters of the fit.
-fitting::Prediction predicted(const FitPlan& plan, const fitting::Profile& line,
-                              std::span<const double> places, std::span<const double> values) {
+fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
+                                   std::span<const double> places, std::span<const double> values) {
     const bool of_maps = scene::fit_is_isotropic(plan.keys);
     const FitPart part = of_maps ? map_part(plan) : wake_part(plan.problem);
     fitting::Prediction out =
@@ -33,11 +27,16 @@ fitting::Prediction predicted(const FitPlan& plan, const fitting::Profile& line,
     return out;
 }
 
+namespace {
+
+constexpr std::size_t curve_points = 401;
+const std::vector<fitting::Parameter> point_force = {{.name = "f_over_mu"}, {.name = "eta"}, {.name = "xi"}};
+
 /// The theory of a comparison along a line: where maps are fitted, the wake of a point force.
 std::vector<double> compared(const FitPlan& plan, const fitting::Profile& line,
                              std::span<const double> places, const FitCompareResult& other) {
     if (!scene::fit_is_isotropic(plan.keys))
-        return predicted(plan, line, places, other.values).value;
+        return predicted_line(plan, line, places, other.values).value;
     return fitting::predict(plan.wake, line, places, point_force, other.point).value;
 }
 
@@ -72,7 +71,7 @@ struct Scored {
 
 Scored outside_core(const FitPlan& plan, std::size_t index, std::span<const double> values) {
     Scored out{fitting::outside_core(plan.profiles[index].data, plan.wake.core), {}};
-    out.prediction = predicted(plan, out.data, out.data.place, values);
+    out.prediction = predicted_line(plan, out.data, out.data.place, values);
     return out;
 }
 
@@ -86,7 +85,7 @@ std::optional<fitting::ScaleFactor> scale_factor_of(const Scored& scored, const 
 
 void set_points(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
     const fitting::Profile& data = plan.profiles[index].data;
-    const fitting::Prediction prediction = predicted(plan, data, data.place, results.fit.values);
+    const fitting::Prediction prediction = predicted_line(plan, data, data.place, results.fit.values);
     out.model = prediction.value;
     out.band = band(results.report, prediction);
     for (std::size_t i = 0; i < data.place.size(); ++i) {
@@ -110,7 +109,7 @@ std::vector<double> curve_places(const fitting::Profile& data) {
 void set_curve(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
     const fitting::Profile& data = plan.profiles[index].data;
     const std::vector<double> places = curve_places(data);
-    const fitting::Prediction prediction = predicted(plan, data, places, results.fit.values);
+    const fitting::Prediction prediction = predicted_line(plan, data, places, results.fit.values);
     std::vector<std::vector<double>> columns = {places, prediction.value, band(results.report, prediction)};
     for (const FitCompareResult& other : results.compare)
         columns.push_back(compared(plan, data, places, other));
@@ -281,6 +280,11 @@ void add_likelihood(const FitResults& results, const std::string& name, std::vec
 
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
     std::vector<std::string> lines;
+    if (!results.misfit.describes())
+        lines.push_back(fmt::format("the model does not describe the data: {} (p {})", results.misfit.worst,
+                                    *results.misfit.probability < 0.001
+                                        ? std::string("< 0.001")
+                                        : fmt::format("= {:.2g}", *results.misfit.probability)));
     for (const auto& [name, one] : results.likelihood)
         add_likelihood(results, name, lines);
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
@@ -312,6 +316,7 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
     FitResults results;
     results.report = fitting::report(plan.problem, fit);
     results.fit = std::move(fit);
+    results.misfit = fitting::misfit(plan.problem, results.fit, plan.method.seed);
     set_derived(results);
     for (const scene::FitCompare& keys : plan.keys.compare)
         results.compare.push_back(compare_result(plan, keys, results.fit.values));

@@ -211,6 +211,8 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
               !add_systematics(plan, method, results, log);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
+    stopped = stopped || !add_posterior(plan, results.fit, fit_key(scene, plan), context, folder, log);
+    stopped = stopped || !add_models(scene, plan, results, context, folder, log);
     if (!stopped)
         ledger.remove();
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
@@ -373,7 +375,17 @@ std::vector<CostRow> fit_rows(const Plan& plan, double whole) {
     return rows;
 }
 
-std::string fit_cost(const Plan& plan) {
+std::string posterior_cost(const FitPlan& plan, const RunContext& context) {
+    if (!plan.keys.posterior)
+        return "";
+    const fitting::PosteriorMethod method = posterior_method(plan);
+    const double count = fitting::evaluations(method, fitting::free_parameters(plan.problem).size());
+    const auto threads = static_cast<double>(std::min(method.chains, context.thread_count()));
+    return fmt::format("  posterior: {} samples, about {:.0f} evaluations, {}\n", method.samples, count,
+                       duration_text(count * evaluation_time(plan.problem, false) / threads));
+}
+
+std::string fit_cost(const Plan& plan, const RunContext& context) {
     constexpr double evaluations = 50.0; // of a start with gradients
     const scene::Fit& keys = *plan.scene.fit;
     const double all = evaluations * static_cast<double>(keys.search.starts);
@@ -385,7 +397,16 @@ std::string fit_cost(const Plan& plan) {
     return text +
            fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
                        duration_text(all * each)) +
-           cost_table(fit_rows(plan, each));
+           posterior_cost(*plan.fit_plan, context) + cost_table(fit_rows(plan, each));
+}
+
+std::span<const ColumnInfo> model_columns() {
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> all = {{"name", "1", "of the model"}};
+        add_columns<FitModelRow>(all);
+        return all;
+    }();
+    return columns;
 }
 
 std::vector<FileKind> fit_files() {
@@ -399,6 +420,19 @@ std::vector<FileKind> fit_files() {
             {"fit_map_<k>.csv", result, "a displacement map with its fit", columns_of<FitMapRow>()},
             {"fit_trajectory_<k>.csv", result, "rods with their fit",
              columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
+            {"posterior.json", result,
+             "means, errors and quantiles of the parameters, how the chains mix, evidence"},
+            {"posterior.csv", result, "samples of the parameters, by chain"},
+            {"posterior.nc", result,
+             "the same as ArviZ reads them: groups posterior, sample_stats, log_likelihood"},
+            {"posterior_curve_<k>.csv", result, "what the samples predict along a profile's line",
+             columns_of<PredictedRow>()},
+            {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
+             columns_of<PredictedPoseRow>()},
+            {"models.json", result,
+             "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
+            {"models.csv", result, "the same as a table", model_columns()},
+            {"posterior_blocks.log", progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }
 
@@ -423,7 +457,8 @@ StageKind fit_stage() {
             .files = fit_files,
             .run = run_fit,
             .require = require_same_beds_beside,
-            .cost = [](const Plan& plan, const fs::path&, const RunContext&) { return fit_cost(plan); },
+            .cost = [](const Plan& plan, const fs::path&,
+                       const RunContext& context) { return fit_cost(plan, context); },
             .outdated =
                 [](const scene::Scene& s, const StageChanges& all) {
                     return (s.granular || s.tracks) &&

@@ -1,5 +1,6 @@
 #include "catalogue.hpp"
 
+#include "rodwake/app/explore.hpp"
 #include "stage_kind.hpp"
 
 #include <algorithm>
@@ -22,7 +23,8 @@ std::vector<FileKind> general_files() {
         {"manifest.json", record, "this list"},
         {"rodwake.lock", record, "host and process that works on the run, or did last"},
         {"result.h5", result, "field and trajectories as datasets with units"},
-        {"report.html", result, "figures and numbers of the run on one page"}};
+        {"report.html", result, "figures and numbers of the run on one page"},
+        {explorer_file, result, "the two rods of the run, to be dragged in a browser"}};
 }
 
 std::vector<FileKind> all_kinds() {

@@ -37,7 +37,7 @@ ColumnInfo column_info(std::string name, std::string_view unit, std::string_view
 
 /// Where files of a run are besides its folder. Below it may also lie shares of a scan, what a tradeoff tried
 /// and runs of the user's own.
-inline constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs"};
+inline constexpr std::string_view own_folders[] = {"figures", "variants", "points", "runs", "models"};
 
 /// Whether a file of this name from the run folder on can be the run's.
 inline bool is_own(std::string_view name) {

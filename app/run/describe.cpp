@@ -107,6 +107,16 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                      c.polar()
                          ? fmt::format("polar turning ({})", rods::coupling_names(true))
                          : "polar turning: gamma1 and gamma2 are 0, strain gradients are not evaluated"});
+    if (plan.scene.coupling && plan.scene.coupling->gamma_flow != 0.0)
+        lines.push_back(
+            {interacting, fmt::format("turning to the medium's velocity: coupling.gamma_flow = {:g}, as "
+                                      "polar turning",
+                                      plan.scene.coupling->gamma_flow)});
+    if (problem.rows.any())
+        lines.push_back(
+            {true,
+             fmt::format("turning into the rows of a crystal along {:g} rad: coupling.gamma_rows = {:g}",
+                         problem.rows.direction, problem.rows.gamma)});
     lines.push_back({problem.contact_distance.has_value(),
                      problem.contact_distance
                          ? fmt::format("contact stops the run at {:g}", *problem.contact_distance)

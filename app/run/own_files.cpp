@@ -52,8 +52,8 @@ void remove_empty_points(const fs::path& points) {
         fs::remove(points, ignored);
 }
 
-/// Files of a run are in its folder, in variants/<name>/, in points/<number>/, in runs/<number>/ of each, and
-/// figures/.
+/// Files of a run are in its folder, in variants/<name>/ and models/<name>/, in points/<number>/, in
+/// runs/<number>/ of each, and figures/.
 std::vector<fs::path> files_of(const fs::path& folder) {
     std::vector<fs::path> files;
     const auto add = [&](const auto& entries) {

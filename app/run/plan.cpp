@@ -54,6 +54,9 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
         plan.rods = plan_rods(scene);
     if (plan.fit && plan.fit->complete())
         plan.fit_plan = fit_plan(*scene.fit, *plan.fit);
+    if (plan.fit_plan)
+        for (const scene::FitModel& model : scene.fit->models)
+            model_plan(scene, model, *plan.fit_plan, *plan.fit); // refuses what cannot be weighed
     if (plan.has(Stage::scan) || (plan.has(Stage::tradeoff) && scene.scan))
         plan.scan = plan_scan(scene, inputs.list);
     return plan;

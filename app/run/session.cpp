@@ -81,13 +81,20 @@ void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const O
             results.attribute("/medium", "periodic_y", box.y);
     }
     if (scene.coupling)
-        write_couplings(results, "/coupling", couplings_of(scene), units);
+        write_couplings(results, "/coupling", *scene.coupling, units);
 }
 
 } // namespace
 
-void write_couplings(store::Hdf5Writer& results, const std::string& group, const rods::Couplings& couplings,
+void write_couplings(store::Hdf5Writer& results, const std::string& group, const scene::Coupling& coupling,
                      const OutputUnits& units) {
+    const rods::Couplings couplings = own_couplings(coupling);
+    if (coupling.gamma_flow != 0.0)
+        results.attribute(group, "gamma_flow", coupling.gamma_flow / units.length);
+    if (coupling.rows.any()) {
+        results.attribute(group, "gamma_rows", coupling.rows.gamma / units.time);
+        results.attribute(group, "rows_direction", coupling.rows.direction);
+    }
     for (const rods::Coupling& one : rods::coupling_list)
         results.attribute(group, std::string(one.name),
                           rods::in_units(one, couplings.*one.number, units.length, units.time));

@@ -47,7 +47,7 @@ private:
 };
 
 /// Attributes of a group, in output units.
-void write_couplings(store::Hdf5Writer& results, const std::string& group, const rods::Couplings& couplings,
+void write_couplings(store::Hdf5Writer& results, const std::string& group, const scene::Coupling& coupling,
                      const OutputUnits& units);
 
 } // namespace rodwake::app

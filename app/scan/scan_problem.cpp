@@ -52,7 +52,8 @@ double* PointProblem::place_of(const ScanPlan::VariedKey& key, const scene::Scen
                                rods::RodProblem& problem) {
     if (key.whole || !key.words.empty())
         return nullptr;
-    if (scene.coupling && scene.coupling->polar_basis != scene::PolarBasis::divergence)
+    if (scene.coupling && scene.coupling->polar_basis != scene::PolarBasis::divergence &&
+        scene.coupling->gamma_flow == 0.0)
         if (double* place = of_coupling(key.key, problem.couplings))
             return place;
     return of_rod(key.key, problem.rods);

@@ -202,12 +202,16 @@ std::vector<CostRow> scan_rows(const ScanPlan& plan, double whole) {
         run.atol *= run.rtol / plan.base.rods_run->rtol;
         add(fmt::format("rods_run.rtol = {:g} instead of {:g}", run.rtol, plan.base.rods_run->rtol), other);
     }
-    const bool varied = std::ranges::any_of(rods::coupling_list, [&](const rods::Coupling& c) {
-        return c.polar && varies(plan, "coupling." + std::string(c.name));
-    });
+    const bool varied =
+        std::ranges::any_of(rods::coupling_list,
+                            [&](const rods::Coupling& c) {
+                                return c.polar && varies(plan, "coupling." + std::string(c.name));
+                            }) ||
+        varies(plan, "coupling.gamma_flow");
     if (plan.base.coupling && couplings_of(plan.base).polar() && !varied) {
         other = plan;
         static_cast<rods::Couplings&>(*other.base.coupling) = rods::without(*other.base.coupling, true);
+        other.base.coupling->gamma_flow = 0.0;
         add(fmt::format("no polar turning ({})", rods::coupling_names(true)), other);
     }
     return rows;

@@ -89,6 +89,8 @@ public:
         check_scan(scene_, report);
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
+        if (scene_.fit)
+            models(*scene_.fit);
     }
 
 private:
@@ -158,6 +160,16 @@ private:
     void window(const std::vector<double>& range, const std::string& path) {
         if (range.size() == 2 && !(range[0] < range[1]))
             add(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
+    }
+
+    void models(const Fit& fit) {
+        unique_names(fit.models, "fit.models");
+        for (std::size_t i = 0; i < fit.models.size(); ++i)
+            if (fit.models[i].name == fit.name)
+                add(fmt::format("fit.models.{}.name", i),
+                    fmt::format(
+                        "the name \"{}\" is that of the fit as written: choose another, or give fit.name",
+                        fit.name));
     }
 
     template<class Named>

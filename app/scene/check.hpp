@@ -25,6 +25,7 @@ using Report = std::function<void(const std::string& path, const std::string& me
 void check_fit(const Scene& scene, const Report& report);  ///< [fit], and between it and the medium
 void check_fit_data(const Fit& fit, const Report& report); ///< what the data must be for the parameters
 void check_fit_maps(const Scene& scene, const Report& report);
+void check_posterior(const Fit& fit, const Report& report);
 /// Figures whose scene lacks what they show, and keys that mean nothing for their kind.
 void check_figures(const Scene& scene, const Report& report);
 /// What needs the geometry of rods (does it fit?) is left to granular::validate.

@@ -195,6 +195,7 @@ void check_fit(const Scene& scene, const Report& report) {
     compare(fit, report);
     check_fit_data(fit, report);
     check_fit_maps(scene, report);
+    check_posterior(fit, report);
 }
 
 namespace {
@@ -207,10 +208,7 @@ bool has_profiles(const Fit& fit, const char* component, bool fitted_only) {
 
 bool has_wake(const Fit& fit) { return fit_has(fit, "f_over_mu") || fit_has(fit, "f2d_over_mu"); }
 
-bool has_coupling(const Fit& fit) {
-    return std::ranges::any_of(rods::coupling_list,
-                               [&](const rods::Coupling& c) { return fit_has(fit, std::string(c.name)); });
-}
+bool has_coupling(const Fit& fit) { return std::ranges::any_of(fit_used(fit), rods::turns_in_wakes); }
 
 /// What the data must hold for a parameter to mean something; empty: it does.
 std::string lacks(const Fit& fit, const std::string& name) {
@@ -223,7 +221,7 @@ std::string lacks(const Fit& fit, const std::string& name) {
         return "";
     if (maps && (name == "offset" || name == "offset_y"))
         return "";
-    if (rods::find_coupling(name))
+    if (rods::find_coupling(name) || rods::find_other_turning(name))
         return tracks ? "" : "[[fit.trajectories]]";
     if (name == "offset")
         return has_profiles(fit, "Ux", fitted_only) ? "" : fmt::format("a profile of Ux{}", role);
@@ -250,6 +248,8 @@ void wanted(const Fit& fit, const Report& report) {
                       fit.profiles.empty()
                           ? "[fit] has no data: give [[fit.profiles]], [[fit.maps]] or [[fit.trajectories]]"
                           : "[fit] has no data to fit: every one of [[fit.profiles]] has role = \"predict\"");
+    if (fit.parameters.empty() && !(fit.profiles.empty() && fit.maps.empty()))
+        report("fit.parameters", "fit.parameters names nothing to fit; of tracks alone there may be none");
     for (const std::string& name : fit_used(fit))
         if (const std::string what = lacks(fit, name); !what.empty())
             report(place_of(fit, name), fmt::format("no data depend on {}: it needs {}", name, what));
@@ -265,7 +265,9 @@ void needed(const Fit& fit, const Report& report) {
         return;
     const bool xi = fit_has(fit, "xi"), alpha = fit_has(fit, "alpha");
     need(!profiles || has_wake(fit), "profiles need f_over_mu or f2d_over_mu");
-    need(!tracks || has_coupling(fit), "trajectories need kappa, gamma1 or gamma2");
+    need(!tracks || has_coupling(fit) || fit_has(fit, "gamma_rows") || fit.parameters.empty(),
+         "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
+    need(!fit_has(fit, "rows_direction") || fit_has(fit, "gamma_rows"), "rows_direction needs gamma_rows");
     if (has_wake(fit) || has_coupling(fit)) {
         need(fit_has(fit, "eta"), "the field needs eta");
         need(fit_knows_xi(fit), "the field needs xi or alpha");

@@ -195,6 +195,27 @@ void dynamic(const Scene& scene, const Report& report) {
         dynamic_run(*scene.rods_run, report);
 }
 
+/// What gamma_flow and the rows need of the medium.
+void turning(const Scene& scene, const Report& report) {
+    const Coupling& c = *scene.coupling;
+    const bool dynamic = scene.medium && scene.medium->is_dynamic();
+    if (c.gamma_flow != 0.0 && !scene.medium)
+        report("coupling.gamma_flow",
+               "coupling.gamma_flow turns rods to the velocity of the medium: it needs [medium]");
+    if (c.gamma_flow != 0.0 && scene.medium && scene.medium->field == FieldBackend::measured)
+        report("coupling.gamma_flow", "coupling.gamma_flow takes the medium's velocity from the theory, "
+                                      "which medium.field = \"measured\" is "
+                                      "not: take \"exact\", or leave gamma_flow out");
+    if (c.gamma_flow != 0.0 && dynamic && scene.medium->memory().inertia != 0.0)
+        report("coupling.gamma_flow",
+               "coupling.gamma_flow takes the medium's velocity from its forces, which needs "
+               "medium.dynamic.inertia = 0");
+    if (c.rows.any() && dynamic)
+        report("coupling.gamma_rows",
+               "coupling.gamma_rows is not integrated with medium.field = \"dynamic\": take "
+               "\"exact\", or leave gamma_rows out");
+}
+
 /// Tables have the symmetries of the square.
 void table(const Medium& m, const Report& report) {
     if (m.periodic && !m.periodic->square())
@@ -213,6 +234,8 @@ void check_medium(const Scene& scene, const Report& report) {
         table(*scene.medium, report);
     if (scene.medium && scene.medium->is_dynamic())
         dynamic(scene, report);
+    if (scene.coupling)
+        turning(scene, report);
 }
 
 } // namespace rodwake::scene

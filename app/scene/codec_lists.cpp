@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 namespace rodwake::scene {
@@ -188,6 +189,57 @@ struct Item<Tie> {
     }
 };
 
+constexpr std::string_view prior_kinds[] = {"uniform", "log_uniform", "normal"};
+constexpr std::string_view prior_keys[] = {"kind", "low", "high", "mean", "sd"};
+
+template<>
+struct Item<fitting::Prior> {
+    static constexpr std::string_view of = "table of priors";
+    static bool read(const Input& in, fitting::Prior& value) {
+        const auto* table = in.node.as<Node::Table>();
+        if (!table)
+            return in.wrong_type("expected a prior such as { kind = \"normal\", mean = 1.0, sd = 0.2 }");
+        bool is_right = true;
+        for (const Entry& item : *table)
+            is_right &= read_key(in.at(item.value, "." + item.key), item, value);
+        return is_right;
+    }
+    static std::string text(const fitting::Prior& prior) {
+        std::string inner = "kind = " + in_quotes(prior_kinds[static_cast<std::size_t>(prior.kind)]);
+        const auto add = [&](const char* name, double number) {
+            inner += fmt::format(", {} = {}", name, number_text(number));
+        };
+        if (prior.low)
+            add("low", *prior.low);
+        if (prior.high)
+            add("high", *prior.high);
+        if (prior.kind == fitting::PriorKind::normal) {
+            add("mean", prior.mean);
+            add("sd", prior.sd);
+        }
+        return "{ " + inner + " }";
+    }
+
+private:
+    static bool read_key(const Input& in, const Entry& item, fitting::Prior& value) {
+        if (item.key == "kind") {
+            const auto* word = word_of(in, prior_kinds);
+            if (word)
+                value.kind =
+                    static_cast<fitting::PriorKind>(std::ranges::find(prior_kinds, *word) - prior_kinds);
+            return word;
+        }
+        if (item.key == "low" || item.key == "high")
+            return quantity(in, (item.key == "low" ? value.low : value.high).emplace());
+        if (item.key == "mean" || item.key == "sd")
+            return quantity(in, item.key == "sd" ? value.sd : value.mean);
+        in.faults.add(item.key_place, in.below,
+                      fmt::format(": unknown key {}{}. Known keys: {}", in_quotes(item.key),
+                                  did_you_mean(item.key, prior_keys), comma_list(prior_keys)));
+        return false;
+    }
+};
+
 std::string unknown_parameter(const Key& key, const std::string& name) {
     return fmt::format(": unknown parameter {}{}. Known parameters: {}", in_quotes(name),
                        did_you_mean(name, key.choices), comma_list(key.choices));
@@ -198,7 +250,7 @@ std::string unknown_parameter(const Key& key, const std::string& name) {
 template<class T>
 struct As<std::map<std::string, T>> : Single<std::map<std::string, T>> {
     using Table = std::map<std::string, T>;
-    static constexpr bool is_quantity = !std::is_same_v<T, Tie>;
+    static constexpr bool is_quantity = !std::is_same_v<T, Tie> && !std::is_same_v<T, fitting::Prior>;
     static constexpr int depth = std::is_same_v<T, double> ? 1 : std::is_same_v<T, Interval> ? 2 : -1;
     static void clear(Table& value) { value.clear(); }
     static bool read(const Input& in, Table& value) {
@@ -330,5 +382,6 @@ template const Codec& codec_of<std::vector<std::vector<double>>>();
 template const Codec& codec_of<std::map<std::string, double>>();
 template const Codec& codec_of<std::map<std::string, Interval>>();
 template const Codec& codec_of<std::map<std::string, Tie>>();
+template const Codec& codec_of<std::map<std::string, fitting::Prior>>();
 
 } // namespace rodwake::scene

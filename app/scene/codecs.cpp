@@ -37,8 +37,9 @@ constexpr std::string_view usual_box = "78 a"; // "fit" alone: the paper's
 // Numbers.
 
 std::string expected_number(Dimension dimension) {
-    static constexpr const char* examples[] = {"",       "0.4 mm",      "5 s",        "2.8 mm/s",   "0.5 1/s",
-                                               "30 deg", "2700 kg/m^3", "9.81 m/s^2", "0.01 mm^2/s"};
+    static constexpr const char* examples[] = {
+        "",       "0.4 mm",      "5 s",        "2.8 mm/s",    "0.5 1/s",
+        "30 deg", "2700 kg/m^3", "9.81 m/s^2", "0.01 mm^2/s", "2 1/mm"};
     if (dimension == Dimension::none)
         return "expected a number";
     return fmt::format("expected {} (a number, or a string such as \"{}\")", name_of(dimension),

@@ -89,6 +89,7 @@ is; strings with a unit become bead radii, which is what `rodwake measure` write
 * rate: `"0.5 1/s"` (1/s, 1/ms, 1/min, Hz, kHz), `"0.5 mu v0/f"`
 * angle: `"30 deg"`, `"0.5 rad"`
 * diffusion: `"0.01 mm^2/s"` (m^2/s, mm^2/s, um^2/s, f v0/mu)
+* wavenumber: `"2 1/mm"` (1/m, 1/mm, mu/f)
 * density: `"2.7 g/cm^3"` (kg/m^3, g/cm^3); acceleration: `"9.81 m/s^2"` (m/s^2, mm/s^2)
 
 On the command line `-s table.key=value` replaces a value: `-s coupling.kappa=2`, `-s rods.1.position.0=2.0` (entries

@@ -36,6 +36,7 @@ void fields(Visitor& v, Measure& measure);
 void fields(Visitor& v, FitMask& mask);
 void map_fields(Visitor& v, Fit& fit);
 void fields(Visitor& v, FitCompare& compare);
+void fields(Visitor& v, FitPosterior& posterior);
 /// What lengths mean in [fit], and what reduced units are in a file of tracks unless it says otherwise.
 struct FitUnits {
     Units profiles, tracks;
@@ -53,6 +54,7 @@ struct FigureUnits {
 };
 void fields(Visitor& v, Figure& figure, const FigureUnits& units);
 void fields(Visitor& v, Variant& variant);
+void fields(Visitor& v, FitModel& model);
 void fields(Visitor& v, ScanAxis& axis);
 void fields(Visitor& v, ScanRefine& refine);
 void fields(Visitor& v, Scan& scan);

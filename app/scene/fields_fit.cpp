@@ -15,14 +15,15 @@ void parameter_fields(Visitor& v, Fit& fit) {
     v(key("parameters")
           .required()
           .one_of(names)
-          .items(1, names.size())
-          .doc("names of the parameters that are fitted")
+          .items(0, names.size())
+          .doc(
+              "names of the parameters that are fitted; of tracks there may be none: rods that nothing turns")
           .example("[\"f_over_mu\", \"eta\", \"xi\"]"),
       fit.parameters);
     v(key("start")
           .one_of(names)
           .absent("1 for f_over_mu, eta, alpha, kappa, amplitude, force, c11, c22 and c66, 10 for xi (1 with "
-                  "trajectories alone), 0 for others")
+                  "trajectories alone), 0.1 for gamma_rows, 0 for others")
           .doc("where the search starts; of no use for one that is fixed or tied")
           .example("{ f_over_mu = 2.0, eta = 1.0, alpha = 0.2 }"),
       fit.start);
@@ -326,6 +327,12 @@ void fields(Visitor& v, FitCompare& c) {
 }
 
 void fields(Visitor& v, Fit& fit, FitUnits units) {
+    v(key("name")
+          .file_name()
+          .written_if(fit.name != Fit{}.name)
+          .doc("of the fit as written, beside [[fit.models]]")
+          .example("\"strain\""),
+      fit.name);
     v.derive([&] { unit_field(v, fit); }); // read before the lengths, written behind them
     units.profiles = file_units(units.profiles.scales->bead_radius, fit.length_unit);
     v.use_units(units.profiles);
@@ -349,6 +356,48 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
         fit.masks);
     v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
            fit.compare);
+    v.table(
+        key("posterior")
+            .doc(
+                "Samples of the parameters given data and priors, and the evidence of the model. With loss = "
+                "\"squares\" and data whose standard errors are known."),
+        fit.posterior);
+    v.list(key("models").items(0, 50).doc(
+               "Rivals: fits of the same data with some keys changed, weighed against each "
+               "other and the fit as written."),
+           fit.models);
+}
+
+void fields(Visitor& v, FitModel& model) {
+    v(key("name").required().file_name().doc("name in results and file names").example("\"shifted\""),
+      model.name);
+    v(key("set")
+          .required()
+          .items(1, 100)
+          .doc(
+              "keys to change, as for -s on the command line. What fit.start, fit.bounds, fit.likelihood and "
+              "fit.posterior.priors say of parameters that this model has not is left out; medium.eta, "
+              "medium.xi and "
+              "the couplings hold what its fit does not name")
+          .example("{ \"fit.fixed.offset\" = 0.1 }"),
+      Settings{model.set});
+}
+
+void fields(Visitor& v, FitPosterior& posterior) {
+    v(key("chains").within(1, 64).doc("that begin at places of their own").example("4"), posterior.chains);
+    v(key("samples")
+          .within(8, 1e7)
+          .doc("kept, of all chains together: a multiple of chains, 8 a chain or more")
+          .example("4000"),
+      posterior.samples);
+    v(key("evidence").doc("find the logarithm of the evidence, too").example("true"), posterior.evidence);
+    v(key("priors")
+          .one_of(fit_parameter_names())
+          .absent("uniform between the bounds")
+          .doc("what is known of a parameter before the data: kind = uniform, log_uniform (low, high) or "
+               "normal (mean, sd, cut at low and high); low and high are the bounds unless given")
+          .example("{ eta = { kind = \"log_uniform\", low = 0.05, high = 50.0 } }"),
+      posterior.priors);
 }
 
 // Field list of what belongs to [[fit.maps]].

@@ -313,6 +313,33 @@ void fields(Visitor& v, Coupling& coupling) {
           .example("\"laplacian\""),
       choice(coupling.polar_basis,
              {{"laplacian", PolarBasis::laplacian}, {"divergence", PolarBasis::divergence}}));
+    v(key("gamma_flow")
+          .symbol("\\gamma_v")
+          .unit(wavenumber)
+          .written_if(coupling.gamma_flow != 0.0)
+          .doc("turning to the velocity of the medium, gamma_flow n x du/dt: a rod as a weathercock. In the "
+               "theory's "
+               "field du/dt = v0 xi (lap u + eta grad div u), so that it is gamma1 = gamma_flow v0 xi with "
+               "gamma2 = "
+               "eta gamma1 (laplacian)")
+          .example("2.0"),
+      coupling.gamma_flow);
+    v(key("gamma_rows")
+          .symbol("\\gamma_6")
+          .unit(rate)
+          .written_if(coupling.rows.any())
+          .doc("turning into the rows of a crystal, -gamma_rows sin 6(theta - rows_direction), whatever the "
+               "other "
+               "rods do")
+          .example("0.05"),
+      coupling.rows.gamma);
+    v(key("rows_direction")
+          .symbol("\\theta_0")
+          .unit(angle)
+          .written_if(coupling.rows.any() || coupling.rows.direction != 0.0)
+          .doc("direction of a close-packed row, from +x; the others are at multiples of 60 deg from it")
+          .example("\"30 deg\""),
+      coupling.rows.direction);
 }
 
 void fields(Visitor& v, Noise& noise) {

@@ -75,10 +75,14 @@ constexpr FigureNeed profiles{"[[fit.profiles]]",
 constexpr FigureNeed tracks{"[[fit.trajectories]]",
                             [](const Scene& s, const Figure&) { return !s.fit->trajectories.empty(); }};
 constexpr FigureNeed maps{"[[fit.maps]]", [](const Scene& s, const Figure&) { return !s.fit->maps.empty(); }};
+constexpr FigureNeed models{"[[fit.models]]",
+                            [](const Scene& s, const Figure&) { return !s.fit->models.empty(); }};
 constexpr FigureNeed starts{"fit.starts of 2 or more",
                             [](const Scene& s, const Figure&) { return s.fit->search.starts >= 2; }};
 constexpr FigureNeed likelihood{"fit.likelihood",
                                 [](const Scene& s, const Figure&) { return !s.fit->likelihood.empty(); }};
+constexpr FigureNeed posterior{"[fit.posterior]",
+                               [](const Scene& s, const Figure&) { return s.fit->posterior.has_value(); }};
 constexpr FigureNeed a_scan{"[scan]", [](const Scene& s, const Figure&) { return s.scan.has_value(); }};
 
 } // namespace
@@ -279,6 +283,36 @@ const std::vector<FigureKind>& figure_kinds() {
          FigureSubject::fit,
          {a_fit, starts},
          {"fit.json"},
+         {}},
+        {"posterior",
+         "samples of the fitted parameters, each by itself and in pairs, with priors and least squares",
+         FigureSubject::fit,
+         {a_fit, posterior},
+         {"posterior.json", "posterior.csv"},
+         {}},
+        {"posterior_trace",
+         "samples of the fitted parameters along the chains",
+         FigureSubject::fit,
+         {a_fit, posterior},
+         {"posterior.json", "posterior.csv"},
+         {}},
+        {"posterior_predictive",
+         "measured profiles and what the posterior predicts, with and without the noise of the data",
+         FigureSubject::fit,
+         {a_fit, posterior, profiles},
+         {"posterior.json"},
+         {"profiles"}},
+        {"posterior_trajectories",
+         "measured tracks and what the posterior predicts, with and without the noise of the data",
+         FigureSubject::fit,
+         {a_fit, posterior, tracks},
+         {"posterior.json"},
+         {}},
+        {"fit_models",
+         "rival models of the data: AIC, BIC and cross-validation against the best, and weights",
+         FigureSubject::fit,
+         {a_fit, models},
+         {"models.json"},
          {}},
         {"phase_diagram",
          "outcomes, or a number, over the axes of a scan",

@@ -48,6 +48,9 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"kappa", "\\kappa", "coupling to strain, from trajectories, in mu v0/f whatever units says"},
         {"gamma1", "\\gamma_1", "first polar coupling, from trajectories, in v0"},
         {"gamma2", "\\gamma_2", "second polar coupling, from trajectories, in v0"},
+        {"gamma_flow", "\\gamma_v", "coupling to the medium's velocity, from trajectories, in mu/f"},
+        {"gamma_rows", "\\gamma_6", "turning into the rows of a crystal, from trajectories, in mu v0/f"},
+        {"rows_direction", "\\theta_0", "direction of these rows, from trajectories, in rad"},
     };
     return list;
 }
@@ -73,8 +76,9 @@ double fit_default_start(const Fit& fit, const std::string& parameter) {
     if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
         return 1.0;
     static const std::map<std::string, double> starts = {
-        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0}, {"alpha", 1.0}, {"drag_area", 1e3}, {"kappa", 1.0},
-        {"amplitude", 1.0}, {"force", 1.0}, {"c11", 1.0}, {"c22", 1.0},   {"c66", 1.0}};
+        {"f_over_mu", 1.0}, {"eta", 1.0},   {"xi", 10.0},        {"alpha", 1.0},
+        {"drag_area", 1e3}, {"kappa", 1.0}, {"gamma_rows", 0.1}, {"amplitude", 1.0},
+        {"force", 1.0},     {"c11", 1.0},   {"c22", 1.0},        {"c66", 1.0}};
     const auto it = starts.find(parameter);
     return it == starts.end() ? 0.0 : it->second;
 }

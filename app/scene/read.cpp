@@ -29,6 +29,16 @@ void remove_key(Node& root, const std::string& key) {
     std::erase_if(*root.as<Node::Table>(), [&](const Entry& entry) { return entry.key == key; });
 }
 
+/// What is wrong beyond what is wrong already.
+void add_new(const Problems& own, const std::string& when, Problems& problems) {
+    const std::vector<Problem> known = problems.list();
+    for (Problem problem : own.list())
+        if (std::find(known.begin(), known.end(), problem) == known.end()) {
+            problem.message = when + problem.message;
+            problems.add(problem);
+        }
+}
+
 /// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
 void check_variant(Node root, const Node& variant, const std::string& path, Problems& problems) {
     const Entry* set = variant.find("set");
@@ -38,12 +48,7 @@ void check_variant(Node root, const Node& variant, const std::string& path, Prob
     for (const auto& item : variant_overrides(set->value))
         apply_override(root, item, own);
     resolve(root, own);
-    const std::vector<Problem> known = problems.list();
-    for (Problem problem : own.list())
-        if (std::find(known.begin(), known.end(), problem) == known.end()) {
-            problem.message = fmt::format("with {} applied: {}", path, problem.message);
-            problems.add(problem);
-        }
+    add_new(own, "with " + path + " applied: ", problems);
 }
 
 void check_variants(const Node& root, const Scene& scene, Problems& problems) {
@@ -55,6 +60,140 @@ void check_variants(const Node& root, const Scene& scene, Problems& problems) {
     remove_key(base, "figures");
     for (std::size_t i = 0; i < listed.size(); ++i)
         check_variant(base, listed[i], fmt::format("variants[{}]", i), problems);
+}
+
+/// Names in a list, or keys of a table, of [fit].
+std::vector<std::string> names_in(const Node& fit, std::string_view key) {
+    std::vector<std::string> names;
+    const Entry* entry = fit.find(key);
+    if (const auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
+        for (const Entry& one : *table)
+            names.push_back(one.key);
+    if (const auto* list = entry ? entry->value.as<Node::List>() : nullptr)
+        for (const Node& one : *list)
+            if (const auto* name = one.as<std::string>())
+                names.push_back(*name);
+    return names;
+}
+
+/// What [fit] says of parameters that a rival has not; what the rival itself says of them stays, to be
+/// refused.
+void drop_unused(Node& fit, const std::vector<std::string>& used, const std::vector<Override>& set) {
+    const auto unused = [&](const std::string& path, const std::string& name) {
+        return !contains(used, name) && std::ranges::find(set, path + name, &Override::path) == set.end();
+    };
+    const auto drop = [&](Node& from, const char* key, const std::string& path) {
+        Entry* entry = from.find(key);
+        if (auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
+            std::erase_if(*table, [&](const Entry& one) { return unused(path, one.key); });
+        if (auto* list = entry ? entry->value.as<Node::List>() : nullptr)
+            std::erase_if(*list, [&](const Node& one) {
+                const auto* name = one.as<std::string>();
+                return name && unused(path, *name);
+            });
+    };
+    drop(fit, "start", "fit.start.");
+    drop(fit, "bounds", "fit.bounds.");
+    drop(fit, "likelihood", "fit.likelihood.");
+    if (Entry* posterior = fit.find("posterior"))
+        drop(posterior->value, "priors", "fit.posterior.priors.");
+}
+
+/// The parameter of a fit that a key of the physics stands for, and its value.
+std::optional<std::pair<std::string, double>> held_by(const Override& item) {
+    const auto* real = item.value.as<double>();
+    const auto* whole = item.value.as<std::int64_t>();
+    const auto dot = item.path.find('.');
+    if ((!real && !whole) || dot == std::string::npos)
+        return std::nullopt;
+    const double value = real ? *real : static_cast<double>(*whole);
+    const std::string table = item.path.substr(0, dot), name = item.path.substr(dot + 1);
+    if (table == "coupling" && (rods::find_coupling(name) || rods::find_other_turning(name)))
+        return std::pair(name, value);
+    if (table == "medium" && (name == "eta" || name == "alpha"))
+        return std::pair(name, value);
+    if (table == "medium" && name == "xi" && value > 0.0) // in f/mu, whatever unit the data are in
+        return std::pair(std::string("alpha"), 1.0 / value);
+    return std::nullopt;
+}
+
+/// The document of a rival: its settings made, and [fit] without what it does not use. A number of the medium
+/// or a coupling that its fit does not name is held there.
+Node model_document(Node root, const std::vector<Override>& set, Problems& problems) {
+    remove_key(root, "variants");
+    remove_key(root, "figures");
+    if (Entry* fit = root.find("fit"))
+        remove_key(fit->value, "models");
+    for (const Override& item : set) {
+        const std::string table = item.path.substr(0, item.path.find('.'));
+        if (!held_by(item) || root.find(table))
+            apply_override(root, item, problems);
+    }
+    Entry* fit = root.find("fit");
+    if (!fit || !fit->value.as<Node::Table>())
+        return root;
+    const auto used = [&] {
+        std::vector<std::string> names;
+        for (const char* key : {"parameters", "fixed", "tied"})
+            for (std::string& name : names_in(root.find("fit")->value, key))
+                names.push_back(std::move(name));
+        return names;
+    };
+    for (const Override& item : set)
+        if (const auto held = held_by(item);
+            held && !contains(used(), held->first) && !(held->first == "alpha" && contains(used(), "xi")))
+            apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
+                           problems);
+    drop_unused(root.find("fit")->value, used(), set);
+    return root;
+}
+
+/// The key by which a rival has other data than the fit as written; null: none.
+const char* other_data(const Fit& fit, const Fit& rival) {
+    const std::pair<const char*, bool> keys[] = {
+        {"profiles", fit.profiles != rival.profiles},
+        {"trajectories", fit.trajectories != rival.trajectories},
+        {"maps", fit.maps != rival.maps},
+        {"masks", fit.masks != rival.masks},
+        {"core", fit.core != rival.core},
+        {"independent_spacing", fit.independent_spacing != rival.independent_spacing},
+        {"length_unit", fit.length_unit != rival.length_unit}};
+    const auto* const at = std::ranges::find(keys, true, &std::pair<const char*, bool>::second);
+    return at == std::end(keys) ? nullptr : at->first;
+}
+
+/// Each rival by itself, and against those before it.
+void check_models(const Node& root, const Scene& scene, Problems& problems) {
+    if (!scene.fit || scene.fit->models.empty())
+        return;
+    const auto& listed = *root.find("fit")->value.find("models")->value.as<Node::List>();
+    std::vector<Fit> seen = {*scene.fit};
+    seen.front().models.clear();
+    for (std::size_t i = 0; i < listed.size(); ++i) {
+        const Entry* set = listed[i].find("set");
+        if (!set)
+            continue;
+        Problems own;
+        const Scene rival = resolve(model_document(root, variant_overrides(set->value), own), own);
+        const std::string path = fmt::format("fit.models[{}]", i);
+        add_new(own, "with " + path + " applied: ", problems);
+        if (!own.empty() || !rival.fit)
+            continue;
+        if (const char* key = other_data(*scene.fit, *rival.fit))
+            problems.add(
+                set->key_place, path + ".set",
+                fmt::format("{}.set changes the data (fit.{}): rivals are weighed on the same data alone; "
+                            "leave it out, or fit them apart",
+                            path, key));
+        const auto same = std::ranges::find(seen, *rival.fit);
+        if (same != seen.end())
+            problems.add(set->key_place, path + ".set",
+                         fmt::format("{}.set leaves the same model as {}: change a key of [fit]", path,
+                                     same == seen.begin()
+                                         ? "the fit as written"
+                                         : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
+        seen.push_back(*rival.fit);
+    }
 }
 
 void check_size(std::size_t bytes, const std::string& name) {
@@ -131,9 +270,24 @@ Scene parse_scene(std::string_view text, std::string name, std::span<const std::
         problems.throw_if_any();
     Scene scene = resolve(*root, problems);
     check_variants(*root, scene, problems);
+    check_models(*root, scene, problems);
     problems.throw_if_any();
     scene.path = std::move(name);
     return scene;
+}
+
+Scene apply_model(const Scene& scene, const FitModel& model) {
+    Problems problems;
+    const auto root = parse_toml(to_toml(scene), scene.path, problems);
+    std::vector<Override> set;
+    for (const std::string& setting : model.set)
+        if (auto item = parse_override(setting, problems))
+            set.push_back(*std::move(item));
+    Scene rival = root ? resolve(model_document(*root, set, problems), problems) : Scene{};
+    problems.throw_if_any();
+    rival.path = scene.path;
+    rival.fit->name = model.name;
+    return rival;
 }
 
 Scene apply_variant(const Scene& scene, const Variant& variant) {

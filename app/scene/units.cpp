@@ -57,6 +57,9 @@ constexpr std::array words{
     UnitWord{"mm^2/s", Dimension::diffusion, 1.0, 1e6},
     UnitWord{"um^2/s", Dimension::diffusion, 1.0, 1e12},
     UnitWord{"f v0/mu", Dimension::diffusion, 1.0, 1.0, Kind::reduced},
+    UnitWord{"1/m", Dimension::wavenumber},
+    UnitWord{"1/mm", Dimension::wavenumber, 1e3},
+    UnitWord{"mu/f", Dimension::wavenumber, 1.0, 1.0, Kind::reduced},
 };
 
 bool usable(const UnitWord& unit, const Units& units) {
@@ -92,6 +95,8 @@ double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
         return value * (scales.f_over_mu / scales.v0);
     case Dimension::diffusion:
         return value / (scales.f_over_mu * scales.v0);
+    case Dimension::wavenumber:
+        return value * scales.f_over_mu;
     case Dimension::none:
     case Dimension::angle:
     case Dimension::density:
@@ -113,6 +118,8 @@ double reduced_to_si(double value, Dimension dimension, const Scales& scales) {
         return value / (scales.f_over_mu / scales.v0);
     case Dimension::diffusion:
         return value * (scales.f_over_mu * scales.v0);
+    case Dimension::wavenumber:
+        return value / scales.f_over_mu;
     case Dimension::none:
     case Dimension::angle:
     case Dimension::density:
@@ -146,20 +153,22 @@ Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}
 } // namespace
 
 std::string name_of(Dimension dimension) {
-    static constexpr const char* names[] = {"a number",  "a length",        "a time",
-                                            "a speed",   "a rate",          "an angle",
-                                            "a density", "an acceleration", "a diffusion coefficient"};
+    static constexpr const char* names[] = {"a number",    "a length",        "a time",
+                                            "a speed",     "a rate",          "an angle",
+                                            "a density",   "an acceleration", "a diffusion coefficient",
+                                            "a wavenumber"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string reduced_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"",    "f/mu",   "f/(mu v0)", "v0",     "mu v0/f",
-                                            "rad", "kg/m^3", "m/s^2",     "f v0/mu"};
+    static constexpr const char* names[] = {"",    "f/mu",   "f/(mu v0)", "v0",      "mu v0/f",
+                                            "rad", "kg/m^3", "m/s^2",     "f v0/mu", "mu/f"};
     return names[static_cast<std::size_t>(dimension)];
 }
 
 std::string si_unit(Dimension dimension) {
-    static constexpr const char* names[] = {"", "m", "s", "m/s", "1/s", "rad", "kg/m^3", "m/s^2", "m^2/s"};
+    static constexpr const char* names[] = {"",    "m",      "s",     "m/s",   "1/s",
+                                            "rad", "kg/m^3", "m/s^2", "m^2/s", "1/m"};
     return names[static_cast<std::size_t>(dimension)];
 }
 

@@ -11,7 +11,7 @@
 namespace rodwake::scene {
 
 /// Density and acceleration have no reduced unit: they are SI in every scene.
-enum class Dimension { none, length, time, speed, rate, angle, density, acceleration, diffusion };
+enum class Dimension { none, length, time, speed, rate, angle, density, acceleration, diffusion, wavenumber };
 
 /// How numbers and unit words of a scene are to be understood.
 struct Units {

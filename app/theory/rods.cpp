@@ -7,12 +7,18 @@
 
 namespace rodwake::app {
 
+rods::Couplings own_couplings(const scene::Coupling& c) {
+    return c.polar_basis == scene::PolarBasis::divergence ? rods::from_divergence_basis(c)
+                                                          : rods::Couplings(c);
+}
+
 rods::Couplings couplings_of(const scene::Scene& scene) {
     if (!scene.coupling)
         return {};
-    const scene::Coupling& c = *scene.coupling;
-    return c.polar_basis == scene::PolarBasis::divergence ? rods::from_divergence_basis(c)
-                                                          : rods::Couplings(c);
+    const rods::Couplings own = own_couplings(*scene.coupling);
+    return scene.medium && scene.coupling->gamma_flow != 0.0
+               ? rods::with_flow(own, scene.coupling->gamma_flow, scene.medium->eta, scene.medium->xi)
+               : own;
 }
 
 rods::RodProblem rod_problem(const scene::Scene& scene) {
@@ -22,6 +28,7 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
         problem.box = scene.medium->box();
     }
     problem.couplings = couplings_of(scene);
+    problem.rows = scene.coupling ? scene.coupling->rows : rods::Rows{};
     for (const scene::Rod& rod : scene.rods)
         problem.rods.push_back({rod.position[0], rod.position[1], rod.heading});
     problem.t_end = scene.rods_run->t_end;

@@ -180,7 +180,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
     out.attribute(group, "certificate", to_string(outcome.certificate));
     out.attribute(group, "time", outcome.time * session.units.time);
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
-    write_couplings(out, group, one.plan->problem.couplings, session.units);
+    write_couplings(out, group, one.of().scene.coupling.value_or(scene::Coupling{}), session.units);
     if (one.of().scene.medium) {
         out.attribute(group, "field", to_string(one.plan->field.backend));
         out.attribute(group, "eta", one.of().scene.medium->eta);

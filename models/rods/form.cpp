@@ -59,6 +59,9 @@ struct Directors {
         model.wakes(poses_of(state, stride), sums);
         return sums;
     }
+    double rows_rate(Direction n) const {
+        return model.rows().any() ? model.rows().rate(std::atan2(n.sine, n.cosine)) : 0.0;
+    }
     void rhs(State state, std::span<double> rate) const;
     void rhs_with_multipliers(State state, std::span<double> rate) const;
     void start_multipliers(std::span<double> state) const;
@@ -70,7 +73,7 @@ void Directors::rhs(State state, std::span<double> rate) const {
     for (std::size_t a = 0; a < model.rods(); ++a) {
         const State rod = state.subspan(4 * a, 4);
         const Direction n = unit(rod);
-        const double turning = turning_rate(sums[a], couplings, {n.cosine, n.sine});
+        const double turning = turning_rate(sums[a], couplings, {n.cosine, n.sine}) + rows_rate(n);
         rate[4 * a] = rod[2];
         rate[4 * a + 1] = rod[3];
         rate[4 * a + 2] = -turning * rod[3];
@@ -83,7 +86,9 @@ void Directors::rhs_with_multipliers(State state, std::span<double> rate) const 
     for (std::size_t a = 0; a < model.rods(); ++a) {
         const State rod = state.subspan(5 * a, 5);
         const double nx = rod[2], ny = rod[3], multiplier = rod[4], square = nx * nx + ny * ny;
-        const elastic::Vector h = drive(sums[a], couplings, {nx, ny});
+        const double rows = rows_rate(unit(rod));
+        elastic::Vector h = drive(sums[a], couplings, {nx, ny});
+        h = {h.x - rows * ny, h.y + rows * nx};
         rate[5 * a] = nx;
         rate[5 * a + 1] = ny;
         rate[5 * a + 2] = h.x + multiplier * nx;

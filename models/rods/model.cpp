@@ -40,8 +40,8 @@ private:
 } // namespace
 
 RodModel::RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings,
-                   std::size_t rods)
-    : couplings_(couplings), rods_(rods) {
+                   std::size_t rods, const Rows& rows)
+    : couplings_(couplings), rods_(rods), rows_(rows) {
     if (field && couplings.any() && (rods > 1 || field->box()))
         field_ = std::move(field);
 }
@@ -53,8 +53,15 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
         ydot[3 * a + 1] = n.sine;
         ydot[3 * a + 2] = 0.0;
     }
-    if (!field_)
-        return;
+    if (field_)
+        turn(y, ydot);
+    if (rows_.any())
+        for (std::size_t a = 0; a < rods_; ++a)
+            ydot[3 * a + 2] += rows_.rate(y[3 * a + 2]);
+}
+
+/// The headings' rates in the wakes.
+void RodModel::turn(integrate::State y, std::span<double> ydot) const {
     Wakes wakes(y);
     const auto sums = wakes.sums_of(rods_);
     field_->mutual(wakes.rods_of(rods_), request_of(couplings_, false), sums);
@@ -74,6 +81,8 @@ void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian
         const auto row = static_cast<Eigen::Index>(3 * a);
         jacobian(row, row + 2) = -na.sine;
         jacobian(row + 1, row + 2) = na.cosine;
+        if (rows_.any())
+            jacobian(row + 2, row + 2) = rows_.rate_by_heading(y[3 * a + 2]);
     }
     for (std::size_t b = 0; field_ && b < rods_; ++b)
         add_by_source(y, b, jacobian);

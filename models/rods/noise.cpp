@@ -50,6 +50,8 @@ double relaxation_rate(const elastic::FieldValues& f, const Couplings& c) {
     return rate;
 }
 
+double relaxation_rate(const Rows& rows) { return 6.0 * std::abs(rows.gamma); }
+
 /// Contact of rods whose separations are smooth: at the end of a step, or on the cubic within it.
 std::optional<Approach> smooth_contact(const integrate::Step& step, double distance, Box box) {
     const Separation at_end = closest_pair(step.state, box);
@@ -129,13 +131,15 @@ double Walk::step_limit() {
         ++solution_.statistics.rhs_evaluations;
     if (!rates_known_ && model_.interacting())
         model_.wakes(y_, sums_);
-    double fastest = 0.0;
+    double fastest = relaxation_rate(problem_.rows);
     for (std::size_t a = 0; a < model_.rods(); ++a) {
         const Direction n = direction(y_, a);
         const bool turns = model_.interacting();
         rates_[3 * a] = n.cosine;
         rates_[3 * a + 1] = n.sine;
         rates_[3 * a + 2] = turns ? turning_rate(sums_[a], problem_.couplings, {n.cosine, n.sine}) : 0.0;
+        if (problem_.rows.any())
+            rates_[3 * a + 2] += problem_.rows.rate(y_[3 * a + 2]);
         if (turns)
             fastest = std::max(fastest, relaxation_rate(sums_[a], problem_.couplings));
     }
@@ -303,7 +307,7 @@ RodResult Walk::run() {
 } // namespace
 
 double suitable_time_step(const RodProblem& problem, double rotational) {
-    double fastest = std::max(1.0, rotational);
+    double fastest = std::max({1.0, rotational, relaxation_rate(problem.rows)});
     const RodModel model = model_of(problem);
     if (model.interacting() && !contact_at_start(problem)) {
         std::vector<elastic::FieldValues> sums(model.rods());

@@ -17,7 +17,8 @@ namespace {
 using integrate::State;
 using Column = Eigen::Index;
 
-bool of_medium(Parameter p) { return !coupling_of(p); }
+bool of_medium(Parameter p) { return p == Parameter::eta || p == Parameter::xi; }
+bool of_rows(Parameter p) { return p > Parameter::xi; }
 
 /// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
 Couplings unit_coupling(Parameter p) {
@@ -34,6 +35,8 @@ public:
     void operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
 
 private:
+    bool in_wakes() const { return request_.strain || request_.polar || medium_wanted_; }
+    void add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
     using Rates = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
     void add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const;
     void add_own_images(const elastic::Wake& wake, Rates& rates) const;
@@ -42,13 +45,14 @@ private:
 
     std::shared_ptr<const elastic::WakeField> field_;
     Couplings couplings_;
+    Rows rows_;
     std::vector<Parameter> parameters_;
     elastic::FieldRequest request_; ///< by the couplings among the parameters
     bool medium_wanted_ = false;    ///< eta or xi among them
 };
 
 ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<const Parameter> parameters)
-    : field_(wakes_of(problem)), couplings_(problem.couplings),
+    : field_(wakes_of(problem)), couplings_(problem.couplings), rows_(problem.rows),
       parameters_(parameters.begin(), parameters.end()) {
     for (const Parameter p : parameters_) {
         request_.strain |= unit_coupling(p).apolar();
@@ -58,6 +62,16 @@ ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<
 }
 
 void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
+    if (in_wakes())
+        add_wakes(y, by_parameter);
+    for (std::size_t j = 0; j < parameters_.size(); ++j)
+        for (std::size_t a = 0; of_rows(parameters_[j]) && a < y.size() / 3; ++a)
+            by_parameter(static_cast<Column>(3 * a + 2), static_cast<Column>(j)) =
+                parameters_[j] == Parameter::rows_gamma ? Rows{1.0, rows_.direction}.rate(y[3 * a + 2])
+                                                        : -rows_.rate_by_heading(y[3 * a + 2]);
+}
+
+void ParameterDerivatives::add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
     const std::size_t rods = y.size() / 3;
     std::vector<Direction> n;
     for (std::size_t a = 0; a < rods; ++a)
@@ -103,6 +117,8 @@ void ParameterDerivatives::add(const elastic::FieldValues& field,
                                Rates& rates) const {
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
         const Parameter p = parameters_[j];
+        if (of_rows(p))
+            continue;
         rates(static_cast<Column>(j)) +=
             !of_medium(p) ? turning_rate(field, unit_coupling(p), heading)
                           : turning_rate(p == Parameter::eta ? derivatives.by_eta : derivatives.by_xi,
@@ -163,6 +179,8 @@ double& value(RodProblem& problem, Parameter parameter) {
         throw InputError("eta and xi belong to a medium; there is none");
     if (const Coupling* coupling = coupling_of(parameter))
         return problem.couplings.*coupling->number;
+    if (of_rows(parameter))
+        return parameter == Parameter::rows_gamma ? problem.rows.gamma : problem.rows.direction;
     return parameter == Parameter::eta ? problem.medium->eta : problem.medium->xi;
 }
 

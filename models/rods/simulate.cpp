@@ -64,7 +64,8 @@ std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem) {
 }
 
 RodModel model_of(const RodProblem& problem) {
-    return {problem.couplings.any() ? wakes_of(problem) : nullptr, problem.couplings, problem.rods.size()};
+    return {problem.couplings.any() ? wakes_of(problem) : nullptr, problem.couplings, problem.rods.size(),
+            problem.rows};
 }
 
 integrate::OdeProblem to_ode(const RodProblem& problem) {

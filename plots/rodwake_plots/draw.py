@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import matplotlib
 
-from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_tracks, flow, granular_table, medium_film, movie
-from . import page, phase_diagram, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
+from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie
+from . import page, phase_diagram, posterior, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
 from .bed_run import TRAJECTORY
 from .canvas import PAD, save
 from .errors import MissingError, PlotError, attempt, reason
@@ -15,8 +15,8 @@ from .style import Look, SETTINGS
 FILM = "film"  # name of the figure that --film adds
 FILMS = "movie", "medium_film", "rods_movie"
 
-MODULES = (bead_motion, bead_order, bed, displacement, field, fit, fit_errors, fit_tracks, flow, granular_table, medium_film, movie, phase_diagram,
-           rod_tracks, rods_statistics, scan_curve, series, trajectories)
+MODULES = (bead_motion, bead_order, bed, displacement, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie, phase_diagram,
+           posterior, rod_tracks, rods_statistics, scan_curve, series, trajectories)
 MADE = {kind: made for module in MODULES for kind, made in module.KINDS.items()}
 KINDS = {kind: MADE[kind] for kind in schema.FIGURES}  # in the order of reports
 

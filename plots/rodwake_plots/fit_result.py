@@ -8,6 +8,7 @@ import numpy as np
 from . import files
 
 FILE = "fit.json"
+MODELS = "models.json"
 RISE_95 = 3.841459  # of chi2 of one parameter
 
 
@@ -61,8 +62,18 @@ class FitResult:
         self.profiles, self.trajectories, self.maps, self.compared, self.starts, self.flat, self.remarks = (
             self.told.get(key) or [] for key in ("profiles", "trajectories", "maps", "compare", "starts", "flat", "remarks"))
         self.likelihood = self.told.get("likelihood") or {}
+        self.misfit = self.told.get("misfit") or {}
+        rivals = folder / MODELS
+        self.weighed = files.Record(rivals) if rivals.is_file() else None
         # {name of a parameter: {curvature, held, masks, jackknife, total}}; nothing where none was asked for
         self.systematics = (self.told.get("systematics") or {}).get("errors") or {}
+
+    @property
+    def models(self):
+        """Of models.json, the one with the most weight first; those whose fit failed last."""
+        with files.reading(self.path.parent / MODELS, "models"):
+            found = list(self.weighed["models"]) if self.weighed is not None else []
+            return sorted(found, key=lambda one: -self.number(one, "weight", -1.0))
 
     @property
     def derived(self):

@@ -20,6 +20,10 @@ def parts(run):
     yield named("Profiles", *profiles_table(fit))
     yield named("Trajectories", *trajectories_table(fit))
     yield named("Other values", *compared_table(fit))
+    yield from posterior(run)
+    yield named("Models weighed", ("Model", "Weight", "Free parameters", "<i>χ</i>²", "AIC", "BIC", "Log evidence", "Foretold, less the best",
+                                   "Misfit"), [model_row(fit, one) for one in fit.models])
+    yield named("Misfit", ("Test", "Value", "Expected", "Probability"), list(misfit_rows(fit)))
     yield named("Likelihood intervals", ("Parameter", "95 % interval"), likelihood_rows(fit))
     yield named("Search", ("Item", "Value"), list(search_rows(fit)))
 
@@ -225,6 +229,54 @@ def likelihood_rows(fit):
     return [(name_of(name), fit_words.interval_html(fit.number(one, "low", -math.inf), fit.number(one, "high", math.inf),
                                                     fit.parameters[name].unit if name in fit.parameters else ""))
             for name, one in fit.likelihood.items() if isinstance(one, dict)]
+
+
+def posterior(run):
+    """Means, intervals, priors and how the chains mix; the evidence; what is not to be trusted."""
+    if not run.has_posterior:
+        return
+    found = run.posterior
+    yield named("Posterior", ("Parameter", "Mean", "Median", "95 % of the samples", "Prior", "R-hat", "Effective samples"),
+                [(name_of(one.name), whole(fit_words.with_unit(words.with_error(one.mean, one.sd), one.unit)),
+                  whole(fit_words.with_unit(words.number(one.median), one.unit)), whole(fit_words.interval_html(one.low, one.high, one.unit)),
+                  whole(prior_cell(one.prior)), f"{one.rhat:.4f}", f"{one.ess:.0f}") for one in found.parameters])
+    if found.log_evidence:
+        yield (f"<p>Logarithm of the evidence, the probability of the data given the model and its priors: "
+               f"{words.with_error(*found.log_evidence)}. Differences between models of the same data count, not the number itself.</p>")
+    if found.remarks:
+        yield "<ul>\n" + "\n".join(f"<li>{words.escape(one)}</li>" for one in found.remarks) + "\n</ul>"
+
+
+def prior_cell(prior):
+    between = fit_words.interval_html(prior.low, prior.high)
+    if prior.kind == "normal":
+        cut = "" if between == "unbounded" else f", {between}"
+        return f"normal, {words.number(prior.mean)} ± {words.number(prior.sd)}{cut}"
+    return f"{'even in the logarithm' if prior.kind == 'log_uniform' else 'even'}, {between}"
+
+
+def model_row(fit, one):
+    number = lambda key: fit.number(one, key)
+    told = lambda value, error=math.nan: words.with_error(value, error if error > 0 else None) if math.isfinite(value) else "–"
+    apart = one.get("cross_validation") or {}
+    return (words.escape(str(one.get("name", ""))), told(number("weight")), words.number(one.get("free", "?")), told(number("chi2")), told(number("aic")),
+            told(number("bic")), told(number("log_evidence"), number("stderr")),
+            told(fit.number(apart, "difference"), fit.number(apart, "difference_stderr")),
+            fit_words.chance_html(fit.number(one.get("misfit") or {}, "probability")))
+
+
+TESTS = {"chi2": "<i>χ</i>²", "runs": "runs of one sign", "largest": "largest deviation, in standard errors"}
+
+
+def misfit_rows(fit):
+    """The tests of the residuals, then <i>χ</i>² by region."""
+    for name, one in (fit.misfit.get("tests") or {}).items():
+        if name in TESTS:
+            expected = words.number(one["expected"]) if one.get("expected") else "–"
+            yield TESTS[name], words.number(one.get("value", "?")), expected, fit_words.chance_html(fit.number(one, "probability"))
+    for one in fit.misfit.get("regions") or []:
+        yield (f"<i>χ</i>² of {words.escape(str(one.get('name', '')))}", words.number(one.get("chi2", "?")), words.number(one.get("expected", "?")),
+               fit_words.chance_html(fit.number(one, "probability")))
 
 
 def search_rows(fit):

@@ -130,6 +130,13 @@ def excess_html(found):
     return f"({text})" if "±" in text and not text.startswith("(") else text
 
 
+def chance_html(probability):
+    """`p = 0.03`, `p < 0.001`."""
+    if not math.isfinite(probability):
+        return "<i>p</i> not known"
+    return "<i>p</i> &lt; 0.001" if probability < 0.001 else f"<i>p</i> = {words.number(probability, 2)}"
+
+
 def predicted(profile):
     return profile.get("role") == "predict"
 

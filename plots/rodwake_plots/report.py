@@ -116,6 +116,8 @@ def film(run, spec, width):
 
 MOST_FILES = 6
 VERBS = ("dem", "rods", "fit", "field", "scan", "run")  # that make a folder from a scene alone
+EXPLORER = "explore.html"  # of a run that the explorer shows, written by the program
+LIVE = ("trajectories", "extensional_axis", "polar_streamlines")
 FIT_TABLES = ("fit_profile_*.csv", "fit_curve_*.csv", "fit_map_*.csv", "fit_trajectory_*.csv")
 
 
@@ -150,7 +152,9 @@ def data_links(run, spec):
     text = f"Data: {', '.join(parts)}" if parts else ""
     drawn = [link(f"figures/{spec.name}{ending}", ending[1:].upper()) for ending in (".pdf", ".png", ".mp4", ".gif")
              if (run.figures_dir / f"{spec.name}{ending}").is_file()]
-    return f'<div class="files">{" · ".join(filter(None, (text, *drawn)))}</div>'
+    live = spec.kind in LIVE and run.output == run.path and (run.path / EXPLORER).is_file()
+    told = f"{link(EXPLORER, 'Drag the rods')}: the encounter, computed anew in the browser" if live else ""
+    return f'<div class="files">{" · ".join(filter(None, (told, text, *drawn)))}</div>'
 
 
 def beside(run, path):

@@ -10,6 +10,7 @@ from . import files, schema
 from .bed_run import GranularRun, SUMMARY
 from .errors import MissingError, PlotError
 from .fit_result import FILE as FIT, FitResult
+from .posterior_result import FILE as POSTERIOR, PosteriorResult
 from .scan_run import ScanRun, TOLD as SCAN
 from .words import Units
 
@@ -29,6 +30,7 @@ class RunDir:
         self.log = self._text("log.txt") if (self.path / "log.txt").is_file() else ""
         self._granular = GranularRun(self.path) if (self.path / SUMMARY).is_file() else None
         self._fit = FitResult(self.path) if (self.path / FIT).is_file() else None
+        self._posterior = PosteriorResult(self.path) if (self.path / POSTERIOR).is_file() else None
         self._scan = ScanRun(self.path) if (self.path / SCAN).is_file() else None
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
         self.tradeoff = self._json("tradeoff.json")
@@ -78,6 +80,14 @@ class RunDir:
     @property
     def fit(self):
         return self._there(self._fit, FIT, "this run has fitted nothing; [fit] in the scene and rodwake fit write it")
+
+    @property
+    def has_posterior(self):
+        return self._posterior is not None and self.has_fit
+
+    @property
+    def posterior(self):
+        return self._there(self._posterior, POSTERIOR, "this run holds no posterior; [fit.posterior] in the scene and rodwake fit write it")
 
     @property
     def has_scan(self):

@@ -144,7 +144,7 @@ def sentences(run):
     """As HTML; none where nothing was compared."""
     told = []
     if run.has_fit:
-        told += [verdict(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles), *(other_values(run.fit, one) for one in run.fit.compared)]
+        told += [verdict(run.fit), deviation(run.fit), *weighing(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles), *(other_values(run.fit, one) for one in run.fit.compared)]
     if run.has_scan:
         told.append(trust(run.scan))
     return [one for one in told if one]
@@ -160,6 +160,19 @@ def verdict(fit):
         return f"Whether the theory fits {data} cannot be told: the errors of the data are not known, or no degree of freedom is left ({told})."
     how = "fits" if chance >= FITS else "fits only poorly" if chance >= POOR else "does not fit"
     return f"The theory {how} {data}: {told}, probability {words.number(chance, 2) if chance > 1e-300 else 'zero'}."
+
+
+def deviation(fit):
+    """Where the residuals are not those of noise."""
+    chance = fit.number(fit.misfit, "probability")
+    if fit.misfit.get("describes") is not False:
+        return ""
+    return f"Its residuals are not those of noise: {words.escape(str(fit.misfit.get('worst', '')))} ({fit_words.chance_html(chance)})."
+
+
+def weighing(fit):
+    """Of the rivals, as the program has it."""
+    return [words.escape(str(one)) for one in fit.weighed.get("text") or []] if fit.weighed is not None else []
 
 
 def prediction(fit, profile):

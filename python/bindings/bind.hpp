@@ -16,6 +16,7 @@ void bind_noise(py::module_& module);
 void bind_scene(py::module_& module);
 void bind_integrate(py::module_& module);
 void bind_fit(py::module_& module);
+void bind_posterior(py::module_& module);
 void bind_granular(py::module_& module);
 void bind_run(py::module_& module);
 void bind_scan(py::module_& module);

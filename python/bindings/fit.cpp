@@ -1,6 +1,7 @@
 // Least squares on arrays: the problems, searches and reports of [fit], without files.
 
-#include "rodwake/app/fit.hpp"
+#include "fit.hpp"
+
 #include "bind.hpp"
 #include "callbacks.hpp"
 #include "rodwake/app/fit_results.hpp"
@@ -15,12 +16,6 @@
 namespace rodwake::python {
 
 namespace {
-
-using OptionalArray = std::optional<Array>;
-/// place, value, sigma; the rest is in [[fit.profiles]].
-using ProfileTuple = std::tuple<Array, Array, OptionalArray>;
-/// t (T,), poses (T, N, 3), independent; the rest is in [[fit.trajectories]].
-using TrackTuple = std::tuple<Array, Array, double>;
 
 std::string place_name(const std::string& name, std::size_t i) {
     return name + "[" + std::to_string(i) + "]";
@@ -71,9 +66,6 @@ app::FitTrackData track_of(const scene::FitTrajectory& keys, const TrackTuple& g
     return out;
 }
 
-/// x, y, Ux, Uy, sigma_x, sigma_y; sides of the box; speed. The shapes are checked, NaN: not there.
-using MapTuple = std::tuple<std::vector<Array>, std::pair<double, double>, double>;
-
 app::FitMapData map_of(const std::string& name, std::size_t table, const MapTuple& given,
                        std::optional<double> independent_spacing) {
     const auto& [arrays, box, speed] = given;
@@ -107,6 +99,25 @@ void require_speeds(const scene::Fit& keys) {
             throw InputError(map.name + ": zeta, rho and eta_s go with the rod's speed: give speed");
 }
 
+} // namespace
+
+app::FitPlan fit_plan(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
+                      const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps) {
+    const scene::Fit& keys = scene.fit.value();
+    refuse_systematics(keys);
+    require_speeds(keys);
+    app::FitInputs inputs;
+    for (std::size_t i = 0; i < profiles.size(); ++i)
+        inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i], keys.independent_spacing));
+    for (std::size_t i = 0; i < tracks.size(); ++i)
+        inputs.tracks.emplace_back(track_of(keys.trajectories.at(i), tracks[i], keys.box));
+    for (std::size_t i = 0; i < maps.size(); ++i)
+        inputs.maps.emplace_back(map_of(keys.maps.at(i).name, i, maps[i], keys.independent_spacing));
+    return app::fit_plan(keys, std::move(inputs));
+}
+
+namespace {
+
 struct FitResult {
     app::FitPlan plan;
     app::FitResults results;
@@ -132,17 +143,7 @@ void search(FitResult& result, const fitting::Method& method) {
 
 FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
               const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps, std::size_t threads) {
-    const scene::Fit& keys = scene.fit.value();
-    refuse_systematics(keys);
-    require_speeds(keys);
-    app::FitInputs inputs;
-    for (std::size_t i = 0; i < profiles.size(); ++i)
-        inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i], keys.independent_spacing));
-    for (std::size_t i = 0; i < tracks.size(); ++i)
-        inputs.tracks.emplace_back(track_of(keys.trajectories.at(i), tracks[i], keys.box));
-    for (std::size_t i = 0; i < maps.size(); ++i)
-        inputs.maps.emplace_back(map_of(keys.maps.at(i).name, i, maps[i], keys.independent_spacing));
-    FitResult result{app::fit_plan(keys, std::move(inputs)), {}};
+    FitResult result{fit_plan(scene, profiles, tracks, maps), {}};
     std::atomic<bool> stopped = false;
     fitting::Method method = result.plan.method;
     method.threads = std::max<std::size_t>(threads, 1);

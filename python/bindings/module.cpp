@@ -16,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
     bind_run(module);
     bind_integrate(module);
     bind_fit(module);
+    bind_posterior(module);
     bind_granular(module);
     bind_scan(module);
 }

@@ -20,6 +20,7 @@ from .fitting import Estimate, FitResult, FittedMap, FittedProfile, FittedTrack,
 from .granular import Bed, run_bed
 from .noise import NoiseResult, simulate_noise
 from .ode import Event, Hit, OdeResult, integrate
+from .posteriors import FitProblem, Marginal, Posterior, posterior
 from .rods import classify, simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
 from .scans import scan
@@ -27,12 +28,12 @@ from .scenes import Scene
 from .tracks import Measured, Tracks
 
 __all__ = [
-    "Bed", "Error", "Estimate", "Event", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map", "Measured",
-    "Medium",
-    "NoiseResult", "OdeResult", "Problem", "Profile", "Quantity",
+    "Bed", "Error", "Estimate", "Event", "FitProblem", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map",
+    "Marginal", "Measured", "Medium",
+    "NoiseResult", "OdeResult", "Posterior", "Problem", "Profile", "Quantity",
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Tracks", "Trajectory", "Wakes", "__version__",
-    "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "run_bed", "scan",
-    "simulate", "simulate_noise", "strain", "wakes",
+    "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "posterior",
+    "run_bed", "scan", "simulate", "simulate_noise", "strain", "wakes",
 ]
 
 

@@ -192,15 +192,20 @@ def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> F
 def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
         threads: int = 1, **options: Any) -> FitResult:
     """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
+    return FitResult(_core.fit(*scene_and_data(parameters, profiles, tracks, maps, options), arguments.threads(threads)))
+
+
+def scene_and_data(parameters: Sequence[str], profiles: Sequence[Profile], tracks: Sequence[Track], maps: Sequence[Map],
+                   options: Mapping[str, Any]) -> tuple[Any, list[Any], list[Any], list[Any]]:
+    """The keys of [fit] as a scene, and the data as the compiled module takes them."""
     names = _listed("parameters", parameters, str, "names")
     profiles, tracks, maps = (_listed("profiles", profiles, Profile, "rodwake.Profile"), _listed("tracks", tracks, Track, "rodwake.Track"),
                               _listed("maps", maps, Map, "rodwake.Map"))
     keys: dict[str, Any] = {"parameters": names, **options, "profiles": [_profile_keys(one, i) for i, one in enumerate(profiles)],
             "trajectories": [_track_keys(one, i) for i, one in enumerate(tracks)], "maps": [_map_keys(one, i) for i, one in enumerate(maps)]}
     scene = _core.parse_scene(f"schema = 1\nfit = {_toml(keys)}\n", "fit", [])
-    return FitResult(_core.fit(scene, [_profile(f"profiles[{i}]", one) for i, one in enumerate(profiles)],
-                               [_track(f"tracks[{i}]", one) for i, one in enumerate(tracks)],
-                               [_map(f"maps[{i}]", one) for i, one in enumerate(maps)], arguments.threads(threads)))
+    return (scene, [_profile(f"profiles[{i}]", one) for i, one in enumerate(profiles)],
+            [_track(f"tracks[{i}]", one) for i, one in enumerate(tracks)], [_map(f"maps[{i}]", one) for i, one in enumerate(maps)])
 
 
 def _listed(name: str, given: Any, kind: type, wanted: str) -> list[Any]:

@@ -5,6 +5,7 @@
 #include "rodwake/store/hdf5_writer.hpp"
 
 #include <fmt/format.h>
+#include <hdf5_hl.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,14 +108,21 @@ Hdf5Handle link_with_parents() {
     return Hdf5Handle(properties, H5Pclose, "set up links");
 }
 
+/// Without the time of writing: the same numbers make the same bytes.
+Hdf5Handle without_times() {
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(properties, false);
+    return Hdf5Handle(properties, H5Pclose, "set up a dataset");
+}
+
 Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type,
                           const std::vector<hsize_t>& extent) {
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                            H5Sclose, "shape " + path);
-    const Hdf5Handle links = link_with_parents();
+    const Hdf5Handle links = link_with_parents(), properties = without_times();
     return Hdf5Handle(
-        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-        "create " + path);
+        H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), properties.get(), H5P_DEFAULT),
+        H5Dclose, "create " + path);
 }
 
 /// Of rows as they are in the file.
@@ -419,6 +427,27 @@ void Hdf5Writer::dataset(const std::string& path, std::span<const double> values
     const Hdf5Guard guard;
     const std::vector<hsize_t> extent(shape.begin(), shape.end());
     file_->dataset(path, H5T_IEEE_F64LE, extent, values.data(), unit);
+}
+
+void Hdf5Writer::scale(const std::string& path, std::size_t count) {
+    const Hdf5Guard guard;
+    std::vector<std::int64_t> values(count);
+    std::iota(values.begin(), values.end(), 0);
+    file_->dataset(path, H5T_STD_I64LE, {count}, values.data());
+    const Hdf5Handle data(H5Dopen2(file_->get(), path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    if (H5DSset_scale(data.get(), path.substr(path.rfind('/') + 1).c_str()) < 0)
+        throw RunError("HDF5: cannot make a dimension of " + path + hdf5_reason());
+}
+
+void Hdf5Writer::dimensions(const std::string& path, const std::vector<std::string>& scales) {
+    const Hdf5Guard guard;
+    const Hdf5Handle data(H5Dopen2(file_->get(), path.c_str(), H5P_DEFAULT), H5Dclose, "open " + path);
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+        const Hdf5Handle scale(H5Dopen2(file_->get(), scales[i].c_str(), H5P_DEFAULT), H5Dclose,
+                               "open " + scales[i]);
+        if (H5DSattach_scale(data.get(), scale.get(), static_cast<unsigned>(i)) < 0)
+            throw RunError("HDF5: cannot name the dimensions of " + path + hdf5_reason());
+    }
 }
 
 void Hdf5Writer::part(const std::string& path, std::span<const double> values, std::size_t first,

@@ -35,7 +35,7 @@ inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
 int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
 """
 # Words that files of several kinds have in common.
-GENERAL = set("bias blocks contact contacts cpu error errors escape failed failure message model number outcome pair particles path pressure pursuit reason rods rows run "
+GENERAL = set("bias blocks contact contacts cpu data error errors escape failed failure high low mean median message model number outcome pair particles path pressure pursuit reason rods rows run "
               "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
@@ -61,6 +61,14 @@ QUOTED = {
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},
     "turn0": {PAIRS},
+    "aic": {"app/fit/fit_models.cpp"},  # what weights are from
+    "chi2": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
+             "include/rodwake/app/measure_report.hpp", "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
+    "dof": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp"},
+    "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
+    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/posterior_files.cpp"},  # of posterior.json
+    "log_evidence_stderr": {"app/fit/fit_models.cpp"},
+    "misfit": {"app/fit/fit_files.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
 

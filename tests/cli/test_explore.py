@@ -100,6 +100,19 @@ class VerbTest(ProgramTest):
         for line in ("first two of 3", "infinite plane", "[noise]"):
             self.assertIn(line, told)
 
+    def test_beside_the_report_of_a_run_that_it_shows(self):
+        self.write("pair.toml", PAIR)
+        self.expect(0, "run", "pair.toml", "-o", "out")
+        outcome = json.loads((self.folder / "out/outcome.json").read_text())
+        self.assertIn('<a href="explore.html">Drag the rods</a>', (self.folder / "out/report.html").read_text())
+        with Page(self.folder / "out/explore.html") as page:
+            page.evaluate("rodwake.ready")
+            self.assertEqual(page.evaluate("rodwake.page.paths.run.outcome"), outcome["outcome"])
+            self.assertAlmostEqual(page.evaluate("rodwake.page.paths.run.time"), outcome["time"], delta=1e-6)
+        self.expect(0, "run", "pair.toml", "-o", "box", "-s", "medium.periodic=40.0")
+        self.assertFalse((self.folder / "box/explore.html").exists())
+        self.assertNotIn("explore.html", (self.folder / "box/report.html").read_text())
+
     def test_mistakes(self):
         self.write("one.toml", "schema = 1\n[medium]\neta = 1.0\nalpha = 1.0\n[[rods]]\nposition = [0.0, 0.0]\n[rods_run]\nt_end = 1.0\n")
         self.refuse(2, "rods: 1; the page shows encounters of two", "explore", "one.toml")

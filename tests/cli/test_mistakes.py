@@ -64,7 +64,7 @@ rodwake rods my.toml -s
 rodwake rods my.toml -s nonsense
     -s nonsense: expected table.key=value, for example coupling.kappa=0.5
 rodwake rods my.toml -s coupling.kapa=1
-    -s coupling.kapa=1: [coupling] unknown key "kapa" (did you mean "kappa"?). Known keys: kappa, gamma1, gamma2, polar_basis
+    -s coupling.kapa=1: [coupling] unknown key "kapa" (did you mean "kappa"?). Known keys: kappa, gamma1, gamma2, polar_basis, gamma_flow, gamma_rows, rows_direction
 rodwake rods my.toml -s kappa=1
     -s kappa=1: unknown table or key "kappa" ([coupling] has it). Known keys: schema, units, title, scales, medium, coupling, noise, rods_random, rods, rods_run, field, granular, tracks, rods_order, measure, fit, figures, variants, scan
 rodwake rods my.toml -s coupling.kappa=1e400

@@ -90,7 +90,7 @@ class SiteTest(unittest.TestCase):
         cls.site = Path(cls.folder.name)
         cls.built = subprocess.run(["mkdocs", "build", "--strict", "--quiet", "--site-dir", cls.site], cwd=SOURCE, capture_output=True,
                                    text=True, timeout=120)
-        cls.pages = {path.name: Page(path.read_text()) for path in cls.site.glob("*.html") if path.name != "404.html"}
+        cls.pages = {path.name: Page(path.read_text()) for path in cls.site.glob("*.html") if path.name not in ("404.html", "live.html")}
         cls.files = {path.relative_to(cls.site).as_posix() for path in cls.site.rglob("*")}
 
     def test_builds_without_a_warning(self):
@@ -128,6 +128,20 @@ class SiteTest(unittest.TestCase):
         wide.unlink()
         self.assertEqual(len(widths), len(self.pages) + 1)
         self.assertEqual([name for name, width in widths.items() if int(width) > 390], ["wide.html"])
+
+    def test_panels_of_the_explorer_compute_in_pages(self):
+        framed = {name: [target for target in page.loaded if target.startswith("live.html")] for name, page in self.pages.items()}
+        self.assertEqual({name for name, targets in framed.items() if targets}, {"index.html", "tutorial.html", "physics.html", "scan.html"})
+        for target in sum(framed.values(), []):
+            panels = re.search(r"show=([\w,]+)", target)[1].split(",")
+            with self.subTest(target), browser.Page(self.site / "live.html", 760, 800) as page:
+                page.go(self.site / "live.html", target.removeprefix("live.html"))
+                page.evaluate("rodwake.ready")
+                shown = page.evaluate("[...document.querySelectorAll('.panel')].filter(one => !one.hidden).map(one => one.id)")
+                self.assertEqual(sorted(shown), sorted(panels))
+                self.assertEqual(page.evaluate("document.querySelector('header').hidden && !document.querySelector('#whole').hidden"), True)
+                self.assertEqual(page.evaluate("rodwake.page.paths.run.outcome"), page.evaluate("document.querySelector('#badge').textContent"))
+                self.assertEqual(page.errors, [])
 
     def test_search_from_a_disk(self):
         shown = dump((self.site / "index.html").as_uri() + "?q=microrheology")

@@ -133,7 +133,9 @@ void add_entry_values(const KeyInfo& info, std::vector<Refused>& all) {
     } else if (info.type.ends_with("[low, high]")) {
         add("[1]", "expected 2 numbers, found 1");
         add("[nan, 1]", finite, "[0]");
-    } else
+    } else if (info.type.ends_with("priors"))
+        add("1", "expected a prior");
+    else
         add("nan", finite);
 }
 

@@ -81,6 +81,9 @@ strip = "8 a"
 [[fit.compare]]
 name = "paper"
 values = { f_over_mu = 2.2 }
+[[fit.models]]
+name = "shifted"
+set = { "fit.fixed.offset" = 0.1 }
 [[figures]]
 name = "wake"
 kind = "cut"

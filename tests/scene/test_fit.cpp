@@ -114,7 +114,7 @@ TEST_CASE("unknown parameters are named with the nearest known one, where they s
         "f_over_mu, "
         "f2d_over_mu, eta, xi, alpha, drag_area, x0, amplitude, force, p_xx, p_yy, q_xxx, q_xyy, q_yxy, "
         "t_xxxx, t_xxyy, h_xxxxx, h_xxxyy, c11, c22, c12, c66, zeta, rho, eta_s, offset, offset_y, kappa, "
-        "gamma1, gamma2");
+        "gamma1, gamma2, gamma_flow, gamma_rows, rows_direction");
     says(fitted("tied = { x0 = [\"f_over_my\", 1.0] }\n"), "did you mean \"f_over_mu\"?");
     says(fitted("", ux, "\"f_over_mu\", \"etta\", \"xi\""), "did you mean \"eta\"?");
 }
@@ -165,7 +165,8 @@ TEST_CASE("data and parameters belong together") {
     CHECK(error_text(fitted("fixed = { offset_y = 1.0 }\n", ux + uy + "role = \"predict\"\n")) == "");
     says(fitted("", ux, "\"f_over_mu\", \"eta\", \"xi\", \"kappa\""),
          "no data depend on kappa: it needs [[fit.trajectories]]");
-    says(fitted("", tracks, "\"eta\", \"alpha\""), "trajectories need kappa, gamma1 or gamma2");
+    says(fitted("", tracks, "\"eta\", \"alpha\""),
+         "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
     says(fitted("", tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
          "no data depend on f_over_mu: it needs [[fit.profiles]]");
     says(fitted("", ux + tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
@@ -224,7 +225,8 @@ TEST_CASE("figures of the fit need what they show") {
     says(drawn("fit_likelihood", "parameter = \"xi\"\n", "likelihood = [\"eta\"]\n"),
          "xi is not in fit.likelihood");
     says(drawn("fit_trajectories"), "a figure of kind fit_trajectories needs [[fit.trajectories]]");
-    says(drawn("fit_correlation", "profiles = [0]\n"), "profiles belongs to kind fit only");
+    says(drawn("fit_correlation", "profiles = [0]\n"),
+         "profiles belongs to kinds fit and posterior_predictive only");
     says(drawn("fit_correlation", "residuals = false\n"), "residuals belongs to kind fit only");
     says(drawn("fit", "parameter = \"eta\"\n"), "parameter belongs to kind fit_likelihood only");
     says(two_rods("[[figures]]\nname = \"f\"\nkind = \"fit\"\n"), "a figure of kind fit needs [fit]");

@@ -24,6 +24,8 @@ const std::vector<SpecialRule> special_rules{
     {"fit.fixed", "{ kappa = 1e13 }", "within +-1e+12", "legal tells the names, not their values"},
     {"figures[].name", "\"../etc/passwd\"", "usable as a file name", "safe on every system"},
     {"variants[].name", "\"\"", "usable as a file name", "safe on every system"},
+    {"fit.name", "\"\"", "usable as a file name", "safe on every system"},
+    {"fit.models[].name", "\"\"", "usable as a file name", "safe on every system"},
 };
 
 KeyInfo key_named(const std::string& name) {
@@ -235,6 +237,8 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.begin(),
                              {"fit.trajectories=[]",
                               "fit.fixed={ force = 1.0, c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }"});
+        if (info.table.starts_with("fit.posterior"))
+            overrides.insert(overrides.begin(), "fit.bounds={ f_over_mu = [0.1, 10.0] }");
         if (full_name(info) == "fit.fixed")
             overrides.insert(overrides.begin(), {"fit.maps=[]", "fit.masks=[]"});
         if (info.name == "profiles" || info.name == "residuals")

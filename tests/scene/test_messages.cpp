@@ -27,7 +27,7 @@ TEST_CASE("all problems of a file are listed at once, in order, with places") {
           "x.toml:4:11: medium.alpha: expected a number, found \"much\" (string)\n"
           "x.toml:6:1: [coupling] unknown key \"kapa\" (did you mean \"kappa\"?). Known keys: kappa, gamma1, "
           "gamma2, "
-          "polar_basis\n"
+          "polar_basis, gamma_flow, gamma_rows, rows_direction\n"
           "x.toml:7:1: rods[0] needs the key position, for example position = [0.0, 2.5]\n"
           "x.toml:8:11: rods[0].heading: expected an angle (a number, or a string such as \"30 deg\"), found "
           "true "

@@ -144,13 +144,17 @@ const std::vector<std::string> bases{
     "fixed = { c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0 }\nfixed_errors = { c66 = 0.1 }\n"
     "rod_length = 4.0\n[[fit.maps]]\nfiles = [\"m.h5\"]\nspeed = 2.0\nbox = [78.0, 77.0]\nname = \"m\"\n"
     "[[fit.masks]]\nstrip = 8.0\nradius = 10.0\nsector = [0.1, 1.0]\n",
-    "schema = 1\n[fit]\nparameters = [\"f_over_mu\", \"eta\"]\nfixed = { xi = 500.0 }\n[[fit.maps]]\nfiles = "
+    "schema = 1\n[fit]\nparameters = [\"f_over_mu\", \"eta\"]\nfixed = { xi = 500.0 }\nbounds = { f_over_mu "
+    "= [0.0, 9.0] "
+    "}\n[fit.posterior]\nsamples = 400\n[[fit.maps]]\nfiles = "
     "[\"m.h5\"]\n"
     "[[fit.profiles]]\nfile = \"u.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"l\"\nline = 0\n",
     in_container("radius = \"20 a\"\nfriction = 0.1\nrestitution = 0.5\n"),
     in_container("kind = \"rectangle\"\nsides = [0.01, 0.02]\n"),
     bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
         "position = [0.001, 0.002]\n"),
+    replaced(complete, "likelihood = ", "bounds = { f_over_mu = [0.1, 10.0] }\nlikelihood = ") +
+        "[fit.posterior]\nchains = 4\n",
     filmed,
     replaced(filmed, "frames_per_second = 50.0\npixel = \"12.4 um\"\n",
              "time_column = \"t\"\nwindow = \"periodic\"\nbox = \"30 a\"\npixel = \"12.4 "

@@ -23,7 +23,7 @@ FITTED = "[medium]\nfitted = true\n"
 KEYS = {
     "fit": {"parameters", "derived", "free", "correlation", "chi2", "dof", "residuals", "sigma_known", "probability", "error_factor",
             "rms", "objective", "loss", "termination", "reason", "distance", "evaluations", "algorithm", "rank", "flat", "remarks",
-            "same_optimum", "starts", "likelihood", "profiles", "trajectories", "maps", "systematics", "compare", "length_unit", "box", "core", "heading",
+            "same_optimum", "starts", "likelihood", "profiles", "trajectories", "maps", "systematics", "misfit", "compare", "length_unit", "box", "core", "heading",
             "independent_spacing", "seed", "provenance"},
     "parameter": {"value", "stderr", "low", "high", "free", "fixed", "tied_to", "at_bound", "unit", "start", "bounds", "log"},
     "profile": {"name", "medium", "file", "component", "along", "at", "role", "points", "used", "independent", "data", "curve", "chi2", "excess"},

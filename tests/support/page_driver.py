@@ -54,10 +54,10 @@ class Page:
         self.set_dark(self.dark)
         self.go(self.path)
 
-    def go(self, path):
-        """To another file."""
+    def go(self, path, address=""):
+        """To another file; `address`: what follows its name, such as ?a=b#c."""
         self._events.clear()
-        self.send("Page.navigate", url=Path(path).resolve().as_uri())
+        self.send("Page.navigate", url=Path(path).resolve().as_uri() + address)
         self.wait_for(lambda: any(event["method"] == "Page.loadEventFired" for event in self._events), "the page did not load")
 
     def send(self, method, **parameters):

@@ -2,9 +2,12 @@
 names or lead to the headers' reference, KaTeX is copied from Debian's package, the search works from a disk."""
 
 import contextlib
+import html
 import json
+import os
 import re
 import shutil
+import subprocess
 import sys
 import unicodedata
 from pathlib import Path
@@ -19,6 +22,14 @@ from links import CODE, ELSEWHERE, FENCE, LINK, resolve  # noqa: E402
 ROOT_PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"]
 KATEX = Path("/usr/share/javascript/katex")
 HEADERS = "include/rodwake"  # doxygen makes api/ from it
+EXPLORER = "live.html"  # of rodwake explore; pages show panels of it in frames
+FRAME = re.compile(r"<!-- explorer: (?P<panels>[\w,]+)(?:#(?P<state>\S+))? (?P<title>.+) -->")
+
+
+def program():
+    """The program that writes the explorer's page: a built one, else the installed one; None: pages do without."""
+    built = [ROOT / "build" / preset / "rodwake" for preset in ("release", "program", "dev")]
+    return os.environ.get("RODWAKE_PROGRAM") or next((str(path) for path in built if path.is_file()), shutil.which("rodwake"))
 
 
 def on_files(files, config):
@@ -56,9 +67,19 @@ def in_words(text):
     return re.sub(r"\\([a-zA-Z]+)", letter, re.sub(r"\\[()\[\]]", "", text))
 
 
+def frame(match):
+    """Panels of the explorer where a page says <!-- explorer: wake,phases#kappa=30 What it shows -->."""
+    address = html.escape(f"{EXPLORER}?show={match['panels']}" + (f"#{match['state']}" if match["state"] else ""))
+    count = match["panels"].count(",") + 1
+    return f'<iframe class="explorer panels{count}" src="{address}" title="{html.escape(match["title"])}" loading="lazy"></iframe>'
+
+
 def on_page_markdown(markdown, page, config, files):
     source, lines, inside = source_of(page), [], False
     for line in markdown.split("\n"):
+        if not inside and (match := FRAME.fullmatch(line)) and program():
+            lines.append(frame(match))
+            continue
         if FENCE.match(line):
             inside = not inside
         if inside or "](" not in line:
@@ -72,6 +93,8 @@ def on_page_markdown(markdown, page, config, files):
 
 def on_post_build(config):
     site = Path(config["site_dir"])
+    if program():
+        subprocess.run([program(), "explore", "-o", site / EXPLORER, "--force", "--quiet"], check=True)
     for name in ("katex.min.js", "katex.min.css"):
         (site / "katex").mkdir(exist_ok=True)
         shutil.copy(KATEX / name, site / "katex" / name)

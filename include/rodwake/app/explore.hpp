@@ -25,4 +25,10 @@ std::string explorer_page(const std::filesystem::path& folder, const std::option
 /// What of a scene the page leaves out, a line each.
 std::vector<std::string> left_out_by_explorer(const scene::Scene& scene);
 
+/// The page beside the report of a run that it shows.
+inline constexpr const char* explorer_file = "explore.html";
+
+/// Whether the page shows the scene's run as it is: two rods of the theory, and nothing left out.
+bool shown_by_explorer(const scene::Scene& scene);
+
 } // namespace rodwake::app

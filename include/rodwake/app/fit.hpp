@@ -87,9 +87,17 @@ struct FitPlan {
 /// headings. Throws InputError for tracks in which the rods are ten times too fast or too slow.
 std::vector<std::string> data_remarks(const FitPlan& plan);
 
+/// Of the free parameters: uniform between the bounds unless fit.posterior says otherwise. Poses at the start
+/// are data, and their prior is wide: ten standard errors either way.
+std::vector<fitting::Prior> fit_priors(const FitPlan& plan);
+
 /// Of inputs that are complete. Throws InputError for data that cannot be fitted, and where the residuals at
 /// the start are not finite.
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs);
+
+/// One of fit.models of the scene on the same data as `plan`. Throws InputError, naming the model.
+FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, const FitPlan& plan,
+                   FitInputs inputs);
 
 /// Names of the parameters that its maps are fitted with: of an orthotropic or an isotropic medium.
 std::vector<std::string> map_names(const scene::Fit& keys);

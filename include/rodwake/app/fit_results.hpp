@@ -2,6 +2,7 @@
 // What a fit found, put beside its data: everything fit.json and its tables hold.
 
 #include "rodwake/app/fit.hpp"
+#include "rodwake/fitting/misfit.hpp"
 #include "rodwake/fitting/report.hpp"
 
 #include <map>
@@ -74,6 +75,7 @@ struct FitResults {
     std::vector<FitTrackResult> tracks;
     std::vector<FitMapResult> maps;
     FitSystematics systematics;
+    fitting::Misfit misfit;
     std::vector<FitCompareResult> compare;
 };
 

@@ -12,6 +12,9 @@
 
 namespace rodwake::app {
 
+/// As the scene has them, in the basis of the rods part.
+rods::Couplings own_couplings(const scene::Coupling& coupling);
+/// With what coupling.gamma_flow adds to them.
 rods::Couplings couplings_of(const scene::Scene& scene);
 rods::RodProblem rod_problem(const scene::Scene& scene);
 /// Method "auto" is settled here, by rods::suitable_method.

@@ -33,6 +33,12 @@ struct Parameter {
     bool free() const { return !fixed && tied_to.empty(); }
 };
 
+/// Residuals of one quantity of one set of data, in the order of place or time.
+struct Series {
+    std::string data, quantity; ///< "pair", "headings"
+    std::vector<std::size_t> residuals;
+};
+
 struct Problem {
     std::vector<Parameter> parameters; ///< in the order of `p` below
     std::size_t residuals = 0;
@@ -47,8 +53,11 @@ struct Problem {
     /// degrees of freedom are independent * residuals - free parameters; the sigmas are enlarged by
     /// 1/sqrt(independent) already, so chi2 is to be compared with that number.
     double independent = 1.0;
+    /// Of each residual, for the normalisation of the likelihood; empty: of sigma 1.
+    std::vector<double> log_sigma = {};
     /// What residual i is, for messages: "profile_Ux_x.csv:17".
     std::function<std::string(std::size_t)> residual_name;
+    std::vector<Series> series = {}; ///< of all residuals; empty: they are one
     /// What looks wrong in the data, in sentences: the report begins with it.
     std::vector<std::string> remarks = {};
 };
@@ -56,6 +65,9 @@ struct Problem {
 /// Throws InputError, naming what is wrong: no or duplicate names, reversed bounds, start outside its bounds,
 /// log of what is not positive, a tie to what is not free, fewer residuals than free parameters.
 void validate(const Problem& problem);
+
+/// Those of the problem, or one of all residuals.
+std::vector<Series> series_of(const Problem& problem);
 
 /// Independent values behind all residuals, rounded.
 long independent_values(const Problem& problem);

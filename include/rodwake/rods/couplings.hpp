@@ -15,6 +15,7 @@
 // field: sums over wakes, Fourier modes, Jacobian and bounds of the turning rate rely on it.
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -76,8 +77,51 @@ constexpr Couplings without(Couplings couplings, bool polar) {
     return couplings;
 }
 
+/// Numbers that turn rods besides those of coupling_list.
+struct OtherTurning {
+    std::string_view name, unit, words;
+};
+inline constexpr OtherTurning other_turning[] = {
+    {"gamma_flow", "mu/f", "turning to the medium's velocity"},
+    {"gamma_rows", "mu v0/f", "turning into the rows of a crystal"},
+    {"rows_direction", "rad", "direction of these rows"}};
+
+/// nullptr if there is none of this name.
+constexpr const OtherTurning* find_other_turning(std::string_view name) {
+    const auto at = std::ranges::find(other_turning, name, &OtherTurning::name);
+    return at == std::end(other_turning) ? nullptr : at;
+}
+
+/// Whether a number of this name, by itself, turns rods in the wakes of others.
+constexpr bool turns_in_wakes(std::string_view name) { return find_coupling(name) || name == "gamma_flow"; }
+
 /// "gamma1, gamma2"
 std::string coupling_names(bool polar);
+
+/// Turning to the medium's velocity, gamma_flow z.[n x d_t u], as polar couplings. Away from the rods zeta
+/// d_t u = mu lap u + lambda grad div u, so with xi = mu/(zeta v0) the velocity is d_t u = v0 xi (lap u + eta
+/// grad div u): exact wherever the field is that of the overdamped theory, in a box with the drift of its
+/// mean. gamma_flow in mu/f.
+constexpr Couplings with_flow(Couplings couplings, double gamma_flow, double eta, double xi) {
+    couplings.gamma1 += gamma_flow * xi;
+    couplings.gamma2 += gamma_flow * xi * eta;
+    return couplings;
+}
+
+/// Rows of a crystal along `direction` and every sixth of a turn from it: theta' = -gamma sin 6(theta -
+/// direction). gamma > 0 turns a rod into the nearest row, wherever it is and whatever the others do.
+struct Rows {
+    double gamma = 0.0;     ///< mu v0/f
+    double direction = 0.0; ///< rad
+
+    bool any() const { return gamma != 0.0; }
+    double rate(double heading) const { return -gamma * std::sin(6.0 * (heading - direction)); }
+    /// By the heading; by the direction it is the opposite.
+    double rate_by_heading(double heading) const {
+        return -6.0 * gamma * std::cos(6.0 * (heading - direction));
+    }
+    bool operator==(const Rows&) const = default;
+};
 
 /// Couplings from coefficients of div eps and grad tr eps.
 Couplings from_divergence_basis(const Couplings& of_divergence);

@@ -4,6 +4,7 @@
 //
 //   x_a' = cos theta_a,  y_a' = sin theta_a
 //   theta_a' = sum over b != a of z.[n_a x (kappa eps_b.n_a + gamma1 lap u_b + gamma2 grad div u_b)] at R_a
+//              - gamma_rows sin 6(theta_a - direction)    with Rows
 //
 // Reduced units: lengths f/mu, times f/(mu v0), so v0 = 1 and f/mu = 1. Each rod's field is the steady one of
 // elastic/field.hpp, turned to its heading at that instant: the quasi-static closure of the paper. In a
@@ -40,11 +41,13 @@ struct Pose {
 /// field is evaluated. Thread-safe. Throws InputError if two rods are in the same place.
 class RodModel {
 public:
-    /// `field`: the wakes, and with them the domain, plane or periodic box; none: rods walk straight.
-    RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings, std::size_t rods);
+    /// `field`: the wakes, and with them the domain, plane or periodic box; none: nothing of them turns rods.
+    RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings, std::size_t rods,
+             const Rows& rows = {});
 
     std::size_t rods() const { return rods_; }
     bool interacting() const { return field_ != nullptr; }
+    const Rows& rows() const { return rows_; }
     /// Whether jacobian() can be asked for: the field has gradients, or none is evaluated.
     bool has_jacobian() const { return !field_ || field_->capabilities().gradients; }
 
@@ -58,11 +61,13 @@ public:
     static std::string component_name(std::size_t component);
 
 private:
+    void turn(integrate::State y, std::span<double> ydot) const;
     void add_by_source(integrate::State y, std::size_t source, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
 
     std::shared_ptr<const elastic::WakeField> field_; ///< none: nothing interacts
     Couplings couplings_;
     std::size_t rods_;
+    Rows rows_;
 };
 
 std::vector<double> to_state(std::span<const Pose> rods);

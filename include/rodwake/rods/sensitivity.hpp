@@ -12,12 +12,12 @@
 
 namespace rodwake::rods {
 
-/// Couplings in the laplacian basis, in the order of coupling_list, and the medium, in reduced units as
-/// everywhere here.
-enum class Parameter { kappa, gamma1, gamma2, eta, xi };
+/// Couplings in the laplacian basis, in the order of coupling_list, the medium, and the rows of a crystal, in
+/// reduced units as everywhere here.
+enum class Parameter { kappa, gamma1, gamma2, eta, xi, rows_gamma, rows_direction };
 static_assert(static_cast<std::size_t>(Parameter::eta) == std::size(coupling_list));
 
-/// nullptr for those of the medium.
+/// nullptr for the others.
 constexpr const Coupling* coupling_of(Parameter parameter) {
     return parameter < Parameter::eta ? &coupling_list[static_cast<std::size_t>(parameter)] : nullptr;
 }

@@ -51,6 +51,7 @@ struct RodProblem {
     /// How the wakes of this medium in this domain are worked out; absent: exactly.
     std::shared_ptr<const elastic::WakeField> field = nullptr;
     WakeSums sums = {};
+    Rows rows = {}; ///< of a crystal that turns each rod, with or without a medium
 };
 
 /// Sums whose errors keep to sums.turning_tolerance T. With d eps the strain and d A, d B the polar vectors

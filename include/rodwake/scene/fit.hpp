@@ -5,6 +5,7 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/method.hpp"
+#include "rodwake/fitting/prior.hpp"
 
 #include <map>
 #include <optional>
@@ -102,7 +103,25 @@ struct FitCompare {
     bool operator==(const FitCompare&) const = default;
 };
 
+/// [fit.posterior]
+struct FitPosterior {
+    std::size_t chains = 4, samples = 4000; ///< kept, of all chains together
+    bool evidence = true;
+    std::map<std::string, fitting::Prior> priors; ///< absent: uniform between the bounds
+
+    bool operator==(const FitPosterior&) const = default;
+};
+
+/// [[fit.models]]: a rival of the fit, with some keys changed.
+struct FitModel {
+    std::string name;             ///< file-name safe
+    std::vector<std::string> set; ///< "fit.parameters=[\"kappa\"]", as for -s
+
+    bool operator==(const FitModel&) const = default;
+};
+
 struct Fit {
+    std::string name = "scene";          ///< beside [[fit.models]]
     std::vector<std::string> parameters; ///< the free ones
     std::map<std::string, double> start; ///< absent: fit_default_start
     std::map<std::string, Interval> bounds;
@@ -124,6 +143,8 @@ struct Fit {
     std::vector<FitMap> maps;
     std::vector<FitMask> masks; ///< empty: every bin with data
     std::vector<FitCompare> compare;
+    std::optional<FitPosterior> posterior;
+    std::vector<FitModel> models;
 
     bool operator==(const Fit&) const = default;
 };

@@ -61,6 +61,10 @@ Scene parse_scene(std::string_view text, std::string name, std::span<const std::
 /// hand that is wrong.
 Scene apply_variant(const Scene& scene, const Variant& variant);
 
+/// The scene with [fit] as a rival of [[fit.models]] has it, under the rival's name: without models, variants
+/// and figures. Throws as apply_variant.
+Scene apply_model(const Scene& scene, const FitModel& model);
+
 /// The scene as TOML with every default written out, numbers in the scene's own unit system.
 /// parse_scene(to_toml(scene), scene.path) == scene, to the last bit: numbers carry up to 17 digits, and one
 /// that SI cannot hold exactly is written in reduced units ("2.5 f/mu").

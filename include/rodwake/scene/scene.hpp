@@ -87,6 +87,8 @@ struct Medium {
 /// [coupling]: kappa in v0 mu/f, gamma in v0, as written in the scene (polar_basis says which basis).
 struct Coupling : rods::Couplings {
     PolarBasis polar_basis = PolarBasis::laplacian;
+    double gamma_flow = 0.0; ///< mu/f
+    rods::Rows rows;
 
     bool operator==(const Coupling&) const = default;
 };

@@ -31,6 +31,11 @@ public:
     void dataset(const std::string& path, std::span<const double> values,
                  const std::vector<std::size_t>& shape, const std::string& unit);
 
+    /// 0, 1, 2, ... as what other datasets count along: a dimension scale, as NetCDF4 has them.
+    void scale(const std::string& path, std::size_t count);
+    /// Names the scales of all dimensions of a dataset.
+    void dimensions(const std::string& path, const std::vector<std::string>& scales);
+
     /// Whole rows, from `first` on, of a dataset of this shape (its first extent counts the rows), which the
     /// first call makes: for what is longer than one wants to hold. An empty `unit` is left out.
     void part(const std::string& path, std::span<const double> values, std::size_t first,

@@ -1,0 +1,320 @@
+// Rivals of a fit, [[fit.models]]: each fitted to the same data, and all of them weighed.
+
+#include "fit_data.hpp"
+#include "fit_files.hpp"
+#include "fit_records.hpp"
+#include "fit_stage.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/core/build_info.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/scene/read.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "run/record_json.hpp"
+#include "run/record_table.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numeric>
+
+namespace rodwake::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+/// A model with what it found; without results its fit failed.
+struct WeighedModel {
+    std::string name, folder; ///< folder: from the run's on, "." for the fit as written
+    std::string failure;
+    std::vector<fitting::Estimate> estimates; ///< of the free parameters
+    fitting::Misfit misfit;
+    std::optional<fitting::CrossValidation> foretold;
+    FitModelRow row;
+
+    bool ended() const { return failure.empty(); }
+};
+
+/// -2 ln L, up to what all models of the data share: chi2, or of unknown sigmas what their best scale leaves.
+/// That scale is a parameter, too.
+void set_criteria(const fitting::Problem& problem, const fitting::Fit& fit, FitModelRow& row) {
+    const auto values = static_cast<double>(fitting::independent_values(problem));
+    const double free = row.parameters + (problem.sigma_known ? 0.0 : 1.0);
+    const double surprise = problem.sigma_known ? fit.objective : values * std::log(fit.objective / values);
+    row.aic = surprise + 2.0 * free;
+    row.bic = surprise + free * std::log(values);
+}
+
+/// What [fit.posterior] found in this folder.
+void read_evidence(const fs::path& folder, FitModelRow& row) {
+    std::ifstream file(folder / "posterior.json");
+    const auto json = nlohmann::json::parse(file, nullptr, false);
+    if (!json.is_object() || !json.contains("log_evidence") || !json["log_evidence"].is_object())
+        return;
+    const auto number = [&](const char* key) {
+        const auto& evidence = json["log_evidence"];
+        return evidence.contains(key) && evidence[key].is_number() ? evidence[key].get<double>()
+                                                                   : std::nan("");
+    };
+    row.log_evidence = number("value");
+    row.evidence_error = number("stderr");
+}
+
+WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunContext& context,
+                     const fs::path& folder, const std::string& name, const std::string& own,
+                     const Logger& log) {
+    WeighedModel out{name, own, {}, {}, results.misfit, {}, {}};
+    for (const std::size_t i : results.report.free)
+        out.estimates.push_back(results.report.estimates[i]);
+    out.row.parameters = static_cast<double>(results.report.free.size());
+    out.row.chi2 = results.report.chi2;
+    out.row.dof = static_cast<double>(results.report.dof);
+    set_criteria(plan.problem, results.fit, out.row);
+    out.row.misfit = out.misfit.probability.value_or(std::nan(""));
+    if (plan.keys.posterior)
+        read_evidence(folder / own, out.row);
+    fitting::Method method = plan.method;
+    method.threads = context.thread_count();
+    method.stop_requested = [&] { return context.stopped(); };
+    try {
+        out.foretold = fitting::cross_validate(plan.problem, method, results.fit);
+    } catch (const RunError& error) {
+        if (!context.stopped())
+            log->warn("fit: model {}: no cross-validation: {}", name, error.what());
+    }
+    return out;
+}
+
+/// Shares of exp(score).
+void set_weights(std::vector<WeighedModel>& models, const std::vector<double>& scores) {
+    double best = -HUGE_VAL, sum = 0.0;
+    for (const double score : scores)
+        best = std::max(best, score);
+    for (const double score : scores)
+        sum += std::exp(score - best);
+    for (std::size_t i = 0; i < models.size(); ++i)
+        models[i].row.weight = std::exp(scores[i] - best) / sum;
+}
+
+/// From evidence where all that ended have it.
+bool weigh(std::vector<WeighedModel>& models) {
+    const bool evidence = std::ranges::all_of(
+        models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
+    std::vector<double> scores;
+    for (const WeighedModel& m : models)
+        scores.push_back(!m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic);
+    set_weights(models, scores);
+    return evidence;
+}
+
+/// What a stretch of one model is foretold better than by the best, summed, with the error of this sum.
+void set_differences(std::vector<WeighedModel>& models, const WeighedModel& best) {
+    for (WeighedModel& m : models) {
+        if (!m.foretold)
+            continue;
+        m.row.foretold = m.foretold->sum();
+        m.row.foretold_error = m.foretold->error();
+        if (!best.foretold || best.foretold->blocks.size() != m.foretold->blocks.size())
+            continue;
+        fitting::CrossValidation difference = *m.foretold;
+        for (std::size_t i = 0; i < difference.blocks.size(); ++i)
+            difference.blocks[i] -= best.foretold->blocks[i];
+        m.row.foretold_difference = difference.sum();
+        m.row.difference_error = difference.error();
+    }
+}
+
+std::string probability_text(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
+
+std::string weight_text(const WeighedModel& m) {
+    return m.row.weight > 0.0 && m.row.weight < 0.001 ? "below 0.001" : fmt::format("{:.3g}", m.row.weight);
+}
+
+/// The models' order by weight, those that failed last.
+std::vector<std::size_t> by_weight(const std::vector<WeighedModel>& models) {
+    std::vector<std::size_t> order(models.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+        return std::pair(models[a].ended(), models[a].row.weight) >
+               std::pair(models[b].ended(), models[b].row.weight);
+    });
+    return order;
+}
+
+/// What the report's abstract says.
+std::vector<std::string> verdict(const std::vector<WeighedModel>& models, bool evidence) {
+    const std::vector<std::size_t> order = by_weight(models);
+    const WeighedModel &best = models[order[0]], &next = models[order[1]];
+    std::vector<std::string> text = {fmt::format(
+        "Of {} models {} has the most weight, {} by {}; next is {} with {}.", models.size(), best.name,
+        weight_text(best), evidence ? "evidence" : "AIC", next.name, weight_text(next))};
+    std::vector<std::string> describing;
+    bool told = true;
+    for (const std::size_t i : order) {
+        const WeighedModel& m = models[i];
+        told = told && (!m.ended() || m.misfit.probability);
+        if (m.ended() && m.misfit.probability && m.misfit.describes())
+            describing.push_back(fmt::format("{} ({})", m.name, probability_text(*m.misfit.probability)));
+    }
+    if (!describing.empty())
+        text.push_back(fmt::format("The data are described by {}.", fmt::join(describing, ", ")));
+    else if (told && best.misfit.probability)
+        text.push_back(fmt::format("No model offered describes the data: with {}, {} ({}).", best.name,
+                                   best.misfit.worst, probability_text(*best.misfit.probability)));
+    return text;
+}
+
+ordered_json model_json(const WeighedModel& m) {
+    ordered_json out = {{"name", m.name}};
+    out.update(record_json(m.row));
+    out["stderr"] = out["log_evidence_stderr"];
+    out["parameters"] = ordered_json::object();
+    for (const fitting::Estimate& e : m.estimates)
+        out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
+                                     {"stderr", finite_or_null(e.standard_error)}};
+    out["free"] = m.estimates.size();
+    out["cross_validation"] = nullptr;
+    if (m.foretold)
+        out["cross_validation"] = {{"log_likelihood", finite_or_null(m.row.foretold)},
+                                   {"stderr", finite_or_null(m.row.foretold_error)},
+                                   {"difference", finite_or_null(m.row.foretold_difference)},
+                                   {"difference_stderr", finite_or_null(m.row.difference_error)},
+                                   {"blocks", m.foretold->blocks.size()}};
+    out["misfit"] = misfit_json(m.misfit);
+    out["failure"] = m.ended() ? ordered_json(nullptr) : ordered_json(m.failure);
+    out["folder"] = m.folder;
+    return out;
+}
+
+void write_models(const fs::path& folder, const FitPlan& plan, const std::vector<WeighedModel>& models,
+                  bool evidence, const std::vector<std::string>& text, const std::string& command) {
+    ordered_json out = {{"models", ordered_json::array()}};
+    std::vector<FitModelRow> rows;
+    for (const WeighedModel& m : models) {
+        out["models"].push_back(model_json(m));
+        rows.push_back(m.row);
+    }
+    out["weight_from"] = evidence ? "evidence" : "aic";
+    out["values"] = fitting::independent_values(plan.problem);
+    out["sigma_known"] = plan.problem.sigma_known;
+    out["text"] = text;
+    out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
+    std::string csv = csv_of(rows), named;
+    std::size_t line = 0;
+    for (std::size_t at = 0; at < csv.size(); ++line) { // names are file names: nothing to quote
+        const std::size_t end = csv.find('\n', at) + 1;
+        named += (line == 0 ? "name" : models[line - 1].name) + "," + csv.substr(at, end - at);
+        at = end;
+    }
+    store::write_atomically(folder / "models.csv", named);
+    store::write_atomically(folder / "models.json", out.dump(2) + "\n");
+}
+
+void log_models(const std::vector<WeighedModel>& models, const std::vector<std::string>& text,
+                const Logger& log) {
+    for (const std::size_t i : by_weight(models)) {
+        const WeighedModel& m = models[i];
+        if (!m.ended()) {
+            log->warn("fit: model {} failed: {}", m.name, m.failure);
+            continue;
+        }
+        std::string evidence;
+        if (std::isfinite(m.row.log_evidence))
+            evidence =
+                fmt::format(", log evidence {:.5g} +- {:.2g}", m.row.log_evidence, m.row.evidence_error);
+        log->info("fit: model {}: weight {}, chi2 = {:.4g} for {} parameters, AIC {:.5g}, BIC {:.5g}{}{}",
+                  m.name, weight_text(m), m.row.chi2, m.estimates.size(), m.row.aic, m.row.bic, evidence,
+                  m.misfit.probability ? ", misfit " + probability_text(*m.misfit.probability) : "");
+    }
+    for (const std::string& sentence : text)
+        log->info("fit: {}", sentence);
+}
+
+/// The same data, in the same weights.
+void require_same_data(const FitPlan& plan, const FitPlan& rival, const std::string& name) {
+    const fitting::Problem &a = plan.problem, &b = rival.problem;
+    const bool sigmas = std::ranges::equal(a.log_sigma, b.log_sigma, [](double s, double t) {
+        return std::abs(s - t) < 1e-9 * (1.0 + std::abs(s));
+    });
+    if (a.residuals != b.residuals || a.independent != b.independent || a.sigma_known != b.sigma_known ||
+        !sigmas)
+        throw InputError(
+            fmt::format("fit.models {}: its data are {} residuals, those of the fit as written {}{}: rivals "
+                        "are weighed on the same data alone",
+                        name, b.residuals, a.residuals, sigmas ? "" : ", or their errors differ"));
+}
+
+/// Messages of a rival go to the log in its folder; the run's own tells one line of it.
+Logger quiet_logger(const RunContext& context, const fs::path& folder) {
+    RunContext quiet = context;
+    quiet.log = nullptr;
+    return make_logger(quiet, folder / "log.txt");
+}
+
+} // namespace
+
+ordered_json misfit_json(const fitting::Misfit& m) {
+    ordered_json out = {{"probability", finite_or_null(m.probability)},
+                        {"describes", m.probability ? ordered_json(m.describes()) : ordered_json(nullptr)},
+                        {"worst", m.worst},
+                        {"tests", ordered_json::object()},
+                        {"regions", ordered_json::array()}};
+    for (const fitting::MisfitTest& test : m.tests)
+        out["tests"][test.name] = {{"value", finite_or_null(test.value)},
+                                   {"expected", finite_or_null(test.expected)},
+                                   {"probability", finite_or_null(test.probability)},
+                                   {"text", test.text}};
+    for (const fitting::MisfitRegion& region : m.regions)
+        out["regions"].push_back({{"name", region.name},
+                                  {"chi2", finite_or_null(region.chi2)},
+                                  {"expected", finite_or_null(region.expected)},
+                                  {"probability", finite_or_null(region.probability)}});
+    return out;
+}
+
+FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, const FitPlan& plan,
+                   FitInputs inputs) try {
+    FitPlan rival = fit_plan(*scene::apply_model(scene, model).fit, std::move(inputs));
+    require_same_data(plan, rival, model.name);
+    return rival;
+} catch (const InputError& error) {
+    const std::string text = error.what();
+    throw InputError(text.starts_with("fit.models") ? text
+                                                    : fmt::format("fit.models {}: {}", model.name, text));
+}
+
+bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults& results,
+                const RunContext& context, const fs::path& folder, const Logger& log) {
+    if (plan.keys.models.empty())
+        return true;
+    std::vector<WeighedModel> models = {weighed(plan, results, context, folder, plan.keys.name, ".", log)};
+    for (const scene::FitModel& model : plan.keys.models) {
+        const scene::Scene rival = scene::apply_model(scene, model);
+        const FitPlan own =
+            model_plan(scene, model, plan, read_fit_inputs(rival, folder, OwnFiles::required));
+        const std::string place = "models/" + model.name;
+        fs::create_directories(folder / place);
+        const FitStageResult done =
+            fit_in_folder(rival, own, context, folder / place, quiet_logger(context, folder / place));
+        if (done.end == StageEnd::interrupted)
+            return false;
+        if (done.results)
+            models.push_back(weighed(own, *done.results, context, folder, model.name, place, log));
+        else
+            models.push_back({model.name, place, "the search found no finite residuals", {}, {}, {}, {}});
+        if (context.stopped())
+            return false;
+    }
+    const bool evidence = weigh(models);
+    set_differences(models, models[by_weight(models).front()]);
+    const std::vector<std::string> text = verdict(models, evidence);
+    write_models(folder, plan, models, evidence, text, context.command);
+    log_models(models, text, log);
+    return true;
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,394 @@
+#include "rodwake/fitting/misfit.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/rng.hpp"
+#include "rodwake/integrate/additive_noise.hpp"
+#include "search.hpp"
+
+#include <boost/math/special_functions/gamma.hpp>
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace rodwake::fitting {
+
+namespace {
+
+using Index = Eigen::Index;
+
+/// Of so large a chi2 or a larger one.
+double chi2_tail(double chi2, double dof) {
+    return dof > 0.0 ? boost::math::gamma_q(0.5 * dof, 0.5 * std::max(chi2, 0.0)) : 1.0;
+}
+
+double normal_tail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
+
+/// Of the smallest of `count` probabilities.
+double among(double probability, double count) {
+    return probability >= 1.0 ? 1.0 : -std::expm1(count * std::log1p(-probability));
+}
+
+/// Residuals of the scale that is known, or told by their scatter.
+struct Group {
+    std::string name;
+    std::vector<std::size_t> residuals;
+    double dof = 0.0;
+};
+
+/// What each test finds in residuals.
+struct Findings {
+    std::optional<double> chi2, runs, largest, region; ///< probabilities
+    double runs_value = 0.0, runs_expected = 0.0, largest_value = 0.0;
+    std::size_t largest_at = 0, region_at = 0;
+
+    double least() const {
+        double p = 1.0;
+        for (const auto& one : {chi2, runs, largest, region})
+            p = std::min(p, one.value_or(1.0));
+        return p;
+    }
+};
+
+class ResidualSet {
+public:
+    ResidualSet(const Problem& problem, const Fit& fit);
+
+    Eigen::VectorXd r; ///< of the fit
+    Findings look(const Eigen::VectorXd& residuals) const;
+    /// Residuals as the right model leaves them.
+    Eigen::VectorXd drawn(std::uint64_t seed, std::uint32_t draw) const;
+    double dof() const { return static_cast<double>(r.size() - basis_.cols()); }
+    double independent_dof() const {
+        return problem_.independent * static_cast<double>(r.size()) - static_cast<double>(basis_.cols());
+    }
+    /// Mean square below which signs are those of rounding: a tenth of a sigma, or 1e-7 of an unknown one's
+    /// unit.
+    double least_scatter() const { return problem_.sigma_known ? 1e-2 : 1e-14; }
+    bool white() const { return problem_.independent >= 1.0; }
+    /// What r^2 is to be multiplied by: 1 with known sigmas.
+    double scale(const Eigen::VectorXd& residuals) const {
+        const double chi2 = residuals.squaredNorm();
+        return problem_.sigma_known || !(chi2 > 0.0) ? 1.0 : independent_dof() / chi2;
+    }
+    const std::vector<Group>& groups() const { return groups_; }
+
+private:
+    void find_basis(const Eigen::MatrixXd& by_coordinate);
+    void find_groups();
+    void look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const;
+
+    const Problem& problem_;
+    std::vector<Series> series_;
+    Eigen::MatrixXd basis_;  ///< Q
+    Eigen::VectorXd remain_; ///< 1 - |Q_i|^2
+    std::vector<Group> groups_;
+};
+
+ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
+    : problem_(problem), series_(series_of(problem)) {
+    const auto rows = static_cast<Index>(problem.residuals);
+    r = Eigen::VectorXd::Zero(rows);
+    Eigen::MatrixXd by_value = Eigen::MatrixXd::Zero(rows, static_cast<Index>(problem.parameters.size()));
+    problem.evaluate(fit.values, r, &by_value);
+    const SearchSpace space(problem);
+    find_basis(space.chain(by_value, fit.values));
+    find_groups();
+}
+
+/// Columns of one length each, so that the rank is that of directions, not of units.
+void ResidualSet::find_basis(const Eigen::MatrixXd& by_coordinate) {
+    constexpr double rank_tolerance = 1e-10; // as ReportOptions
+    Eigen::MatrixXd columns = by_coordinate;
+    for (Index k = 0; k < columns.cols(); ++k)
+        if (const double length = columns.col(k).norm(); length > 0.0)
+            columns.col(k) /= length;
+    basis_ = Eigen::MatrixXd(columns.rows(), 0);
+    remain_ = Eigen::VectorXd::Ones(columns.rows());
+    if (columns.cols() == 0)
+        return;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    qr.setThreshold(rank_tolerance);
+    basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+    remain_ -= basis_.rowwise().squaredNorm();
+}
+
+/// Thirds of each quantity of a set of data; whole ones where there are many sets.
+void ResidualSet::find_groups() {
+    constexpr std::size_t few = 3;
+    static constexpr const char* thirds[] = {", first third", ", middle third", ", last third"};
+    std::map<std::string, std::size_t> sets, place;
+    for (const Series& one : series_)
+        sets.emplace(one.data, 0);
+    for (const Series& one : series_)
+        for (std::size_t i = 0; i < one.residuals.size(); ++i) {
+            std::string name = one.quantity == "values" ? one.data : one.data + ", " + one.quantity;
+            if (sets.size() <= few && one.residuals.size() > 2)
+                name += thirds[3 * i / one.residuals.size()];
+            const auto [at, fresh] = place.emplace(name, groups_.size());
+            if (fresh)
+                groups_.push_back({name, {}, 0.0});
+            Group& group = groups_[at->second];
+            group.residuals.push_back(one.residuals[i]);
+            group.dof += problem_.independent - (1.0 - remain_[static_cast<Index>(one.residuals[i])]);
+        }
+    std::erase_if(groups_, [](const Group& group) { return group.dof < 1.0; });
+}
+
+/// Wald and Wolfowitz's runs of all series together, given how many of each sign there are.
+void ResidualSet::look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const {
+    double runs = 0.0, expected = 0.0, variance = 0.0;
+    for (const Series& one : series_) {
+        double plus = 0.0, own = 0.0;
+        for (std::size_t i = 0; i < one.residuals.size(); ++i) {
+            const bool up = residuals[static_cast<Index>(one.residuals[i])] > 0.0;
+            plus += up ? 1.0 : 0.0;
+            own += i == 0 || up != (residuals[static_cast<Index>(one.residuals[i - 1])] > 0.0) ? 1.0 : 0.0;
+        }
+        const auto n = static_cast<double>(one.residuals.size());
+        if (n < 2.0)
+            continue;
+        const double both = 2.0 * plus * (n - plus);
+        runs += own;
+        expected += 1.0 + both / n;
+        variance += both * (both - n) / (n * n * (n - 1.0));
+    }
+    if (!(variance > 0.0))
+        return;
+    found.runs_value = runs;
+    found.runs_expected = expected;
+    found.runs = normal_tail((expected - runs) / std::sqrt(variance));
+}
+
+Findings ResidualSet::look(const Eigen::VectorXd& residuals) const {
+    constexpr double least_remainder = 1e-3; // of a residual that the parameters take nearly all of
+    Findings found;
+    const double factor = scale(residuals);
+    if (problem_.sigma_known)
+        found.chi2 = chi2_tail(residuals.squaredNorm(), independent_dof());
+    double least = 1.0;
+    for (std::size_t g = 0; g < groups_.size() && groups_.size() > 1; ++g) {
+        double chi2 = 0.0;
+        for (const std::size_t i : groups_[g].residuals)
+            chi2 += residuals[static_cast<Index>(i)] * residuals[static_cast<Index>(i)];
+        if (const double p = chi2_tail(factor * chi2, groups_[g].dof); p < least) {
+            least = p;
+            found.region_at = g;
+        }
+    }
+    if (groups_.size() > 1)
+        found.region = among(least, static_cast<double>(groups_.size()));
+    if (!white())
+        return found;
+    if (residuals.squaredNorm() > least_scatter() * dof())
+        look_at_signs(residuals, found);
+    double most = 0.0;
+    for (Index i = 0; i < residuals.size(); ++i)
+        if (const double size = factor * residuals[i] * residuals[i] / remain_[i];
+            remain_[i] > least_remainder && size > most) {
+            most = size;
+            found.largest_at = static_cast<std::size_t>(i);
+        }
+    found.largest_value = std::sqrt(most);
+    found.largest = among(2.0 * normal_tail(found.largest_value), static_cast<double>(residuals.size()));
+    return found;
+}
+
+Eigen::VectorXd ResidualSet::drawn(std::uint64_t seed, std::uint32_t draw) const {
+    constexpr std::uint32_t use = 0x4d495346; // of no RandomStream: their second counter is 0
+    Eigen::VectorXd z(r.size());
+    for (Index i = 0; i < z.size(); i += 2) {
+        const integrate::Normals pair = integrate::normals_of(
+            philox_block({static_cast<std::uint32_t>(i), use, draw, 0},
+                         {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}));
+        z[i] = pair[0];
+        if (i + 1 < z.size())
+            z[i + 1] = pair[1];
+    }
+    if (basis_.cols() > 0)
+        z -= basis_ * (basis_.transpose() * z);
+    return z;
+}
+
+/// Of so small a smallest probability. What no draw reaches is bounded by the sum of those of the tests.
+double calibrated(const ResidualSet& data, const Findings& found, std::uint64_t seed) {
+    constexpr double work = 4e6;
+    const auto draws =
+        static_cast<std::uint32_t>(std::clamp(work / static_cast<double>(data.r.size()), 200.0, 1000.0));
+    double tests = 0.0;
+    for (const auto& one : {found.chi2, found.runs, found.largest, found.region})
+        tests += one ? 1.0 : 0.0;
+    const double bound = std::min(1.0, tests * found.least());
+    if (!data.white()) // draws know nothing of noise that neighbours share
+        return bound;
+    std::uint32_t as_small = 0;
+    for (std::uint32_t draw = 0; draw < draws; ++draw)
+        as_small += data.look(data.drawn(seed, draw)).least() <= found.least() ? 1 : 0;
+    const double share = (1.0 + as_small) / (1.0 + draws);
+    return as_small == 0 ? std::min(share, bound) : share;
+}
+
+std::string residual_text(const Problem& problem, std::size_t i) {
+    return problem.residual_name ? problem.residual_name(i) : fmt::format("residual {}", i);
+}
+
+void add_tests(const Problem& problem, const ResidualSet& data, const Findings& found, Misfit& out) {
+    const double factor = data.scale(data.r);
+    if (found.chi2)
+        out.tests.push_back({"chi2", data.r.squaredNorm(), data.independent_dof(), *found.chi2,
+                             fmt::format("chi2 is {:.4g} for {:.4g} degrees of freedom", data.r.squaredNorm(),
+                                         data.independent_dof())});
+    if (found.runs)
+        out.tests.push_back(
+            {"runs", found.runs_value, found.runs_expected, *found.runs,
+             fmt::format("the residuals keep their sign too long, {:.0f} runs where {:.0f} are "
+                         "expected",
+                         found.runs_value, found.runs_expected)});
+    if (found.largest)
+        out.tests.push_back({"largest", found.largest_value, 0.0, *found.largest,
+                             fmt::format("{} is {:.3g} standard errors off",
+                                         residual_text(problem, found.largest_at), found.largest_value)});
+    for (const Group& group : data.groups()) {
+        double chi2 = 0.0;
+        for (const std::size_t i : group.residuals)
+            chi2 += factor * data.r[static_cast<Index>(i)] * data.r[static_cast<Index>(i)];
+        out.regions.push_back({group.name, chi2, group.dof, chi2_tail(chi2, group.dof)});
+    }
+    if (!found.region)
+        return;
+    const MisfitRegion& worst = out.regions[found.region_at];
+    out.tests.push_back(
+        {"regions", worst.chi2, worst.expected, *found.region,
+         fmt::format("{} has chi2 {:.3g} where {:.3g} is expected", worst.name, worst.chi2, worst.expected)});
+}
+
+} // namespace
+
+Misfit misfit(const Problem& problem, const Fit& fit, std::uint64_t seed) {
+    Misfit out;
+    const ResidualSet data(problem, fit);
+    if (!(data.independent_dof() >= 1.0) || !data.r.allFinite())
+        return out;
+    const Findings found = data.look(data.r);
+    add_tests(problem, data, found, out);
+    if (out.tests.empty())
+        return out;
+    out.probability = calibrated(data, found, seed);
+    out.worst = std::ranges::min_element(out.tests, {}, &MisfitTest::probability)->text;
+    return out;
+}
+
+namespace {
+
+/// Residuals that are left out, or foretold.
+struct Stretch {
+    std::vector<bool> in;
+
+    Index count(bool inside) const { return std::ranges::count(in, inside); }
+};
+
+Stretch stretch_of(const Problem& problem, std::size_t block, std::size_t blocks) {
+    Stretch stretch{std::vector<bool>(problem.residuals, false)};
+    for (const Series& one : series_of(problem))
+        for (std::size_t i = 0; i < one.residuals.size(); ++i)
+            stretch.in[one.residuals[i]] = blocks * i / one.residuals.size() == block;
+    return stretch;
+}
+
+/// The problem without the residuals of a stretch.
+Problem without(const Problem& problem, const Stretch& stretch) {
+    Problem rest = problem;
+    rest.residuals = static_cast<std::size_t>(stretch.count(false));
+    rest.series.clear();
+    rest.residual_name = nullptr;
+    rest.evaluate = [problem, stretch](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
+                                       Eigen::MatrixXd* jacobian) {
+        const auto rows = static_cast<Index>(problem.residuals);
+        Eigen::VectorXd all = Eigen::VectorXd::Zero(rows);
+        Eigen::MatrixXd slopes;
+        if (jacobian)
+            slopes.setZero(rows, jacobian->cols());
+        problem.evaluate(p, all, jacobian ? &slopes : nullptr);
+        Index to = 0;
+        for (Index from = 0; from < rows; ++from) {
+            if (stretch.in[static_cast<std::size_t>(from)])
+                continue;
+            r[to] = all[from];
+            if (jacobian)
+                jacobian->row(to) = slopes.row(from);
+            ++to;
+        }
+    };
+    return rest;
+}
+
+/// Of the stretch at these values; `variance` of a residual, from the others where sigmas are unknown.
+double foretold(const Problem& problem, const Stretch& stretch, std::span<const double> values,
+                double variance) {
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
+    problem.evaluate(values, r, nullptr);
+    double chi2 = 0.0;
+    for (Index i = 0; i < r.size(); ++i)
+        chi2 += stretch.in[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
+    const double count = problem.independent * static_cast<double>(stretch.count(true));
+    return -0.5 * (chi2 / variance + count * std::log(variance));
+}
+
+/// A stretch foretold by a fit of the others, which begins at the end of the fit of all. Nothing where that
+/// has no degree of freedom.
+std::optional<double> foretold(const Problem& problem, const Method& method, const Fit& fit,
+                               const Stretch& stretch) {
+    const Problem rest = without(problem, stretch);
+    const long dof = degrees_of_freedom(rest);
+    if (dof < 1)
+        return std::nullopt;
+    const SearchSpace space(rest);
+    Evaluator evaluator(rest, space, {method.loss, method.loss_width}, method.stop_requested);
+    std::vector<double> start;
+    for (const std::size_t i : space.free())
+        start.push_back(fit.values[i]);
+    const SearchResult end = levenberg_marquardt(evaluator, space.coordinates(start));
+    evaluator.require_memory();
+    if (!std::isfinite(end.objective))
+        throw RunError("no finite residuals: " + end.reason);
+    return foretold(problem, stretch, space.values(end.u),
+                    rest.sigma_known ? 1.0 : end.objective / static_cast<double>(dof));
+}
+
+} // namespace
+
+double CrossValidation::sum() const {
+    double sum = 0.0;
+    for (const double one : blocks)
+        sum += one;
+    return sum;
+}
+
+double CrossValidation::error() const {
+    const auto n = static_cast<double>(blocks.size());
+    double squares = 0.0;
+    for (const double one : blocks)
+        squares += (one - sum() / n) * (one - sum() / n);
+    return n > 1.0 ? std::sqrt(n * squares / (n - 1.0)) : HUGE_VAL;
+}
+
+std::optional<CrossValidation> cross_validate(const Problem& problem, const Method& method, const Fit& fit,
+                                              std::size_t blocks) {
+    for (const Series& one : series_of(problem))
+        if (one.residuals.size() > 1) // a time of contact stays with its stretch
+            blocks = std::min(blocks, one.residuals.size());
+    CrossValidation out;
+    for (std::size_t block = 0; block < blocks; ++block) {
+        const auto one =
+            blocks < 2 ? std::nullopt : foretold(problem, method, fit, stretch_of(problem, block, blocks));
+        if (!one)
+            return std::nullopt;
+        out.blocks.push_back(*one);
+    }
+    return out;
+}
+
+} // namespace rodwake::fitting

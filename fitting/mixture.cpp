@@ -1,0 +1,181 @@
+#include "mixture.hpp"
+
+#include "prior_map.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <boost/math/special_functions/gamma.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace rodwake::fitting {
+
+namespace {
+
+constexpr double freedom = 5.0;
+constexpr std::size_t most_places = 2500;
+
+/// Evenly spread among all.
+std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& places) {
+    std::vector<const Eigen::VectorXd*> out;
+    const std::size_t count = std::min(most_places, places.size());
+    for (std::size_t i = 0; i < count; ++i)
+        out.push_back(&places[i * places.size() / count]);
+    return out;
+}
+
+/// By the share that it has in each place; held to what it was by as many places as it has dimensions, so
+/// that a few do not make it flat.
+Mixture::Part moved(Mixture::Part part, const std::vector<const Eigen::VectorXd*>& places,
+                    const std::vector<double>& shares) {
+    const auto hold = static_cast<double>(part.middle.size() + 1);
+    const double count = std::accumulate(shares.begin(), shares.end(), 0.0);
+    part.weight = count / static_cast<double>(places.size());
+    if (count < 3.0 * hold)
+        return part;
+    Eigen::VectorXd middle = 0.0 * part.middle;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        middle += shares[i] / count * *places[i];
+    Eigen::MatrixXd found = 0.0 * part.covariance;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        found += shares[i] * (*places[i] - middle) * (*places[i] - middle).transpose();
+    part.middle = middle;
+    part.covariance = (found + hold * part.covariance) / (count + hold);
+    part.covariance.diagonal().array() += 1e-14; // of places that are all the same
+    return part;
+}
+
+} // namespace
+
+Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size) {
+    Eigen::VectorXd out(size);
+    for (double& one : out)
+        one = normal_quantile(random.uniform());
+    return out;
+}
+
+Mixture::Mixture(std::vector<Part> parts) : parts_(std::move(parts)) { settle(); }
+
+void Mixture::settle() {
+    double all = 0.0;
+    for (const Part& part : parts_)
+        all += part.weight;
+    for (Part& part : parts_)
+        part.weight /= all;
+    wide_ = {0.1, 0.0 * parts_.front().middle, 0.0 * parts_.front().covariance};
+    for (const Part& part : parts_)
+        wide_.middle += part.weight * part.middle;
+    for (const Part& part : parts_) {
+        const Eigen::VectorXd off = part.middle - wide_.middle;
+        wide_.covariance += 3.0 * part.weight * (part.covariance + off * off.transpose());
+    }
+    const auto d = static_cast<double>(wide_.middle.size());
+    for (std::size_t i = 0; i <= parts_.size(); ++i) {
+        const double weight = i < parts_.size() ? (1.0 - wide_.weight) * parts_[i].weight : wide_.weight;
+        roots_.emplace_back(part(i).covariance.llt().matrixL());
+        constants_.push_back(
+            std::log(weight) + boost::math::lgamma(0.5 * (freedom + d)) - boost::math::lgamma(0.5 * freedom) -
+            0.5 * d * std::log(freedom * std::numbers::pi) - roots_.back().diagonal().array().log().sum());
+    }
+}
+
+double Mixture::log_density(std::size_t i, const Eigen::VectorXd& z) const {
+    const Eigen::VectorXd u = roots_[i].triangularView<Eigen::Lower>().solve(z - part(i).middle);
+    return constants_[i] -
+           0.5 * (freedom + static_cast<double>(z.size())) * std::log1p(u.squaredNorm() / freedom);
+}
+
+double Mixture::log_density(const Eigen::VectorXd& z) const {
+    double most = -HUGE_VAL, sum = 0.0;
+    for (std::size_t i = 0; i <= parts_.size(); ++i) {
+        const double one = log_density(i, z);
+        sum = one > most ? sum * std::exp(most - one) + 1.0 : sum + std::exp(one - most);
+        most = std::max(most, one);
+    }
+    return most + std::log(sum);
+}
+
+Eigen::VectorXd Mixture::about(std::size_t part, double wide, RandomStream& random) const {
+    return parts_[part].middle + wide * (roots_[part] * normal_draws(random, parts_[part].middle.size()));
+}
+
+Eigen::VectorXd Mixture::draw(RandomStream& random) const {
+    double rest = random.uniform() - wide_.weight;
+    std::size_t i = rest < 0.0 ? parts_.size() : 0;
+    for (rest /= 1.0 - wide_.weight; i + 1 < parts_.size() && rest >= parts_[i].weight; ++i)
+        rest -= parts_[i].weight;
+    const Eigen::VectorXd direction = normal_draws(random, wide_.middle.size());
+    const double stretch =
+        std::sqrt(normal_draws(random, static_cast<Eigen::Index>(freedom)).squaredNorm() / freedom);
+    return part(i).middle + roots_[i] * direction / stretch;
+}
+
+Eigen::MatrixXd Mixture::common_root() const {
+    Eigen::MatrixXd mean = 0.0 * parts_.front().covariance;
+    for (const Part& part : parts_)
+        mean += part.weight * part.covariance;
+    return mean.llt().matrixL();
+}
+
+Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const {
+    const Places some = some_of(places);
+    const auto d = static_cast<double>(parts_.front().middle.size()),
+               count = static_cast<double>(some.size());
+    // of a criterion of Schwarz, with a fourth of the places for independent ones
+    const double worth = 2.0 * (1.0 + d + 0.5 * d * (d + 1.0)) * std::log(count) / count;
+    Mixture best = followed(some, 6);
+    for (std::size_t i = 0; i < splits && best.parts() < most_parts; ++i) {
+        Mixture next = best.split().followed(some, 6);
+        if (next.mean_log_density(some) < best.mean_log_density(some) + worth)
+            break;
+        best = std::move(next);
+    }
+    return best;
+}
+
+/// Expectation and maximisation.
+Mixture Mixture::followed(const Places& places, int rounds) const {
+    std::vector<std::vector<double>> shares(parts_.size(), std::vector<double>(places.size()));
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const double all = log_density(*places[i]);
+        for (std::size_t k = 0; k < parts_.size(); ++k)
+            shares[k][i] = std::exp(log_density(k, *places[i]) - all);
+    }
+    std::vector<Part> parts;
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+        parts.push_back(moved(parts_[k], places, shares[k]));
+        // one that is not seen for a while is not given up
+        parts.back().weight = std::max(parts.back().weight, 0.2 / static_cast<double>(parts_.size()));
+    }
+    const Mixture next(std::move(parts));
+    return rounds > 1 ? next.followed(places, rounds - 1) : next;
+}
+
+/// The heaviest part in two along its longest axis.
+Mixture Mixture::split() const {
+    constexpr double apart = 0.8; // of its standard deviation there
+    std::vector<Part> parts = parts_;
+    Part& heavy = *std::ranges::max_element(parts, {}, &Part::weight);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(heavy.covariance);
+    const Eigen::Index last = heavy.middle.size() - 1;
+    const Eigen::VectorXd step =
+        apart * std::sqrt(std::max(0.0, axes.eigenvalues()[last])) * axes.eigenvectors().col(last);
+    heavy.weight *= 0.5;
+    heavy.covariance -= step * step.transpose();
+    Part other = heavy;
+    heavy.middle -= step, other.middle += step;
+    parts.push_back(std::move(other));
+    return Mixture(std::move(parts));
+}
+
+double Mixture::mean_log_density(const Places& places) const {
+    double sum = 0.0;
+    for (const Eigen::VectorXd* z : places)
+        sum += log_density(*z);
+    return sum / static_cast<double>(places.size());
+}
+
+} // namespace rodwake::fitting
