@@ -270,8 +270,9 @@ private:
         Leader leader(problem);
         if (problem.rods.size() == 2)
             options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
-        const rods::RodResult run = certified(result.point) ? rods::simulate_certified(problem, options)
-                                                            : rods::simulate(problem, options);
+        const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)
+                                        ? rods::simulate_certified(problem, options, true)
+                                        : rods::simulate(problem, options);
         const integrate::Status& status = run.solution.status;
         if (status.termination == Termination::interrupted) {
             interrupted(result, start);
@@ -287,7 +288,7 @@ private:
     bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
         auto met = rods::contact_at_start(problem);
         if (met) {
-            met->outcome.certificate = Certificate::proved;
+            met->outcome.certificate = rods::certificate_at_start(problem, met->outcome);
             store_certain_capture(plan_, met->outcome.ending, result);
             store(end_of(problem, *met, {}), plan_, units_, result);
         }

@@ -1,6 +1,6 @@
 // What bounds of an encounter say of its ending: the criteria of core/encounter.hpp on intervals.
 
-#include "pair_proof.hpp"
+#include "pair_decision.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,38 +1,37 @@
 #pragma once
-// How well an outcome is known. docs/physics.md, section 7, derives the bounds.
+// How well an outcome is known. docs/physics.md, section 7, has the bounds.
 //
-//   proved    the exact solution ends so: its distance to every decision (contact, and the criteria of
-//   pursuit
-//             and escape) is larger than an a-posteriori bound of the error of the numerical one. Rounding in
-//             the bound itself is allowed for, not enclosed
-//   checked   a run at a tolerance a hundred times tighter ends so, and each decision is farther from its
-//             limit than ten times what the two differ by
+//   proved    rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
+//             of pursuit and escape) is farther from its limit than its rounding. And rods that start well
+//             within the contact distance, and a single one, which has nothing to decide
+//   checked   rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision is
+//             farther from its limit than ten times what the two differ by. Evidence, not a proof
 //   open      neither
 //
-// Proofs are of two rods on the plane in the exact field, and of any number that walk straight. Other runs
-// are checked where a second one costs little, else open.
-//
-// Degenerate input: a run that failed or was interrupted, or with noise, is open; rods that start in contact
-// are proved; a single rod has nothing to decide and is proved undecided.
+// Degenerate input: open are a run that failed or was interrupted, or with noise; more than
+// most_followed_rods rods; rtol below 1e-11, as none is a hundred times tighter; straight walkers in a
+// periodic box, whose images are not gone through.
 
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <span>
-#include <vector>
 
 namespace rodwake::rods {
 
-/// As simulate, with RodOutcome::certificate.
-RodResult simulate_certified(const RodProblem& problem, const RodOptions& options);
+/// Whether nothing turns the rods.
+bool walks_straight(const RodProblem& problem);
 
-/// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Costs about as much
-/// again, and the pairs that are not proved a second run.
+/// Of rods that start in contact, by the separation of `met`.
+Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& met);
+
+/// As simulate, with RodOutcome::certificate. A second run is made where it takes some milliseconds, or, if
+/// `thorough`, always.
+RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough = false);
+
+/// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Runs each pair
+/// twice.
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results);
-
-/// Whether all pairs between two end so. Those of a box whose opposite corners they are: couplings, places
-/// and headings may differ, each by itself. Where it says no, some may end otherwise, or not.
-bool all_end(const PairProblem& low, const PairProblem& high, Ending ending, const PairOptions& options);
 
 } // namespace rodwake::rods
