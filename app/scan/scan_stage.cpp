@@ -168,12 +168,12 @@ StageEnd run_scan(Session& session) {
 
 /// A few points spread over the scan stand for all.
 double seconds_of_point(const ScanPlan& plan, double budget) {
-    scan::Design spread = plan.design;
-    if (spread.kind != scan::Kind::list)
-        spread.kind = scan::Kind::sobol;
-    spread.samples = 256;
-    const scan::PointList points(spread);
-    const scan::Evaluate evaluate = evaluate_rods(plan, nullptr);
+    ScanPlan spread = plan;
+    if (spread.design.kind != scan::Kind::list)
+        spread.design.kind = scan::Kind::sobol;
+    spread.design.samples = 256;
+    const scan::PointList points(spread.design);
+    const scan::Evaluate evaluate = evaluate_rods(spread, nullptr);
     const Stopwatch watch;
     std::int64_t done = 0;
     while (done < points.size() && watch.seconds() < budget) {

@@ -100,7 +100,8 @@ void fields(Visitor& v, Scan& scan) {
       scan.time_limit);
     v(key("certificates")
           .doc("of rods: whether the outcomes of rods that turn are checked by a second run, a hundred times "
-               "tighter, which takes about three times as long; without, they are open"),
+               "tighter, which takes about three times as long; without, they are open")
+          .example("true"),
       scan.certificates);
     v(key("trajectories")
           .within(0, 100'000)
