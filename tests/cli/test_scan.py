@@ -248,7 +248,7 @@ class DesignTest(ScanTest):
             self.write(f"{name}.toml", text)
             self.scan(f"{name}.toml", name)
             self.assertGreater(self.json(name)["boundary"]["points"], 0)
-            self.assertEqual(len(self.rows(name, "cells.csv")[0]) - 1, {2: 2, 8: 6}[corners])
+            self.assertEqual(len(self.rows(name, "cells.csv")[0]) - 2, {2: 2, 8: 6}[corners])
 
     def test_observables_refine(self):
         plain = ADAPTIVE.replace("boundary_tolerance = 1e-4\n", "").replace("audit = 100", "audit = 0")
