@@ -89,6 +89,8 @@ public:
         try_ends(plan);
         if (of_beds())
             plan.design.costs = costs_of_beds(plan);
+        else
+            plan.certificates = scan_.certificates;
         return plan;
     }
 

@@ -9,6 +9,7 @@
 #include "rodwake/scan/ledger.hpp"
 #include "rodwake/scan/run.hpp"
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <vector>
@@ -75,11 +76,24 @@ std::optional<ScanList> read_scan_list(const scene::Scene& scene);
 
 inline bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
 
+/// Of the points that did not fail how many are known how well, by the number of the Certificate. Of an
+/// adaptive scan its cells, as Summary::leaves, and their shares of the area: checked if the corners agree
+/// and are proved or checked, else open; none is proved.
+struct ScanCertificates {
+    std::array<std::int64_t, 3> points{};
+    std::array<double, 3> area{};
+    std::vector<Certificate> cells;
+};
+ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledger,
+                                 const scan::Summary& summary);
+/// "120 points proved, 3 checked, 0 open; of the area ..."
+std::string certificates_text(const ScanCertificates& certificates);
+
 /// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are
 /// cells and boundaries; of beds what scan_bed_results.hpp says. Throws RunError.
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
                 const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
-                double wall_seconds, std::size_t threads);
+                const ScanCertificates& certificates, double wall_seconds, std::size_t threads);
 
 /// scan.csv, scan_runs.csv and scan.h5 with the same columns. Throws RunError.
 void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger);

@@ -80,6 +80,7 @@ scene::Scan scan_keys(const scene::Scan& scan) {
     scene::Scan key;
     key.design = scan.design;
     key.axes = scan.axes;
+    key.certificates = scan.certificates;
     for (scene::ScanAxis& axis : key.axes)
         axis.label.clear();
     if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample

@@ -82,8 +82,16 @@ ordered_json bed_json(const ScanPlan& plan) {
             {"units", {{"length", "a"}, {"time", "s"}}}};
 }
 
+template<class Number>
+ordered_json by_certificate(const std::array<Number, 3>& numbers) {
+    ordered_json out = ordered_json::object();
+    for (const Certificate one : all_certificates)
+        out[to_string(one)] = numbers[static_cast<std::size_t>(one)];
+    return out;
+}
+
 std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const scan::Summary& summary,
-                      double wall_seconds) {
+                      const ScanCertificates& certificates, double wall_seconds) {
     const bool adaptive = plan.design.kind == scan::Kind::adaptive, audited = summary.audit.tried > 0;
     ordered_json out = {{"design", scan::to_string(plan.design.kind)},
                         {"complete", summary.complete},
@@ -109,10 +117,14 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
         out["outcomes"][name] = counts.outcomes.contains(name) ? counts.outcomes.at(name) : 0;
     out["causes"] = counts.causes;
     out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
-    if (of_beds(plan))
+    if (of_beds(plan)) {
         out.update(bed_json(plan));
-    else
+    } else {
+        out["certificates"] = by_certificate(certificates.points);
+        out["certified_area"] =
+            certificates.cells.empty() ? ordered_json(nullptr) : by_certificate(certificates.area);
         out.update(rods_json(plan));
+    }
     return out.dump(2) + "\n";
 }
 
@@ -168,10 +180,11 @@ void write_all_points(const std::filesystem::path& folder, const ScanPlan& plan,
 }
 
 void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                       const scan::Ledger& ledger, const scan::Summary& summary, std::size_t threads) {
+                       const scan::Ledger& ledger, const scan::Summary& summary,
+                       const std::vector<Certificate>& cells, std::size_t threads) {
     write_all_points(folder, plan, keys, ledger, summary.complete, threads);
     if (!summary.leaves.empty())
-        write_cells(folder / "cells.csv", plan, summary);
+        write_cells(folder / "cells.csv", plan, summary, cells);
     if (!summary.curves.empty())
         write_boundary(folder / "boundary.csv", plan, summary);
 }
@@ -180,13 +193,14 @@ void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan
 
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
                 const scan::Ledger& ledger, const scan::Counts& counts, const scan::Summary& summary,
-                double wall_seconds, std::size_t threads) {
+                const ScanCertificates& certificates, double wall_seconds, std::size_t threads) {
     if (of_beds(plan))
         write_bed_results(folder, plan, ledger);
     else
-        write_rod_results(folder, plan, keys, ledger, summary, threads);
+        write_rod_results(folder, plan, keys, ledger, summary, certificates.cells, threads);
     // last: whoever finds it finds everything
-    store::write_atomically(folder / "scan.json", scan_json(plan, counts, summary, wall_seconds));
+    store::write_atomically(folder / "scan.json",
+                            scan_json(plan, counts, summary, certificates, wall_seconds));
 }
 
 namespace {

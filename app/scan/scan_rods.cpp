@@ -2,8 +2,10 @@
 
 #include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/rods/conclude.hpp"
 #include "rodwake/rods/pair_batch.hpp"
+#include "rodwake/scan/lattice.hpp"
 #include "scan_values.hpp"
 #include "theory/rods_ensemble.hpp"
 
@@ -121,7 +123,10 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
 class PointsOfRods {
 public:
     PointsOfRods(const ScanPlan& plan, const OutputUnits& units, const std::function<bool()>& stop)
-        : plan_(plan), units_(units), stop_(stop), problem_(plan) {}
+        : plan_(plan), units_(units), stop_(stop), problem_(plan) {
+        if (plan.certificates && plan.design.kind == scan::Kind::adaptive)
+            lattice_.emplace(plan.design);
+    }
 
     void evaluate(std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -139,6 +144,7 @@ private:
         rods::PairOptions options;
         std::vector<rods::PairProblem> pairs;
         std::vector<std::size_t> points;
+        bool certified = false;
     };
 
     /// Failures are values.
@@ -166,23 +172,31 @@ private:
         if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
             return climb(problem, options, result, start);
         rods::validate(*pair);
-        Batch& batch = batch_of(pair_options(options.ode));
+        Batch& batch = batch_of(pair_options(options.ode), certified(result.point));
         batch.pairs.push_back(*pair);
         batch.points.push_back(number);
     }
 
-    Batch& batch_of(const rods::PairOptions& options) {
+    /// Points on edges, which bisect a boundary, leave nothing but its place.
+    bool certified(const scan::Point& point) const {
+        return plan_.certificates && (!lattice_ || lattice_->point(lattice_->place(point.id)).at == point.at);
+    }
+
+    Batch& batch_of(const rods::PairOptions& options, bool certified) {
         const auto at = std::ranges::find_if(batches_, [&](const Batch& batch) {
-            return batch.options.rtol == options.rtol && batch.options.atol == options.atol &&
-                   batch.options.max_attempts == options.max_attempts;
+            return batch.certified == certified && batch.options.rtol == options.rtol &&
+                   batch.options.atol == options.atol && batch.options.max_attempts == options.max_attempts;
         }); // more than one only where the tolerance is an axis
-        return at != batches_.end() ? *at : batches_.emplace_back(Batch{options, {}, {}});
+        return at != batches_.end() ? *at : batches_.emplace_back(Batch{options, {}, {}, certified});
     }
 
     void run(const Batch& batch, std::span<scan::Result> results) {
         const auto start = Clock::now();
         std::vector<rods::PairResult> ends(batch.pairs.size());
-        rods::simulate_pairs(batch.pairs, batch.options, ends);
+        if (batch.certified)
+            rods::simulate_certified(batch.pairs, batch.options, ends);
+        else
+            rods::simulate_pairs(batch.pairs, batch.options, ends);
         const double each = seconds_since(start) / static_cast<double>(ends.size());
         for (std::size_t k = 0; k < ends.size(); ++k) {
             scan::Result& result = results[batch.points[k]];
@@ -256,7 +270,9 @@ private:
         Leader leader(problem);
         if (problem.rods.size() == 2)
             options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
-        const rods::RodResult run = rods::simulate(problem, options);
+        const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)
+                                        ? rods::simulate_certified(problem, options, true)
+                                        : rods::simulate(problem, options);
         const integrate::Status& status = run.solution.status;
         if (status.termination == Termination::interrupted) {
             interrupted(result, start);
@@ -270,8 +286,9 @@ private:
     }
 
     bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
-        const auto met = rods::contact_at_start(problem);
+        auto met = rods::contact_at_start(problem);
         if (met) {
+            met->outcome.certificate = rods::certificate_at_start(problem, met->outcome);
             store_certain_capture(plan_, met->outcome.ending, result);
             store(end_of(problem, *met, {}), plan_, units_, result);
         }
@@ -283,6 +300,7 @@ private:
     const std::function<bool()>& stop_;
     PointProblem problem_;
     std::vector<Batch> batches_;
+    std::optional<scan::Lattice> lattice_; ///< of an adaptive scan with certificates
 };
 
 } // namespace

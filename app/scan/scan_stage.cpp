@@ -158,19 +158,22 @@ StageEnd run_scan(Session& session) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
     const scan::Counts counts = ledger.counts();
+    const ScanCertificates certificates = certificates_of(plan, ledger, summary);
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
-               took.count(), session.context.thread_count());
+               certificates, took.count(), session.context.thread_count());
+    if (plan.certificates)
+        session.log->info("scan: {}", certificates_text(certificates));
     return report(session, ledger, counts, summary);
 }
 
 /// A few points spread over the scan stand for all.
 double seconds_of_point(const ScanPlan& plan, double budget) {
-    scan::Design spread = plan.design;
-    if (spread.kind != scan::Kind::list)
-        spread.kind = scan::Kind::sobol;
-    spread.samples = 256;
-    const scan::PointList points(spread);
-    const scan::Evaluate evaluate = evaluate_rods(plan, nullptr);
+    ScanPlan spread = plan;
+    if (spread.design.kind != scan::Kind::list)
+        spread.design.kind = scan::Kind::sobol;
+    spread.design.samples = 256;
+    const scan::PointList points(spread.design);
+    const scan::Evaluate evaluate = evaluate_rods(spread, nullptr);
     const Stopwatch watch;
     std::int64_t done = 0;
     while (done < points.size() && watch.seconds() < budget) {
@@ -239,7 +242,9 @@ std::string scan_cost(const ScanPlan& plan) {
            cost_table(scan_rows(plan, each));
 }
 
-constexpr ColumnInfo cells_columns[] = {{"outcome", "1", "of all corners of the cell; mixed: they differ"}};
+constexpr ColumnInfo cells_columns[] = {
+    {"outcome", "1", "of all corners of the cell; mixed: they differ"},
+    {"certificate", "1", "checked: the corners end alike and are proved or checked; else open"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
     {"between", "1", "the two outcomes"},

@@ -7,6 +7,7 @@
 #include "rodwake/core/rng.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "scan_parts.hpp"
+#include "scan_values.hpp"
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
@@ -47,6 +48,10 @@ void append_place(std::string& text, const ScanPlan& plan, const scan::Point& po
     }
 }
 
+std::string certificate_text(const scan::Result& r, std::size_t column) {
+    return r.ok() ? to_string(static_cast<Certificate>(r.values[column])) : "";
+}
+
 /// "time" stands before the status, the others after it.
 void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
     append_place(text, plan, r.point);
@@ -57,7 +62,10 @@ void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) 
     text += scan::status_names[static_cast<std::size_t>(r.status)];
     for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
         text += ',';
-        append(text, r.ok() ? r.values[k] : std::nan(""));
+        if (plan.columns.observables[k] == certificate_column)
+            text += certificate_text(r, k);
+        else
+            append(text, r.ok() ? r.values[k] : std::nan(""));
     }
     text += ',';
     append(text, static_cast<double>(r.retries));
@@ -115,13 +123,15 @@ void PointTable::add(std::span<const scan::Result> results, std::size_t threads)
         pending_.write(text);
 }
 
-void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary) {
+void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary,
+                 const std::vector<Certificate>& certificates) {
     const scan::Lattice lattice(plan.design);
     std::string text;
     for (const scan::Axis& axis : plan.design.axes)
         text += fmt::format("{0}_from,{0}_to,", axis.name);
-    text += "outcome\n";
-    for (const scan::Leaf& leaf : summary.leaves) {
+    text += "outcome,certificate\n";
+    for (std::size_t i = 0; i < summary.leaves.size(); ++i) {
+        const scan::Leaf& leaf = summary.leaves[i];
         scan::Lattice::Place high = leaf.low;
         for (std::size_t k = 0; k < lattice.axes(); ++k)
             high[k] += leaf.side;
@@ -135,7 +145,7 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
         text += (leaf.mixed ? "mixed"
                  : named    ? plan.columns.outcomes[static_cast<std::size_t>(leaf.outcome)]
                             : "") +
-                std::string("\n");
+                "," + to_string(certificates[i]) + "\n";
     }
     store::write_atomically(file, text);
 }
@@ -197,6 +207,10 @@ void PointColumns::finish() {
             h5_.attribute("/points", axis.name + "_names", joined(axis.words));
     h5_.attribute("/points", "outcome_names", joined(plan_.columns.outcomes));
     h5_.attribute("/points", "status_names", joined(scan::status_names));
+    std::vector<std::string> certificates;
+    for (const Certificate one : all_certificates)
+        certificates.push_back(to_string(one));
+    h5_.attribute("/points", "certificate_names", joined(certificates));
 }
 
 void TrajectorySample::add(const scan::Result& result) {

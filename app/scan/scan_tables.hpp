@@ -2,6 +2,7 @@
 // The tables of a scan: scan.csv, cells.csv and boundary.csv, and the datasets of scan.h5.
 
 #include "rodwake/app/scan.hpp"
+#include "rodwake/core/encounter.hpp"
 #include "rodwake/scan/run.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
@@ -38,7 +39,9 @@ private:
     std::vector<std::string> texts_; ///< of blocks of rows
 };
 
-void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary);
+/// `certificates`: of each cell.
+void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary,
+                 const std::vector<Certificate>& certificates);
 void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, const scan::Summary& summary);
 
 /// The group /points: a dataset a column, in the order in which points are added.

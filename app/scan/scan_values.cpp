@@ -55,6 +55,7 @@ EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
     put_pair(end, run.solution.final_state, outcome.pair, problem.box);
     end.steps = run.solution.statistics.steps;
     end.rhs_evaluations = run.solution.statistics.rhs_evaluations;
+    end.certificate = static_cast<double>(outcome.certificate);
     return end;
 }
 
@@ -66,6 +67,7 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
     put_pair(end, run.state, {0, 1, run.separation}, {});
     end.steps = run.steps;
     end.rhs_evaluations = run.rhs_evaluations;
+    end.certificate = static_cast<double>(run.certificate);
     return end;
 }
 

@@ -32,6 +32,8 @@ private:
     Ahead ahead_;
 };
 
+inline constexpr std::string_view certificate_column = "certificate";
+
 /// Reduced units.
 struct EncounterEnd {
     Ending ending = Ending::undecided;
@@ -41,6 +43,7 @@ struct EncounterEnd {
     double separation = 0.0;      ///< of more rods of the pair that the outcome is about
     double angle = 0.0;           ///< likewise
     long steps = 0, rhs_evaluations = 0;
+    double certificate = 2.0; ///< number of the Certificate; a word in scan.csv
 
     static constexpr auto fields() {
         using R = EncounterEnd;
@@ -56,7 +59,9 @@ struct EncounterEnd {
             field("final_separation", &R::separation, {"{scan length}", "at the end"}),
             field("final_angle", &R::angle, {"rad", "between the headings at the end"}),
             field("steps", &R::steps, {"1", "of the solver"}),
-            field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"})};
+            field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"}),
+            field(certificate_column, &R::certificate,
+                  {"1", "how well the outcome is known: proved, checked or open (in scan.h5 0, 1, 2)"})};
     }
 };
 

@@ -346,6 +346,7 @@ template const Codec& codec_of<TimeOrTravel>();
 template const Codec& codec_of<BoxSize>();
 template const Codec& codec_of<Localisation>();
 template const Codec& codec_of<Value>();
+template const Codec& codec_of<std::optional<bool>>();
 template const Codec& codec_of<std::optional<double>>();
 template const Codec& codec_of<std::optional<long>>();
 template const Codec& codec_of<std::optional<PeriodicBox>>();

@@ -98,11 +98,15 @@ void fields(Visitor& v, Scan& scan) {
               "seconds that one point, of beds one run, may take; one that takes longer is marked time_limit")
           .example("10.0"),
       scan.time_limit);
+    v(key("certificates")
+          .doc("of rods: whether the outcomes of rods that turn are checked by a second run, a hundred times "
+               "tighter, which takes about three times as long; without, they are open")
+          .example("true"),
+      scan.certificates);
     v(key("trajectories")
           .within(0, 100'000)
           .doc("of rods: points spread over the scan whose trajectories are stored; of beds granular.output "
-               "says "
-               "what is")
+               "says what is")
           .example("256"),
       scan.trajectories);
     v(key("max_points")

@@ -4,6 +4,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/cost_parts.hpp"
 #include "run/log.hpp"
@@ -108,7 +109,7 @@ void solve(const Session& session, Work& one, bool show_progress) {
     if (medium && medium->is_dynamic())
         solve_dynamic(session, one);
     else
-        one.result = rods::simulate(one.problem, one.options);
+        one.result = rods::simulate_certified(one.problem, one.options);
     if (one.is_over())
         std::filesystem::remove(session.directory.file(one.checkpoint_file()));
 }
@@ -176,6 +177,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
     out.attribute(group, "label", one.of().label);
     out.attribute(group, "order", order);
     out.attribute(group, "outcome", to_string(outcome.ending));
+    out.attribute(group, "certificate", to_string(outcome.certificate));
     out.attribute(group, "time", outcome.time * session.units.time);
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
     write_couplings(out, group, one.of().scene.coupling.value_or(scene::Coupling{}), session.units);
@@ -226,8 +228,9 @@ StageEnd report(const Session& session, const Work& one) {
         session.log->error("{}: {}", name, status.message());
         return StageEnd::failed;
     }
-    session.log->info("{}: {} ({}); {} steps", name, to_string(one.result.outcome.ending),
-                      one.result.outcome.reason, one.result.solution.statistics.steps);
+    session.log->info("{}: {}, {} ({}); {} steps", name, to_string(one.result.outcome.ending),
+                      to_string(one.result.outcome.certificate), one.result.outcome.reason,
+                      one.result.solution.statistics.steps);
     return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
                                                                      : StageEnd::finished;
 }
@@ -386,6 +389,7 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
     const rods::RodOutcome& outcome = result.outcome;
     OutcomeReport report;
     report.outcome = to_string(outcome.ending);
+    report.certificate = to_string(outcome.certificate);
     report.time = outcome.time * units.time;
     if (std::isfinite(outcome.min_separation)) {
         report.min_separation = outcome.min_separation * units.length;

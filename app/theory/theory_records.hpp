@@ -149,7 +149,7 @@ struct DrawnReport : EndingCounts {
 };
 
 struct OutcomeReport {
-    std::string outcome;
+    std::string outcome, certificate;
     double time = 0.0, min_separation = unknown_error, min_separation_time = unknown_error;
     OrNull<std::array<std::size_t, 2>> pair;
     std::vector<double> turn;
@@ -162,6 +162,8 @@ struct OutcomeReport {
     static constexpr auto fields() {
         using R = OutcomeReport;
         return std::tuple{field("outcome", &R::outcome, {"", "contact, pursuit, escape or undecided"}),
+                          field("certificate", &R::certificate,
+                                {"", "how well the outcome is known: proved, checked or open"}),
                           field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
                           field("min_separation", &R::min_separation,
                                 {"{length}", "smallest separation of any pair at any time"}),

@@ -193,8 +193,8 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
     else if (end == PairEnding::finished && passes_through(lane, result))
         result.end = PairEnding::out_of_range; // rods::simulate says why
     else if (end == PairEnding::finished) {
-        const LatePart late{l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
-        const Ending ending = classify_pair(result.state, result.rate, 0, 1, late, options_.criteria);
+        result.late = {l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
+        const Ending ending = classify_pair(result.state, result.rate, 0, 1, result.late, options_.criteria);
         const PairProblem& pair = pairs_[pair_[lane]];
         const bool alone = ending == Ending::pursuit && // nobody follows whom he does not feel
                            !reaches(pair.medium, pair.couplings, result.separation, pair.t_end,

@@ -209,6 +209,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     }
     result.outcome =
         conclude(problem, equations.interacting, rates, result.solution, record, options.criteria);
+    result.record = std::move(record);
     return result;
 }
 

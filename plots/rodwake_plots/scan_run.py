@@ -68,7 +68,7 @@ class ScanRun:
     def columns(self):
         """{name: numbers, or a list of words}, in the order of the file."""
         choices = [axis.key for axis in self.axes if axis.is_choice]
-        found = files.read_csv(self.path, ("outcome", "status", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
+        found = files.read_csv(self.path, ("outcome", "status", "certificate", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
         if not found["outcome"]:
             raise PlotError(f"{self.path}: holds no points: nothing to draw")
         return found
@@ -127,7 +127,7 @@ class ScanRun:
     def cells(self):
         """(lows, highs) [cell][axis] in even coordinates, outcomes (index; -1: mixed, or none)."""
         path = self.folder / CELLS
-        found = files.read_csv(path, text=("outcome",))
+        found = files.read_csv(path, text=("outcome", "certificate"))
         sides = [np.stack([axis.even(found[f"{axis.key}_{end}"]) for axis in self.axes], axis=-1)
                  for end in ("from", "to")]
         names = found["outcome"]

@@ -4,6 +4,7 @@
 #include "arrays.hpp"
 #include "bind.hpp"
 #include "rod_problem.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/rods/conclude.hpp"
 #include "signals.hpp"
 
@@ -79,7 +80,7 @@ Run simulate(const Array& poses, const Medium* medium, double kappa, double gamm
         const py::gil_scoped_release release;
         rods::RodOptions options = options_of(problem, method, form, rtol, atol, max_steps);
         options.ode.stop_requested = [&] { return interrupt(); };
-        result = rods::simulate(problem, options);
+        result = rods::simulate_certified(problem, options);
         chosen = to_string(options.ode.method);
     }
     interrupt.rethrow();
@@ -134,7 +135,8 @@ py::tuple saved(const Run& run) {
                           o.pair.distance, o.min_separation, o.min_separation_time, o.turn, o.reason,
                           run.status, run.message, run.method, run.told_contact,
                           std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
-                                      s.error_test_failures, s.convergence_failures});
+                                      s.error_test_failures, s.convergence_failures},
+                          static_cast<int>(o.certificate));
 }
 
 /// Bit for bit, so that a solve that failed on NaN equals its copy too.
@@ -168,7 +170,8 @@ Run restored(const py::tuple& v) {
              number(7),
              number(8),
              v[9].cast<std::vector<double>>(),
-             text(10)},
+             text(10),
+             static_cast<Certificate>(v[16].cast<int>())},
             text(11),
             text(12),
             text(13),
@@ -191,6 +194,9 @@ void bind_rods(py::module_& module) {
         .def_readonly("t", &Run::t, "(T,): the output times, then the end if it is another time")
         .def_readonly("poses", &Run::poses, "(T, N, 3): x, y and heading of each rod at each time")
         .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape' or 'undecided'")
+        .def_property_readonly(
+            "certificate", [](const Run& run) { return to_string(run.outcome.certificate); },
+            "how well the outcome is known: 'proved', 'checked' or 'open'")
         .def_property_readonly(
             "time", [](const Run& run) { return run.outcome.time; }, "of contact, else the time reached")
         .def_property_readonly("pair", &pair_of,

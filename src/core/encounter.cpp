@@ -44,6 +44,12 @@ std::string to_string(Ending ending) {
     return "undecided";
 }
 
+std::string to_string(Certificate certificate) {
+    return certificate == Certificate::proved    ? "proved"
+           : certificate == Certificate::checked ? "checked"
+                                                 : "open";
+}
+
 double angle_between(double heading, double other) {
     return std::abs(std::remainder(heading - other, 2.0 * std::numbers::pi));
 }

@@ -42,6 +42,7 @@ PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the mea
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
+    "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
     "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
     "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/beds.cpp"},  # of the scan; how long a run takes
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},

@@ -193,6 +193,29 @@ class DesignTest(ScanTest):
         for name in ("outcome", "time", "final_separation"):
             self.assertEqual(found[1][name], self.rows("few")[0][name])
 
+    def test_certificates(self):
+        self.write("adaptive.toml", CROSSING + '[scan]\ndesign = "adaptive"\nresolution = 8\naudit = 5\ntrajectories = 0\n' + axes_of(4))
+        self.write("straight.toml", CROSSING.replace("kappa = 1.0", "kappa = 0.0") + "[scan]\n" + axis("rods.1.position.0", -6.0, 6.0, 9))
+        self.scan("adaptive.toml", "plain")
+        self.scan("adaptive.toml", "asked", "-s", "scan.certificates=true")
+        self.scan("straight.toml", "straight")
+        self.assertEqual({row["certificate"] for row in self.rows("plain")}, {"open"})
+        self.assertEqual(self.json("plain")["certified_area"], {"proved": 0.0, "checked": 0.0, "open": 1.0})
+        self.assertEqual({row["certificate"] for row in self.rows("straight")}, {"proved"})
+        self.assertIsNone(self.json("straight")["certified_area"])
+        rows, told = self.rows("asked"), self.json("asked")
+        self.assertEqual([row["outcome"] for row in rows], [row["outcome"] for row in self.rows("plain")])
+        self.assertEqual(told["certificates"], {name: sum(row["certificate"] == name for row in rows) for name in ("proved", "checked", "open")})
+        self.assertGreater(told["certificates"]["checked"], 20)
+        area = dict.fromkeys(("proved", "checked", "open"), 0.0)
+        for cell in self.rows("asked", "cells.csv"):
+            self.assertFalse(cell["outcome"] == "mixed" and cell["certificate"] != "open")
+            area[cell["certificate"]] += (math.log(float(cell[f"{AXES[0]}_to"]) / float(cell[f"{AXES[0]}_from"])) / math.log(1000.0)
+                                          * (float(cell[f"{AXES[1]}_to"]) - float(cell[f"{AXES[1]}_from"])) / 12.0)
+        for name, share in area.items():
+            self.assertAlmostEqual(told["certified_area"][name], share, places=9)  # rounding of each cell 1e-14
+        self.assertGreater(area["checked"], 0.2)
+
     def test_words_and_ties(self):
         self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'
                    '[[scan.axes]]\nkeys = ["coupling.gamma1", "coupling.gamma2"]\nfactor = [1.0, -1.0]\nvalues = [1.0, 2.0]\n')
@@ -225,7 +248,7 @@ class DesignTest(ScanTest):
             self.write(f"{name}.toml", text)
             self.scan(f"{name}.toml", name)
             self.assertGreater(self.json(name)["boundary"]["points"], 0)
-            self.assertEqual(len(self.rows(name, "cells.csv")[0]) - 1, {2: 2, 8: 6}[corners])
+            self.assertEqual(len(self.rows(name, "cells.csv")[0]) - 2, {2: 2, 8: 6}[corners])
 
     def test_observables_refine(self):
         plain = ADAPTIVE.replace("boundary_tolerance = 1e-4\n", "").replace("audit = 100", "audit = 0")

@@ -24,7 +24,7 @@ APART = {"key": "granular.rods.0.position.1", "keys": ["granular.rods.0.position
          "factors": [1.0, -1.0], "symbol": "", "unit": "m", "spacing": "listed", "from": 0.0024, "to": 0.0048, "count": 3,
          "values": [0.0024, 0.0036, 0.0048]}
 RESULTS = ("time", "min_separation", "min_separation_time", "turn0", "turn1", "non_reciprocity", "final_separation", "final_angle")
-COUNTS = ("steps", "rhs_evaluations", "retries")
+COUNTS = ("steps", "rhs_evaluations", "certificate", "retries")
 
 SCENE = """schema = 1
 units = "reduced"
@@ -242,7 +242,9 @@ def write_points(folder, axes, points, codes, failed):
     outcome = ["" if gone else OUTCOMES[code] for code, gone in zip(codes, failed)]
     status = ["not_finite" if gone else "ok" for gone in failed]
     names = [axis["key"] for axis in axes] + ["outcome", "time", "status", *RESULTS[1:], *COUNTS]
-    numbers = list(results.T[1:]) + list(np.floor(counts).T)
+    steps, evaluations, retries = np.floor(counts).T
+    known = ["" if gone else "checked" for gone in failed]
+    numbers = [*results.T[1:], steps, evaluations, known, retries]
     write_table(folder / "scan.csv", names, [words_of(axis, points[:, i]) for i, axis in enumerate(axes)]
                 + [outcome, results[:, 0], status] + numbers)
     return results
@@ -251,7 +253,8 @@ def write_points(folder, axes, points, codes, failed):
 def write_cells(folder, axes, lows, highs, codes):
     names = [f"{axis['key']}_{end}" for axis in axes for end in ("from", "to")]
     columns = [side[:, i] for i in range(len(axes)) for side in (lows, highs)]
-    write_table(folder / "cells.csv", names + ["outcome"], columns + [["mixed" if code < 0 else OUTCOMES[code] for code in codes]])
+    write_table(folder / "cells.csv", names + ["outcome", "certificate"],
+                columns + [["mixed" if code < 0 else OUTCOMES[code] for code in codes], ["open" if code < 0 else "checked" for code in codes]])
 
 
 def write_boundary(folder, axes):

@@ -38,6 +38,7 @@ struct ScanPlan {
     std::vector<VariedKey> keys;
     std::vector<std::string> labels;  ///< of each axis, for figures; empty: that of the key
     std::optional<double> time_limit; ///< seconds a point
+    bool certificates = false;        ///< points of rods are told how well they are known
 };
 
 /// Throws InputError for axes that name no key of the scene, are empty or leave the key's range, and for more

@@ -40,6 +40,12 @@ inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, End
 
 std::string to_string(Ending ending);
 
+/// How well an ending is known (rods/certificate.hpp); the worst of several is the largest.
+enum class Certificate { proved, checked, open };
+inline constexpr std::array all_certificates = {Certificate::proved, Certificate::checked, Certificate::open};
+
+std::string to_string(Certificate certificate);
+
 /// The limits above; the defaults are the theory's.
 struct EndingCriteria {
     double locked_heading = 0.1;     ///< rad

@@ -94,14 +94,16 @@ struct RodOutcome {
     double time = 0.0; ///< of contact, else the time reached
     Separation pair;   ///< the pair it is about: in contact, in pursuit, else the closest at any time
     double min_separation = 0.0; ///< smallest separation of any pair at any time; infinite for a single rod
-    double min_separation_time = 0.0; ///< when
-    std::vector<double> turn;         ///< theta(end) - theta(0) of each rod, rad
-    std::string reason;               ///< in words, with the numbers
+    double min_separation_time = 0.0;            ///< when
+    std::vector<double> turn;                    ///< theta(end) - theta(0) of each rod, rad
+    std::string reason;                          ///< in words, with the numbers
+    Certificate certificate = Certificate::open; ///< by simulate_certified (certificate.hpp)
 };
 
 struct RodResult {
     integrate::Solution solution; ///< states as in model.hpp, whatever the form
     RodOutcome outcome;
+    SeparationRecord record = {}; ///< what the outcome was told from
 };
 
 /// Runs to t_end or to contact; rods that start within the contact distance are in contact at 0. Throws

@@ -1,0 +1,37 @@
+#pragma once
+// How well an outcome is known. docs/physics.md, section 7, has the bounds.
+//
+//   proved    rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
+//             of pursuit and escape) is farther from its limit than its rounding. And rods that start well
+//             within the contact distance, and a single one, which has nothing to decide
+//   checked   rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision is
+//             farther from its limit than ten times what the two differ by. Evidence, not a proof
+//   open      neither
+//
+// Degenerate input: open are a run that failed or was interrupted, or with noise; more than
+// most_followed_rods rods; rtol below 1e-11, as none is a hundred times tighter; straight walkers in a
+// periodic box, whose images are not gone through.
+
+#include "rodwake/core/encounter.hpp"
+#include "rodwake/rods/pair_batch.hpp"
+
+#include <span>
+
+namespace rodwake::rods {
+
+/// Whether nothing turns the rods.
+bool walks_straight(const RodProblem& problem);
+
+/// Of rods that start in contact, by the separation of `met`.
+Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& met);
+
+/// As simulate, with RodOutcome::certificate. A second run is made where it takes some milliseconds, or, if
+/// `thorough`, always.
+RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough = false);
+
+/// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Runs each pair
+/// twice.
+void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
+                        std::span<PairResult> results);
+
+} // namespace rodwake::rods

@@ -1,0 +1,29 @@
+#pragma once
+// What bounds of an encounter say of its ending. docs/physics.md, section 7.
+
+#include "rodwake/core/encounter.hpp"
+
+#include <functional>
+#include <optional>
+
+namespace rodwake::rods {
+
+struct Interval {
+    double low, high;
+};
+
+/// What is known of an encounter that decides its ending.
+struct EncounterBounds {
+    enum class Contact { none, certain, unknown } contact = Contact::unknown;
+    double x = 0.0, y = 0.0, heading[2] = {}; ///< R_0 - R_1 at the end
+    double place_error = 0.0, heading_error[2] = {};
+    Interval late_least{}, late_most{}, late_turning{}; ///< LatePart
+};
+
+/// Whether two rods so far apart can follow each other.
+using Feels = std::function<bool(double distance)>;
+/// The ending that all encounters within the bounds have; nothing: they have more than one.
+std::optional<Ending> certain_ending(const EncounterBounds& bounds, const EndingCriteria& criteria,
+                                     const Feels& feels);
+
+} // namespace rodwake::rods

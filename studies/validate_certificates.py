@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+"""Whether certificates of outcomes are ever wrong, and how many outcomes have one: the tables of docs/validation_rods.md.
+
+    studies/validate_certificates.py [--program build/release/rodwake] [--only straight,turning] [--points N] [--quick] [--keep DIR]
+
+straight: encounters of rods that walk straight and miss contact, or make it, by 1e-12 to 0.1 of the contact distance, after 3 to 1e6
+of it; against the closed form by 30 digits. The first 2000 by SciPy's solve_ivp with an event too.
+turning: pairs at rtol 1e-6 against rtol 1e-12. Half of them with a contact distance that they miss or make by 1e-9 to 0.1 of it; kappa
+from 0.1 to 1000, gammas, alpha from 0.01 to 10, eta from -0.999 to 10, contact distances down to 1e-6.
+"""
+
+import csv
+import math
+
+import mpmath
+import numpy as np
+from lab import parser, rows, run_parts, table
+from scipy.integrate import solve_ivp
+
+DECADES = (1e-12, 1e-9, 1e-6, 1e-3, 0.1)
+KEYS = ["rods.1.position.0", "rods.1.position.1", "rods.0.heading", "rods.1.heading", "rods_run.contact_distance", "rods_run.t_end"]
+MEDIUM = ["coupling.kappa", "coupling.gamma1", "coupling.gamma2", "medium.alpha", "medium.eta"]
+SCENE = """schema = 1
+{medium}
+[[rods]]
+position = [0.0, 0.0]
+heading = 0.0
+[[rods]]
+position = [0.0, 5.0]
+heading = 0.0
+[rods_run]
+t_end = 40.0
+output_interval = 40.0
+contact_distance = 1e-6
+rtol = {rtol}
+[scan]
+design = "list"
+file = "{points}"
+trajectories = 0
+certificates = {certificates}
+"""
+WITH_MEDIUM = "[medium]\neta = 1.0\nalpha = 1.0\n[coupling]\nkappa = 1.0\n"
+
+
+def scan(lab, name, keys, points, medium="", rtol="1e-6", certificates="true"):
+    with open(lab.folder / f"{name}.csv", "w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([keys, *([repr(float(value)) for value in point] for point in points)])
+    text = SCENE.format(medium=medium, rtol=rtol, points=lab.folder / f"{name}.csv", certificates=certificates)
+    return rows(lab.make(name, text, verbs=("scan",), good=(0, 3)) / "scan.csv")
+
+
+def signed_margins(random, count, least, most):
+    return np.exp(random.uniform(math.log(least), math.log(most), count)) * random.choice([-1.0, 1.0], count)
+
+
+# Straight walkers
+
+
+def straight_points(random, count):
+    margins = signed_margins(random, count, DECADES[0], DECADES[-1])
+    ahead = np.exp(random.uniform(math.log(3.0), math.log(1e6), count))
+    first = random.uniform(-3, 3, count)
+    second = first + random.uniform(0.2, 3.0, count)
+    vx, vy = np.cos(second) - np.cos(first), np.sin(second) - np.sin(first)
+    v = np.hypot(vx, vy)
+    nearest = 1.0 + margins
+    x, y = -nearest * vy / v - ahead * vx, nearest * vx / v - ahead * vy
+    return np.stack([x, y, first, second, np.ones(count), 1.5 * ahead], axis=-1)
+
+
+def exact_margin(x, y, first, second, contact, t_end):
+    """Smallest separation less the contact distance."""
+    x, y, first, second, contact, t_end = map(mpmath.mpf, (x, y, first, second, contact, t_end))
+    vx, vy = mpmath.cos(second) - mpmath.cos(first), mpmath.sin(second) - mpmath.sin(first)
+    t = min(max(-(x * vx + y * vy) / (vx * vx + vy * vy), 0), t_end)
+    return float(mpmath.sqrt((x + vx * t) ** 2 + (y + vy * t) ** 2) - contact)
+
+
+def scipy_meets(point, rtol):
+    x, y, first, second, contact, t_end = point
+    v = np.array([math.cos(second) - math.cos(first), math.sin(second) - math.sin(first)])
+
+    def apart(t, d):
+        return math.hypot(*d) - contact
+    apart.terminal = True
+    return solve_ivp(lambda t, d: v, (0.0, t_end), [x, y], events=apart, rtol=rtol, atol=rtol).status == 1
+
+
+def straight(lab):
+    mpmath.mp.dps = 30
+    count = 2000 if lab.quick else lab.options.points
+    points = straight_points(np.random.default_rng(lab.options.seed), count)
+    found = scan(lab, "straight", KEYS, points, certificates="false")
+    margins = np.array([exact_margin(*point) for point in points])
+    meets = margins < 0.0
+    said = np.array([row["outcome"] == "contact" for row in found])
+    proved = np.array([row["certificate"] == "proved" for row in found])
+    lines = []
+    for low, high in zip(DECADES[:-1], DECADES[1:]):
+        of = (np.abs(margins) >= low) & (np.abs(margins) < high)
+        lines.append((f"{low:g} to {high:g}", of.sum(), (of & meets & ~said).sum(), (of & ~meets & said).sum(), f"{proved[of].mean():.2%}",
+                      (of & proved & (said != meets)).sum()))
+    nearer = np.abs(margins) < DECADES[0]
+    lines.append((f"below {DECADES[0]:g}", nearer.sum(), (nearer & meets & ~said).sum(), (nearer & ~meets & said).sum(),
+                  f"{proved[nearer].mean():.2%}" if nearer.any() else "", (nearer & proved & (said != meets)).sum()))
+    table(f"Straight walkers, {count} encounters", ("margin", "encounters", "contacts missed", "contacts made up", "proved", "proved and wrong"), lines)
+    few = min(count, 2000)
+    lines = [(f"solve_ivp, RK45, event, rtol {rtol:g}", few, sum(meets[k] and not scipy_meets(points[k], rtol) for k in range(few)))
+             for rtol in (1e-3, 1e-10)]
+    table("The same by others", ("", "encounters", "contacts missed"),
+          [*lines, ("rodwake", few, (meets & ~said)[:few].sum()), ("contacts there are", few, meets[:few].sum())])
+
+
+# Rods that turn
+
+
+def turning_points(random, count):
+    r, where = random.uniform(0.5, 6.0, count), random.uniform(-math.pi, math.pi, count)
+    polar = random.random(count) < 0.5
+    eta = np.where(random.random(count) < 0.25, -1.0 + np.exp(random.uniform(math.log(1e-3), 0.0, count)),
+                   np.exp(random.uniform(math.log(0.1), math.log(10.0), count)))
+    kappa = signed_margins(random, count, 0.1, 1000.0)
+    gammas = [np.where(polar, random.uniform(-10, 10, count), 0.0) for _ in range(2)]
+    alpha = np.exp(random.uniform(math.log(0.01), math.log(10.0), count))
+    tiny = np.exp(random.uniform(math.log(1e-6), math.log(0.1), count))
+    return np.stack([r * np.cos(where), r * np.sin(where), random.uniform(-3, 3, count), random.uniform(-3, 3, count), tiny,
+                     np.full(count, 40.0), kappa, *gammas, alpha, eta], axis=-1)
+
+
+def turning(lab):
+    keys, count = KEYS + MEDIUM, 200 if lab.quick else max(lab.options.points // 10, 200)
+    random = np.random.default_rng(lab.options.seed)
+    points = turning_points(random, count)
+    free = scan(lab, "free", keys, np.where(np.arange(len(keys)) == 4, 1e-6, points), WITH_MEDIUM, "1e-12", "false")
+    margins = signed_margins(random, count, 1e-9, 0.1)
+    for k in range(0, count, 2):  # the others keep theirs
+        start = math.hypot(*points[k, :2])
+        nearest = float(free[k]["min_separation"] or "nan") * (1.0 + margins[k])
+        if free[k]["outcome"] != "contact" and 1e-6 < nearest < start:
+            points[k, 4] = nearest
+    for rtol in ("1e-4", "1e-6", "1e-8"):
+        run = scan(lab, f"run_{rtol}", keys, points, WITH_MEDIUM, rtol)
+        exact = scan(lab, "exact", keys, points, WITH_MEDIUM, "1e-12", "false")
+        tell(points, run, exact, rtol)
+
+
+def tell(points, run, exact, rtol):
+    lines = []
+    for name, chosen in (("contact grazed", slice(0, None, 2)), ("any", slice(1, None, 2))):
+        pairs = [(a, b, point) for a, b, point in zip(run[chosen], exact[chosen], points[chosen]) if a["status"] == b["status"] == "ok"]
+        for certificate in ("proved", "checked", "open"):
+            of = [(a["outcome"] != b["outcome"], point) for a, b, point in pairs if a["certificate"] == certificate]
+            wrong = [point for differs, point in of if differs]
+            lines.append((name, certificate, len(of), f"{len(of) / len(pairs):.1%}", len(wrong)))
+            if certificate != "open":
+                for point in wrong[:5]:
+                    print("  wrong:", *map(repr, map(float, point)))
+    table(f"Rods that turn, rtol {rtol}, against 1e-12", ("pairs", "certificate", "number", "share", "outcome wrong"), lines)
+
+
+PARTS = {"straight": straight, "turning": turning}
+
+if __name__ == "__main__":
+    found = parser(__doc__, "quick", "keep", "threads", "seed", parts=PARTS)
+    found.add_argument("--points", type=int, default=100_000, help="number of straight encounters; of pairs that turn a tenth [100000]")
+    run_parts(found.parse_args(), PARTS)
