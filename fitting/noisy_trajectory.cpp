@@ -293,6 +293,7 @@ std::vector<std::vector<double>> drawn_states(const TrajectoryModel& model, cons
     if (std::ranges::none_of(parameters, rods::is_noise, &Parameter::name))
         return predict(model, trajectory, index, parameters, values);
     std::vector<Role> roles;
+    roles.reserve(parameters.size());
     for (const Parameter& p : parameters)
         roles.push_back(role_of(p.name, std::vector<Trajectory>(index + 1, trajectory)));
     rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
@@ -313,6 +314,7 @@ std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, st
                                                 const std::vector<Parameter>& parameters,
                                                 std::span<const double> values) {
     std::vector<Role> roles;
+    roles.reserve(parameters.size());
     for (const Parameter& p : parameters)
         roles.push_back(role_of(p.name, {trajectory}));
     std::vector<std::vector<double>> out(trajectory.times.size(),

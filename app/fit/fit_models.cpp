@@ -109,6 +109,7 @@ bool weigh(std::vector<WeighedModel>& models) {
     const bool evidence = std::ranges::all_of(
         models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
     std::vector<double> scores;
+    scores.reserve(models.size());
     for (const WeighedModel& m : models)
         scores.push_back(!m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic);
     set_weights(models, scores);
