@@ -208,6 +208,7 @@ void PointColumns::finish() {
     h5_.attribute("/points", "outcome_names", joined(plan_.columns.outcomes));
     h5_.attribute("/points", "status_names", joined(scan::status_names));
     std::vector<std::string> certificates;
+    certificates.reserve(all_certificates.size());
     for (const Certificate one : all_certificates)
         certificates.push_back(to_string(one));
     h5_.attribute("/points", "certificate_names", joined(certificates));
