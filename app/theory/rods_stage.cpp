@@ -228,8 +228,8 @@ StageEnd report(const Session& session, const Work& one) {
         session.log->error("{}: {}", name, status.message());
         return StageEnd::failed;
     }
-    session.log->info("{}: {}, {} ({}); {} steps", name, to_string(one.result.outcome.ending),
-                      to_string(one.result.outcome.certificate), one.result.outcome.reason,
+    session.log->info("{}: {} ({}); {}, {} steps", name, to_string(one.result.outcome.ending),
+                      one.result.outcome.reason, to_string(one.result.outcome.certificate),
                       one.result.solution.statistics.steps);
     return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
                                                                      : StageEnd::finished;
