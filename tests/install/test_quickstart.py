@@ -69,9 +69,8 @@ class QuickstartTest(ProgramTest):
         sections = set(re.findall(r"(?m)^\[(\w+)\]$", (SOURCE / "tools/packages.txt").read_text()))
         asked = {path.name: set(" ".join(re.findall(r"install_packages ([\w ]+)", path.read_text())).split())
                  for path in (*(SOURCE / "tools").iterdir(), SOURCE / ".ci/run") if path.is_file() and path.name != "setup.sh"}
-        # What the explorer compiles is in the tree, and wheels are built by tests that CI leaves out.
-        self.assertEqual(asked.pop("run"), sections - {"explorer", "wheel"})
-        self.assertEqual(set().union(*asked.values()), sections - {"explorer"})
+        sections -= {"explorer", "wheel"}  # what the explorer compiles is in the tree, and CI leaves out the tests that build a wheel
+        self.assertEqual((asked.pop("run"), set().union(*asked.values())), (sections, sections))
 
     def test_usage(self):
         for options in (["--prefix"], ["--prefix", ""], ["--nonsense"], ["--deps-only", "x"]):
