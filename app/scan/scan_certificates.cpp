@@ -1,5 +1,9 @@
 // How well the outcomes of a scan of rods are known: its points, and of an adaptive one its cells.
 
+#include "rodwake/app/scan_problem.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/core/parallel.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/scan/lattice.hpp"
 #include "scan_parts.hpp"
 #include "scan_values.hpp"
@@ -23,19 +27,52 @@ std::optional<std::size_t> certificate_number(const scan::Columns& columns) {
     return static_cast<std::size_t>(at - columns.observables.begin());
 }
 
+std::vector<scan::Lattice::Place> corners_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
+    std::vector<scan::Lattice::Place> corners(std::size_t{1} << lattice.axes(), leaf.low);
+    for (std::size_t which = 0; which < corners.size(); ++which)
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            corners[which][k] += (which >> k & 1u) != 0 ? leaf.side : 0;
+    return corners;
+}
+
 /// The worst of the cell's corners; open where outcomes differ or one is not known.
 Certificate worst_corner(const scan::Lattice& lattice, const scan::Leaf& leaf, const Known& known) {
     if (leaf.mixed || leaf.outcome < 0)
         return Certificate::open;
-    Certificate worst = Certificate::checked; // of what lies between them nothing is proved
-    for (std::size_t which = 0; which < std::size_t{1} << lattice.axes(); ++which) {
-        scan::Lattice::Place corner = leaf.low;
-        for (std::size_t k = 0; k < lattice.axes(); ++k)
-            corner[k] += (which >> k & 1u) != 0 ? leaf.side : 0;
+    Certificate worst = Certificate::proved;
+    for (const scan::Lattice::Place& corner : corners_of(lattice, leaf)) {
         const auto at = known.find(lattice.id(corner));
         worst = std::max(worst, at == known.end() ? Certificate::open : at->second);
     }
     return worst;
+}
+
+/// Whether no pair within the cell can end otherwise than its corners.
+bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan::Leaf& leaf) {
+    std::vector<rods::PairProblem> pairs;
+    for (const scan::Lattice::Place& corner : corners_of(lattice, leaf)) {
+        const auto pair = rods::to_pair_problem(problem.at(lattice.point(corner)));
+        if (!pair)
+            return false;
+        pairs.push_back(*pair); // NOLINT(performance-inefficient-vector-operation): of two, four or eight
+    }
+    return rods::all_end(pairs, static_cast<Ending>(leaf.outcome), {problem.run().rtol, problem.run().atol});
+}
+
+/// Cells whose corners are proved are so themselves, or their corners alone are: then they are checked.
+void prove_cells(const ScanPlan& plan, const scan::Lattice& lattice, const std::vector<scan::Leaf>& leaves,
+                 std::size_t threads, std::vector<Certificate>& cells) {
+    constexpr std::size_t at_once = 64;
+    parallel_for((leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {
+        PointProblem problem(plan);
+        for (std::size_t i = at_once * block; i < std::min(leaves.size(), at_once * (block + 1)); ++i)
+            try {
+                if (cells[i] == Certificate::proved && !is_uniform(problem, lattice, leaves[i]))
+                    cells[i] = Certificate::checked;
+            } catch (const InputError&) { // values that no point may have
+                cells[i] = Certificate::checked;
+            }
+    });
 }
 
 double area_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
@@ -48,7 +85,7 @@ double area_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
 } // namespace
 
 ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledger,
-                                 const scan::Summary& summary) {
+                                 const scan::Summary& summary, std::size_t threads) {
     ScanCertificates found;
     const auto column = certificate_number(plan.columns);
     if (!column)
@@ -67,6 +104,7 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
     const scan::Lattice lattice(plan.design);
     for (const scan::Leaf& leaf : summary.leaves)
         found.cells.push_back(worst_corner(lattice, leaf, known));
+    prove_cells(plan, lattice, summary.leaves, threads, found.cells);
     for (std::size_t i = 0; i < found.cells.size(); ++i)
         found.area[static_cast<std::size_t>(found.cells[i])] += area_of(lattice, summary.leaves[i]);
     return found;

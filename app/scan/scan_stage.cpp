@@ -158,7 +158,8 @@ StageEnd run_scan(Session& session) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
     const scan::Counts counts = ledger.counts();
-    const ScanCertificates certificates = certificates_of(plan, ledger, summary);
+    const ScanCertificates certificates =
+        certificates_of(plan, ledger, summary, session.context.thread_count());
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,
                certificates, took.count(), session.context.thread_count());
     if (plan.certificates)
@@ -244,7 +245,8 @@ std::string scan_cost(const ScanPlan& plan) {
 
 constexpr ColumnInfo cells_columns[] = {
     {"outcome", "1", "of all corners of the cell; mixed: they differ"},
-    {"certificate", "1", "checked: the corners end alike and are proved or checked; else open"}};
+    {"certificate", "1",
+     "proved: no pair within the cell ends otherwise; checked: the corners are proved or checked; open"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
     {"between", "1", "the two outcomes"},

@@ -99,8 +99,9 @@ void fields(Visitor& v, Scan& scan) {
           .example("10.0"),
       scan.time_limit);
     v(key("certificates")
-          .doc("of rods: whether the outcomes of rods that turn are checked by a second run, a hundred times "
-               "tighter, which takes about three times as long; without, they are open")
+          .doc("of rods: whether the outcomes of rods that turn are proved, or checked by a second run, a "
+               "hundred "
+               "times tighter, which takes many times as long; without, they are open")
           .example("true"),
       scan.certificates);
     v(key("trajectories")

@@ -1,98 +1,14 @@
 #include "rodwake/rods/certificate.hpp"
 
-#include "pair_decision.hpp"
+#include "pair_proof.hpp"
 #include "rodwake/rods/conclude.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace rodwake::rods {
 
 namespace {
-
-using Contact = EncounterBounds::Contact;
-using Real = long double;
-
-// Rods that walk straight
-
-/// R_0 - R_1 of two of them.
-struct StraightPair {
-    Real x, y, vx, vy, t_end;
-
-    StraightPair(const Pose& a, const Pose& b, double end)
-        : x(static_cast<Real>(a.x) - b.x), y(static_cast<Real>(a.y) - b.y),
-          vx(std::cos(static_cast<Real>(a.heading)) - std::cos(static_cast<Real>(b.heading))),
-          vy(std::sin(static_cast<Real>(a.heading)) - std::sin(static_cast<Real>(b.heading))), t_end(end) {}
-
-    Real distance(Real t) const { return std::hypot(x + vx * t, y + vy * t); }
-    Real nearest(Real from) const {
-        const Real square = vx * vx + vy * vy;
-        const Real t = square > 0 ? -(x * vx + y * vy) / square : from;
-        return distance(std::clamp<Real>(t, from, t_end));
-    }
-    Real largest() const { return std::hypot(x, y) + 2.0L * t_end; }
-};
-
-Contact straight_contact(const StraightPair& pair, double contact) {
-    const Real gap = pair.nearest(0) - contact;
-    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (pair.largest() + contact);
-    if (contact == 0.0 || gap > rounding)
-        return Contact::none;
-    return gap < -rounding ? Contact::certain : Contact::unknown;
-}
-
-/// Two that do not meet, to the rounding of double.
-EncounterBounds straight_bounds(const Pose& a, const Pose& b, const StraightPair& pair,
-                                const EndingCriteria& criteria) {
-    constexpr double ulps = 16.0 * std::numeric_limits<double>::epsilon();
-    const double error = ulps * static_cast<double>(pair.largest());
-    EncounterBounds bounds;
-    bounds.contact = Contact::none;
-    bounds.x = static_cast<double>(pair.x + pair.vx * pair.t_end);
-    bounds.y = static_cast<double>(pair.y + pair.vy * pair.t_end);
-    bounds.heading[0] = a.heading;
-    bounds.heading[1] = b.heading;
-    bounds.place_error = error;
-    if (a.heading != b.heading) // else their velocities are equal, however rounded
-        bounds.heading_error[0] = bounds.heading_error[1] =
-            ulps * (1.0 + std::max(std::abs(a.heading), std::abs(b.heading)));
-    const Real from = (1.0 - criteria.steady_fraction) * pair.t_end;
-    const auto least = static_cast<double>(pair.nearest(from)),
-               most = static_cast<double>(std::max(pair.distance(from), pair.distance(pair.t_end)));
-    bounds.late_least = {least - error, least + error};
-    bounds.late_most = {most - error, most + error};
-    return bounds;
-}
-
-/// The ending of all pairs together, as conclude tells it; nothing: it may be another.
-std::optional<Ending> together(std::span<const std::optional<Ending>> pairs) {
-    const auto has = [&](std::optional<Ending> ending) { return std::ranges::count(pairs, ending) > 0; };
-    for (const Ending first : {Ending::contact, Ending::pursuit})
-        if (has(first))
-            return first;
-    if (has(Ending::undecided)) // escape is an ending of all
-        return has(std::nullopt) ? std::nullopt : std::optional(Ending::undecided);
-    return has(std::nullopt) ? std::nullopt : std::optional(Ending::escape);
-}
-
-std::optional<Ending> straight_ending(const RodProblem& problem, const EndingCriteria& criteria) {
-    const std::span<const Pose> rods = problem.rods;
-    const double contact = problem.contact_distance.value_or(0.0);
-    std::vector<std::optional<Ending>> pairs;
-    bool clear = true; // of contacts that are not certain: a contact outdoes the other endings
-    for (std::size_t a = 0; a < rods.size(); ++a)
-        for (std::size_t b = a + 1; b < rods.size(); ++b) {
-            const StraightPair pair(rods[a], rods[b], problem.t_end);
-            const Contact met = straight_contact(pair, contact);
-            if (met == Contact::certain)
-                return Ending::contact;
-            clear = clear && met == Contact::none;
-            pairs.push_back(certain_ending(straight_bounds(rods[a], rods[b], pair, criteria), criteria,
-                                           [](double) { return false; }));
-        }
-    return clear ? together(pairs) : std::nullopt;
-}
 
 // How two runs of rods that turn differ
 
@@ -162,7 +78,7 @@ EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_
                                   const LatePart& tight) {
     const Offset d = offset(runs.run.state, a, b, runs.box);
     EncounterBounds bounds;
-    bounds.contact = Contact::none;
+    bounds.contact = EncounterBounds::Contact::none;
     bounds.x = d.x;
     bounds.y = d.y;
     bounds.place_error = times_the_difference * place_difference(runs, a, b);
@@ -206,7 +122,28 @@ bool done(const RodResult& run) {
            run.solution.status.termination == integrate::Termination::stopped_at_event;
 }
 
-RodResult run_tighter(const RodProblem& problem, RodOptions options) {
+/// A run, and its steps where a proof may follow.
+struct FollowedRun {
+    RodResult run;
+    PairTrack track;
+};
+
+FollowedRun follow(const RodProblem& problem, RodOptions options, bool kept) {
+    FollowedRun followed;
+    PairTrack& track = followed.track;
+    if (kept) {
+        track.add(0.0, to_state(problem.rods));
+        options.ode.on_step = [&track, also = options.ode.on_step](const integrate::Step& step) {
+            track.add(step.time, step.state);
+            if (also)
+                also(step);
+        };
+    }
+    followed.run = simulate(problem, options);
+    return followed;
+}
+
+FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, bool kept) {
     RodProblem again = problem;
     again.output_times.clear();
     integrate::OdeOptions& ode = options.ode;
@@ -217,7 +154,20 @@ RodResult run_tighter(const RodProblem& problem, RodOptions options) {
     ode.on_segment = nullptr;
     options.on_checkpoint = nullptr;
     options.resume_from.reset();
-    return simulate(again, options);
+    return follow(again, options, kept);
+}
+
+bool proved(const PairProblem& pair, const PairTrack& track, Ending ending, const EndingCriteria& criteria,
+            ProofSpace& space) {
+    const auto bounds = proved_bounds(pair, track, ending == Ending::contact, criteria, space);
+    return bounds && certain_ending(*bounds, criteria,
+                                    feels_of(pair.medium, pair.couplings, pair.t_end, criteria)) == ending;
+}
+
+/// The pair that a run is of, if the theorem of the proof is about it.
+std::optional<PairProblem> provable(const RodProblem& problem, const RodOptions& options) {
+    return options.resume_from ? std::nullopt
+                               : to_pair_problem(problem); // else its first steps are not known
 }
 
 RunEnd end_of_run(const RodResult& run) {
@@ -273,22 +223,39 @@ bool checked(const RodProblem& problem, const RodOptions& options, const RodResu
     return together(pairs) == run.outcome.ending;
 }
 
-Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const RodResult& run,
-                           bool thorough) {
+/// Of what needs no second run; nothing: a proof or one may tell.
+std::optional<Certificate> certificate_at_once(const RodProblem& problem, const RodOutcome& outcome,
+                                               const EndingCriteria& criteria) {
     if (problem.rods.size() < 2)
         return Certificate::proved;
-    if (run.outcome.ending == Ending::contact && run.outcome.time == 0.0)
-        return certificate_at_start(problem, run.outcome);
+    if (outcome.ending == Ending::contact && outcome.time == 0.0)
+        return certificate_at_start(problem, outcome);
     if (problem.rods.size() > most_followed_rods)
         return Certificate::open;
     if (walks_straight(problem))
-        return !problem.box && straight_ending(problem, options.criteria) == run.outcome.ending
-                   ? Certificate::proved
-                   : Certificate::open;
-    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, run)))
+        return !problem.box && straight_ending(problem, criteria) == outcome.ending ? Certificate::proved
+                                                                                    : Certificate::open;
+    return std::nullopt;
+}
+
+Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const FollowedRun& first,
+                           bool thorough) {
+    const RodOutcome& outcome = first.run.outcome;
+    if (const auto told = certificate_at_once(problem, outcome, options.criteria))
+        return *told;
+    const auto pair = provable(problem, options);
+    ProofSpace space;
+    const auto proves = [&](const PairTrack& track) {
+        return pair && proved(*pair, track, outcome.ending, options.criteria, space);
+    };
+    if (proves(first.track))
+        return Certificate::proved;
+    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first.run)))
         return Certificate::open;
-    return checked(problem, options, run, run_tighter(problem, options)) ? Certificate::checked
-                                                                         : Certificate::open;
+    const FollowedRun tight = follow_tighter(problem, options, pair.has_value());
+    if (done(tight.run) && proves(tight.track))
+        return Certificate::proved;
+    return checked(problem, options, first.run, tight.run) ? Certificate::checked : Certificate::open;
 }
 
 // Batches
@@ -310,20 +277,52 @@ bool checked(const PairProblem& pair, const PairResult& run, const PairResult& t
                           feels_of(pair.medium, pair.couplings, pair.t_end, options.criteria)) == run.ending;
 }
 
-/// What needs no second run; nothing: one is needed.
-std::optional<Certificate> at_once(const PairProblem& pair, const PairResult& run,
-                                   const PairOptions& options) {
+std::optional<Certificate> certificate_at_once(const PairProblem& pair, const PairResult& run,
+                                               const PairOptions& options) {
     if (run.handed_over())
         return Certificate::open;
-    const RodProblem problem = to_rod_problem(pair);
-    if (!pair.couplings.any() || (run.ending == Ending::contact && run.time == 0.0)) {
-        RodOptions single;
-        single.criteria = options.criteria;
-        RodResult result;
-        result.outcome = outcome_of(run);
-        return certificate_of(problem, single, result, false);
+    const bool turns = pair.couplings.any() && !(run.ending == Ending::contact && run.time == 0.0);
+    return turns ? std::nullopt
+                 : certificate_at_once(to_rod_problem(pair), outcome_of(run), options.criteria);
+}
+
+/// Runs the pairs and keeps their steps.
+std::vector<PairTrack> follow(std::span<const PairProblem> pairs, const PairOptions& options,
+                              std::span<PairResult> results) {
+    std::vector<PairTrack> tracks(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+        tracks[i].add(0.0, to_state(pairs[i].rods));
+    PairOptions followed = options;
+    followed.on_step = [&](std::size_t pair, const PairStep& step) {
+        tracks[pair].add(step.time, step.state);
+        if (options.on_step)
+            options.on_step(pair, step);
+    };
+    simulate_pairs(pairs, followed, results);
+    return tracks;
+}
+
+/// Those of the pairs whose outcomes the first run did not prove, once more.
+void look_again(std::span<const PairProblem> pairs, const PairOptions& options, std::span<PairResult> results,
+                std::span<const std::size_t> rest, ProofSpace& space) {
+    std::vector<PairProblem> again;
+    again.reserve(rest.size());
+    for (const std::size_t i : rest)
+        again.push_back(pairs[i]);
+    PairOptions tight = options;
+    tight.rtol *= tighter_by;
+    tight.atol *= tighter_by;
+    tight.max_attempts *= 10;
+    tight.on_step = nullptr;
+    std::vector<PairResult> ends(rest.size());
+    const std::vector<PairTrack> tracks = follow(again, tight, ends);
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+        PairResult& result = results[rest[k]];
+        if (!ends[k].handed_over() && proved(again[k], tracks[k], result.ending, options.criteria, space))
+            result.certificate = Certificate::proved;
+        else if (checked(again[k], result, ends[k], options))
+            result.certificate = Certificate::checked;
     }
-    return tighter_by * options.rtol < tightest ? std::optional(Certificate::open) : std::nullopt;
 }
 
 } // namespace
@@ -341,36 +340,101 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
 }
 
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough) {
-    RodResult run = simulate(problem, options);
-    if (done(run))
-        run.outcome.certificate = certificate_of(problem, options, run, thorough);
-    return run;
+    FollowedRun first = follow(problem, options, provable(problem, options).has_value());
+    if (done(first.run))
+        first.run.outcome.certificate = certificate_of(problem, options, first, thorough);
+    return std::move(first.run);
 }
 
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results) {
-    simulate_pairs(pairs, options, results);
+    const std::vector<PairTrack> tracks = follow(pairs, options, results);
+    const bool again = tighter_by * options.rtol >= tightest;
     std::vector<std::size_t> rest;
-    std::vector<PairProblem> again;
+    ProofSpace space;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto certificate = at_once(pairs[i], results[i], options);
-        results[i].certificate = certificate.value_or(Certificate::open);
-        if (certificate)
-            continue;
-        rest.push_back(i);
-        again.push_back(pairs[i]);
+        PairResult& result = results[i];
+        const auto told = certificate_at_once(pairs[i], result, options);
+        result.certificate = told.value_or(Certificate::open);
+        if (!told && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
+            result.certificate = Certificate::proved;
+        else if (!told && again)
+            rest.push_back(i);
     }
-    PairOptions tight = options;
-    tight.rtol *= tighter_by;
-    tight.atol *= tighter_by;
-    tight.max_attempts *= 10;
-    tight.on_step = nullptr;
-    std::vector<PairResult> ends(rest.size());
     if (!rest.empty())
-        simulate_pairs(again, tight, ends);
-    for (std::size_t k = 0; k < rest.size(); ++k)
-        if (checked(again[k], results[rest[k]], ends[k], options))
-            results[rest[k]].certificate = Certificate::checked;
+        look_again(pairs, options, results, rest, space);
+}
+
+namespace {
+
+/// Pairs between some, each number by itself.
+struct PairBox {
+    PairProblem middle;
+    PairSpread spread;
+    Couplings least, most; ///< by size
+};
+
+/// Of the numbers that `of` gives.
+template<class Number>
+Interval range_of(std::span<const PairProblem> pairs, const Number& of) {
+    Interval range{of(pairs[0]), of(pairs[0])};
+    for (const PairProblem& pair : pairs)
+        range = {std::min(range.low, of(pair)), std::max(range.high, of(pair))};
+    return range;
+}
+
+double middle_of(Interval range) { return 0.5 * (range.low + range.high); }
+double half_width(Interval range) { return 0.5 * (range.high - range.low); }
+
+PairBox box_of(std::span<const PairProblem> pairs) {
+    PairBox box{pairs[0], {}, {}, {}};
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const auto number = [&](double Pose::*one, double& spread) {
+            const Interval range =
+                range_of(pairs, [&](const PairProblem& pair) { return pair.rods[rod].*one; });
+            box.middle.rods[rod].*one = middle_of(range);
+            spread += half_width(range);
+        };
+        number(&Pose::x, box.spread.start[0]);
+        number(&Pose::y, box.spread.start[1]);
+        number(&Pose::heading, box.spread.start[2 + rod]);
+    }
+    for (const Coupling& one : coupling_list) {
+        const Interval range =
+            range_of(pairs, [&](const PairProblem& pair) { return pair.couplings.*one.number; });
+        const double middle = middle_of(range), half = half_width(range);
+        box.middle.couplings.*one.number = middle;
+        box.spread.couplings.*one.number = half;
+        box.least.*one.number = std::max(0.0, std::abs(middle) - half);
+        box.most.*one.number = std::abs(middle) + half;
+    }
+    return box;
+}
+
+bool of_one_kind(const PairProblem& a, const PairProblem& b) {
+    return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi && a.t_end == b.t_end &&
+           a.contact_distance == b.contact_distance;
+}
+
+} // namespace
+
+bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOptions& options) {
+    if (!std::ranges::all_of(corners, [&](const PairProblem& one) { return of_one_kind(one, corners[0]); }))
+        return false;
+    const PairBox box = box_of(corners);
+    std::vector<PairResult> result(1);
+    const std::vector<PairTrack> track = follow(std::span(&box.middle, 1), options, result);
+    if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
+        return false;
+    ProofSpace space;
+    const auto bounds =
+        proved_bounds(box.middle, track[0], ending == Ending::contact, options.criteria, space, box.spread);
+    const auto ends = [&](const Couplings& couplings) {
+        return certain_ending(*bounds, options.criteria,
+                              feels_of(box.middle.medium, couplings, box.middle.t_end, options.criteria)) ==
+               ending;
+    };
+    return bounds && ends(box.least) && ends(box.most);
 }
 
 } // namespace rodwake::rods

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace rodwake::rods {
@@ -90,6 +91,90 @@ std::optional<Ending> certain_ending(const EncounterBounds& b, const EndingCrite
     }
     const Truth escape = escapes(b, criteria);
     return escape ? std::optional(*escape ? Ending::escape : Ending::undecided) : std::nullopt;
+}
+
+std::optional<Ending> together(std::span<const std::optional<Ending>> pairs) {
+    const auto has = [&](std::optional<Ending> ending) { return std::ranges::count(pairs, ending) > 0; };
+    for (const Ending first : {Ending::contact, Ending::pursuit})
+        if (has(first))
+            return first;
+    if (has(Ending::undecided)) // escape is an ending of all
+        return has(std::nullopt) ? std::nullopt : std::optional(Ending::undecided);
+    return has(std::nullopt) ? std::nullopt : std::optional(Ending::escape);
+}
+
+namespace {
+
+using Contact = EncounterBounds::Contact;
+using Real = long double;
+
+/// R_0 - R_1 of two of them.
+struct StraightPair {
+    Real x, y, vx, vy, t_end;
+
+    StraightPair(const Pose& a, const Pose& b, double end)
+        : x(static_cast<Real>(a.x) - b.x), y(static_cast<Real>(a.y) - b.y),
+          vx(std::cos(static_cast<Real>(a.heading)) - std::cos(static_cast<Real>(b.heading))),
+          vy(std::sin(static_cast<Real>(a.heading)) - std::sin(static_cast<Real>(b.heading))), t_end(end) {}
+
+    Real distance(Real t) const { return std::hypot(x + vx * t, y + vy * t); }
+    Real nearest(Real from) const {
+        const Real square = vx * vx + vy * vy;
+        const Real t = square > 0 ? -(x * vx + y * vy) / square : from;
+        return distance(std::clamp<Real>(t, from, t_end));
+    }
+    Real largest() const { return std::hypot(x, y) + 2.0L * t_end; }
+};
+
+Contact straight_contact(const StraightPair& pair, double contact) {
+    const Real gap = pair.nearest(0) - contact;
+    const Real rounding = 32 * std::numeric_limits<Real>::epsilon() * (pair.largest() + contact);
+    if (contact == 0.0 || gap > rounding)
+        return Contact::none;
+    return gap < -rounding ? Contact::certain : Contact::unknown;
+}
+
+/// Two that do not meet, to the rounding of double.
+EncounterBounds straight_bounds(const Pose& a, const Pose& b, const StraightPair& pair,
+                                const EndingCriteria& criteria) {
+    constexpr double ulps = 16.0 * std::numeric_limits<double>::epsilon();
+    const double error = ulps * static_cast<double>(pair.largest());
+    EncounterBounds bounds;
+    bounds.contact = Contact::none;
+    bounds.x = static_cast<double>(pair.x + pair.vx * pair.t_end);
+    bounds.y = static_cast<double>(pair.y + pair.vy * pair.t_end);
+    bounds.heading[0] = a.heading;
+    bounds.heading[1] = b.heading;
+    bounds.place_error = error;
+    if (a.heading != b.heading) // else their velocities are equal, however rounded
+        bounds.heading_error[0] = bounds.heading_error[1] =
+            ulps * (1.0 + std::max(std::abs(a.heading), std::abs(b.heading)));
+    const Real from = (1.0 - criteria.steady_fraction) * pair.t_end;
+    const auto least = static_cast<double>(pair.nearest(from)),
+               most = static_cast<double>(std::max(pair.distance(from), pair.distance(pair.t_end)));
+    bounds.late_least = {least - error, least + error};
+    bounds.late_most = {most - error, most + error};
+    return bounds;
+}
+
+} // namespace
+
+std::optional<Ending> straight_ending(const RodProblem& problem, const EndingCriteria& criteria) {
+    const std::span<const Pose> rods = problem.rods;
+    const double contact = problem.contact_distance.value_or(0.0);
+    std::vector<std::optional<Ending>> pairs;
+    bool clear = true; // of contacts that are not certain: a contact outdoes the other endings
+    for (std::size_t a = 0; a < rods.size(); ++a)
+        for (std::size_t b = a + 1; b < rods.size(); ++b) {
+            const StraightPair pair(rods[a], rods[b], problem.t_end);
+            const Contact met = straight_contact(pair, contact);
+            if (met == Contact::certain)
+                return Ending::contact;
+            clear = clear && met == Contact::none;
+            pairs.push_back(certain_ending(straight_bounds(rods[a], rods[b], pair, criteria), criteria,
+                                           [](double) { return false; }));
+        }
+    return clear ? together(pairs) : std::nullopt;
 }
 
 } // namespace rodwake::rods

@@ -1,7 +1,7 @@
 #pragma once
 // What bounds of an encounter say of its ending. docs/physics.md, section 7.
 
-#include "rodwake/core/encounter.hpp"
+#include "rodwake/rods/simulate.hpp"
 
 #include <functional>
 #include <optional>
@@ -25,5 +25,11 @@ using Feels = std::function<bool(double distance)>;
 /// The ending that all encounters within the bounds have; nothing: they have more than one.
 std::optional<Ending> certain_ending(const EncounterBounds& bounds, const EndingCriteria& criteria,
                                      const Feels& feels);
+
+/// The ending of all pairs together, as conclude tells it; nothing: it may be another.
+std::optional<Ending> together(std::span<const std::optional<Ending>> pairs);
+
+/// Of rods that walk straight, by their closed form.
+std::optional<Ending> straight_ending(const RodProblem& problem, const EndingCriteria& criteria);
 
 } // namespace rodwake::rods

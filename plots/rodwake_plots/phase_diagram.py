@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch
 
@@ -164,6 +164,7 @@ def has_numbers(scan, name):
 
 CASING = dict(color="white", linewidth=1.8, alpha=0.7)  # between numbers a line alone would vanish
 OUTLINE = dict(color="#000000", linewidth=0.25, alpha=0.45)
+HATCH = dict(facecolors="none", edgecolors=(0, 0, 0, 0.3), linewidths=0.0, hatch="//////")
 
 
 class Look(NamedTuple):
@@ -205,6 +206,8 @@ def draw_panel(axes, drawing, part):
     paint(axes, drawing, part)
     if drawing.outlines and drawing.leaves:
         outlines(axes, drawing, part)
+    if drawing.leaves and len(drawing.scan.axes) == 2:
+        hatch_open(axes, drawing)
     if drawing.boundary:
         draw_boundary(axes, drawing)
     draw_failed(axes, drawing, part)
@@ -262,6 +265,16 @@ def outlines(axes, drawing, part):
     across = np.stack([np.stack([left, bottom], -1), np.stack([right, bottom], -1)], axis=1)
     upwards = np.stack([np.stack([left, bottom], -1), np.stack([left, top], -1)], axis=1)
     axes.add_collection(LineCollection(np.concatenate([across, upwards]), **OUTLINE, zorder=0.8, rasterized=True), autolim=False)
+
+
+def hatch_open(axes, drawing):
+    """Cells that are not known to have one outcome."""
+    scan = drawing.scan
+    lows, highs, _ = scan.cells
+    ends = [[axis.back(side[scan.open_cells, index]) * axis.factor for index, axis in enumerate(scan.axes)] for side in (lows, highs)]
+    (left, bottom), (right, top) = ends
+    corners = np.stack([np.stack(corner, -1) for corner in ((left, bottom), (right, bottom), (right, top), (left, top))], axis=1)
+    axes.add_collection(PolyCollection(corners, **HATCH, zorder=0.7), autolim=False)
 
 
 def draw_boundary(axes, drawing):

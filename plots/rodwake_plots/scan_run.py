@@ -15,6 +15,7 @@ from .errors import PlotError
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit")
+CERTIFICATES = ("proved", "checked", "open")  # how well an outcome is known
 
 
 class Curve(NamedTuple):
@@ -133,6 +134,14 @@ class ScanRun:
         names = found["outcome"]
         lows, highs = np.minimum(*sides), np.maximum(*sides)  # an axis may run downwards
         return lows, highs, np.array([OUTCOMES.index(name) if name in OUTCOMES else -1 for name in names], dtype=np.int8)
+
+    @cached_property
+    def open_cells(self):
+        """[cell]: whether it is not known to have one outcome; none of a scan without certificates."""
+        if not self.told.get("certified_area"):
+            return np.zeros(len(self.cells[2]), dtype=bool)
+        found = files.read_csv(self.folder / CELLS, text=("outcome", "certificate"), needed=["certificate"])
+        return np.array([name == "open" for name in found["certificate"]])
 
     @cached_property
     def samples(self):

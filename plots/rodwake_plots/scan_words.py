@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import fit_words, scan_columns, schema, words
-from .scan_run import OUTCOMES
+from .scan_run import CERTIFICATES, OUTCOMES
 from .scan_scene import ALIKE
 
 TOLD = {"medium": ("eta", "xi"), "coupling": schema.COUPLINGS, "granular": ("phi_b",)}
@@ -128,6 +128,16 @@ def missed_html(scan):
     return f" Missed rate: {percent(rate)} of the area outside the boundary ({tried} random places{bound})."
 
 
+def certificates_html(scan):
+    """How well the outcomes are known."""
+    points, area = (scan.told.get(key) for key in ("certificates", "certified_area"))
+    if not isinstance(points, dict) or not any(points.get(name) for name in ("proved", "checked")):
+        return ""
+    told = ", ".join(f"{name} {count(points[name])}" for name in CERTIFICATES if points.get(name))
+    shares = ", ".join(f"{name} {percent(area[name])}" for name in CERTIFICATES if area.get(name)) if isinstance(area, dict) else ""
+    return f" Outcomes of points: {told}" + (f"; of the area: {shares}." if shares else ".")
+
+
 def percent(share):
     return f"{words.number(float(100 * share), 2)} %"
 
@@ -160,7 +170,7 @@ def caption(run, spec):
     scan = run.scan
     text = f"{what(run, spec)}, over {axes_html(scan)}: {points_html(scan)}"
     text += f", {outcomes_html(scan)}." if (scan.outcome >= 0).any() else "."
-    trust = failures_html(scan) + left_html(scan) + missed_html(scan)
+    trust = failures_html(scan) + left_html(scan) + missed_html(scan) + certificates_html(scan)
     return text + shown_html(run, spec) + trust + fixed_html(run) + starts_html(run) + ties_html(scan)
 
 
@@ -171,6 +181,8 @@ def shown_html(run, spec):
         tolerance = (scan.told.get("boundary") or {}).get("tolerance")
         near = f", good to {words.number(float(tolerance))} of an axis" if words.is_number(tolerance) else ""
         text += f" Lines: boundaries traced by bisection{near}."
+    if spec.kind == "phase_diagram" and len(scan.axes) == 2 and scan.has_cells and scan.open_cells.any():
+        text += " Hatched: cells that are not known to have one outcome."
     if spec.kind == "phase_diagram" and spec.cells and scan.has_cells and len(scan.axes) > 1:
         text += " Thin lines: cells of the refinement."
     if spec.kind == "phase_diagram" and len(scan.axes) > 2:
@@ -285,6 +297,9 @@ def point_rows(scan):
     missed = missed_html(scan).strip().rstrip(".")
     if missed:
         yield missed.split(": ")[0], missed.split(": ", 1)[1]
+    known = certificates_html(scan).strip().rstrip(".")
+    if known:
+        yield known.split(": ")[0], known.split(": ", 1)[1]
     boundary = told.get("boundary")
     if isinstance(boundary, dict):
         yield "Traced boundary", (f"{words.number(boundary.get('curves'))} curves of {words.number(boundary.get('points'))} points, "

@@ -55,7 +55,13 @@ def outcome(run):
     if not run.outcome:
         return '<p class="outcome">The field of one rod; no rods were integrated.</p>'
     name = str(run.outcome.get("outcome", "undecided"))
-    return f'<p class="outcome"><span class="tag">{words.escape(name)}</span>{sentence(run, name)}</p>'
+    return f'<p class="outcome"><span class="tag">{words.escape(name)}</span>{sentence(run, name)}{known(run)}</p>'
+
+
+def known(run):
+    """How well the outcome is known."""
+    return {"proved": " The outcome is proved.", "checked": " The outcome is checked by a second, tighter run.",
+            "open": " The outcome is not proved."}.get(run.outcome.get("certificate"), "")
 
 
 def sentence(run, name):

@@ -2,15 +2,19 @@
 // How well an outcome is known. docs/physics.md, section 7, has the bounds.
 //
 //   proved    rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
-//             of pursuit and escape) is farther from its limit than its rounding. And rods that start well
-//             within the contact distance, and a single one, which has nothing to decide
-//   checked   rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision is
+//             of pursuit and escape) is farther from its limit than its rounding. Two that turn, on the plane
+//             in the exact field at eta >= 0: as far as an a-posteriori bound of the error of the run, or of
+//             one at a tolerance a hundred times tighter. Rounding in the bound itself is allowed for, not
+//             enclosed. And rods that start well within the contact distance, and a single one, which has
+//             nothing to decide
+//   checked   other rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision
+//   is
 //             farther from its limit than ten times what the two differ by. Evidence, not a proof
 //   open      neither
 //
 // Degenerate input: open are a run that failed or was interrupted, or with noise; more than
-// most_followed_rods rods; rtol below 1e-11, as none is a hundred times tighter; straight walkers in a
-// periodic box, whose images are not gone through.
+// most_followed_rods rods; straight walkers in a periodic box, whose images are not gone through. With rtol
+// below 1e-11 nothing is checked, as no tolerance is a hundred times tighter.
 
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/rods/pair_batch.hpp"
@@ -29,9 +33,13 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
 /// `thorough`, always.
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough = false);
 
-/// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Runs each pair
-/// twice.
+/// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Those that the
+/// steps of the run do not prove are run once more.
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results);
+
+/// Whether all pairs between these end so: couplings, places and headings may be any within the range that
+/// these have, each by itself. Where it says no, some may end otherwise, or not.
+bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOptions& options);
 
 } // namespace rodwake::rods

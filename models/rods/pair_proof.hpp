@@ -1,0 +1,39 @@
+#pragma once
+// A bound of the error of a pair's solution, step by step, and what it says of the outcome. docs/physics.md,
+// section 7.
+
+#include "pair_decision.hpp"
+#include "pair_jets.hpp"
+#include "rodwake/rods/pair_batch.hpp"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace rodwake::rods {
+
+/// A solution at the ends of its steps.
+struct PairTrack {
+    std::vector<double> times;
+    std::vector<std::array<double, 6>> states; ///< as in model.hpp
+
+    void add(double time, integrate::State y);
+};
+
+/// Memory that is used again from pair to pair.
+struct ProofSpace {
+    PairJets ends, inner, few;
+};
+
+/// Pairs about one: half the widths of R_0 - R_1 and the headings at the start, and of the couplings.
+struct PairSpread {
+    std::array<double, 4> start{};
+    Couplings couplings{};
+};
+
+/// Of the exact solution, if the error can be bounded; `contact`: the track ends in contact.
+std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const PairTrack& track, bool contact,
+                                             const EndingCriteria& criteria, ProofSpace& space,
+                                             const PairSpread& spread = {});
+
+} // namespace rodwake::rods
