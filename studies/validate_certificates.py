@@ -1,24 +1,29 @@
 #!/usr/bin/python3
 """Whether certificates of outcomes are ever wrong, and how many outcomes have one: the tables of docs/validation_rods.md.
 
-    studies/validate_certificates.py [--program build/release/rodwake] [--only straight,turning] [--points N] [--quick] [--keep DIR]
+    studies/validate_certificates.py [--program build/release/rodwake] [--only straight,turning,diagrams] [--points N] [--quick] [--keep DIR]
 
-straight: encounters of rods that walk straight and miss contact, or make it, by 1e-12 to 0.1 of the contact distance, after 3 to 1e6
-of it; against the closed form by 30 digits. The first 2000 by SciPy's solve_ivp with an event too.
-turning: pairs at rtol 1e-6 against rtol 1e-12. Half of them with a contact distance that they miss or make by 1e-9 to 0.1 of it; kappa
-from 0.1 to 1000, gammas, alpha from 0.01 to 10, eta from -0.999 to 10, contact distances down to 1e-6. Points that take more than a
-second, rods that circle each other closely, are left out.
+straight  encounters of rods that walk straight and miss contact, or make it, by 1e-12 to 0.1 of the contact distance, after 3 to 30 of it
+          and after 1e6, half of each; against the closed form in long double, by 30 digits where that is in doubt. The first
+          2000 by SciPy's solve_ivp with an event too, the first 20 000 by CVODES and odeint (`--peers build/release/bench/bench_grazing`).
+turning   pairs at rtol 1e-4, 1e-6 and 1e-8 against rtol 1e-12. Half of them with a contact distance that they miss or make by 1e-9 to 0.1
+          of it; kappa from 0.1 to 1000, gammas, alpha from 0.01 to 10, eta from -0.999 to 10, contact distances down to 1e-6. Points that
+          take more than a second, rods that circle each other closely, are left out.
+diagrams  the shipped phase diagrams: shares of points and of area, and what certificates cost.
 """
 
 import csv
 import math
+import subprocess
+import time
+from pathlib import Path
 
 import mpmath
 import numpy as np
-from lab import parser, rows, run_parts, table
+from lab import SOURCE, parser, rows, run_parts, table, told
 from scipy.integrate import solve_ivp
 
-DECADES = (1e-12, 1e-9, 1e-6, 1e-3, 0.1)
+DECADES = (1e-12, 1e-10, 1e-8, 1e-6, 1e-3, 0.1)
 KEYS = ["rods.1.position.0", "rods.1.position.1", "rods.0.heading", "rods.1.heading", "rods_run.contact_distance", "rods_run.t_end"]
 MEDIUM = ["coupling.kappa", "coupling.gamma1", "coupling.gamma2", "medium.alpha", "medium.eta"]
 SCENE = """schema = 1
@@ -59,7 +64,7 @@ def signed_margins(random, count, least, most):
 
 def straight_points(random, count):
     margins = signed_margins(random, count, DECADES[0], DECADES[-1])
-    ahead = np.exp(random.uniform(math.log(3.0), math.log(1e6), count))
+    ahead = np.where(np.arange(count) % 2 == 0, np.exp(random.uniform(math.log(3.0), math.log(30.0), count)), 1e6)
     first = random.uniform(-3, 3, count)
     second = first + random.uniform(0.2, 3.0, count)
     vx, vy = np.cos(second) - np.cos(first), np.sin(second) - np.sin(first)
@@ -67,6 +72,18 @@ def straight_points(random, count):
     nearest = 1.0 + margins
     x, y = -nearest * vy / v - ahead * vx, nearest * vx / v - ahead * vy
     return np.stack([x, y, first, second, np.ones(count), 1.5 * ahead], axis=-1)
+
+
+def margins_of(points):
+    """Smallest separation less the contact distance: by long double, and by 30 digits where that is in doubt."""
+    x, y, first, second, contact, t_end = points.astype(np.longdouble).T
+    vx, vy = np.cos(second) - np.cos(first), np.sin(second) - np.sin(first)
+    t = np.clip(-(x * vx + y * vy) / (vx * vx + vy * vy), 0, t_end)
+    margins = np.hypot(x + vx * t, y + vy * t) - contact
+    doubt = np.abs(margins) < 1e-17 * np.hypot(x, y)
+    found = margins.astype(float)
+    found[doubt] = [exact_margin(*point) for point in points[doubt]]
+    return found
 
 
 def exact_margin(x, y, first, second, contact, t_end):
@@ -87,29 +104,44 @@ def scipy_meets(point, rtol):
     return solve_ivp(lambda t, d: v, (0.0, t_end), [x, y], events=apart, rtol=rtol, atol=rtol).status == 1
 
 
+def by_others(lab, points):
+    """{solver: whether it sees a contact}, of the first points."""
+    found = {f"SciPy's solve_ivp, RK45 with an event, rtol {rtol:g}": [scipy_meets(point, rtol) for point in points[:2000]] for rtol in (1e-6, 1e-10)}
+    if lab.options.peers.is_file():
+        file = lab.folder / "peers.csv"
+        np.savetxt(file, points[:20_000], delimiter=",", fmt="%.17g")
+        done = subprocess.run([lab.options.peers, file], capture_output=True, text=True, check=True)
+        seen = np.array([line.split() for line in done.stdout.splitlines()], dtype=int).astype(bool)
+        for k, name in enumerate(("CVODES, Adams, its root finder, rtol 1e-6", "CVODES, Adams, its root finder, rtol 1e-10",
+                                  "odeint's dopri5, sign after each step, rtol 1e-6", "odeint's dopri5, sign after each step, rtol 1e-10")):
+            found[name] = seen[:, k]
+    return found
+
+
 def straight(lab):
     mpmath.mp.dps = 30
     count = 2000 if lab.quick else lab.options.points
     points = straight_points(np.random.default_rng(lab.options.seed), count)
     found = scan(lab, "straight", KEYS, points, certificates="false")
-    margins = np.array([exact_margin(*point) for point in points])
+    margins, far = margins_of(points), np.arange(count) % 2 == 1
     meets = margins < 0.0
     said = np.array([row["outcome"] == "contact" for row in found])
     proved = np.array([row["certificate"] == "proved" for row in found])
     lines = []
-    for low, high in zip(DECADES[:-1], DECADES[1:]):
-        of = (np.abs(margins) >= low) & (np.abs(margins) < high)
-        lines.append((f"{low:g} to {high:g}", of.sum(), (of & meets & ~said).sum(), (of & ~meets & said).sum(), f"{proved[of].mean():.2%}",
-                      (of & proved & (said != meets)).sum()))
-    nearer = np.abs(margins) < DECADES[0]
-    lines.append((f"below {DECADES[0]:g}", nearer.sum(), (nearer & meets & ~said).sum(), (nearer & ~meets & said).sum(),
-                  f"{proved[nearer].mean():.2%}" if nearer.any() else "", (nearer & proved & (said != meets)).sum()))
-    table(f"Straight walkers, {count} encounters", ("margin", "encounters", "contacts missed", "contacts made up", "proved", "proved and wrong"), lines)
-    few = min(count, 2000)
-    lines = [(f"solve_ivp, RK45, event, rtol {rtol:g}", few, sum(meets[k] and not scipy_meets(points[k], rtol) for k in range(few)))
-             for rtol in (1e-3, 1e-10)]
-    table("The same by others", ("", "encounters", "contacts missed"),
-          [*lines, ("rodwake", few, (meets & ~said)[:few].sum()), ("contacts there are", few, meets[:few].sum())])
+    for away, of_away in (("3 to 30", ~far), ("1e6", far)):
+        for low, high in zip((0.0, *DECADES[:-1]), DECADES):
+            of = of_away & (np.abs(margins) >= low) & (np.abs(margins) < high)
+            if of.any():
+                lines.append((away, f"{low:g} to {high:g}", of.sum(), (of & meets & ~said).sum(), (of & ~meets & said).sum(),
+                              f"{proved[of].mean():.2%}", (of & proved & (said != meets)).sum()))
+    table(f"Straight walkers, {count} encounters", ("contact distances away", "margin", "encounters", "contacts missed", "contacts made up",
+                                                    "proved", "proved and wrong"), lines)
+    lines = []
+    for name, seen in {"rodwake": said[:20_000], **by_others(lab, points)}.items():
+        seen = np.asarray(seen)
+        of = meets[:len(seen)]
+        lines.append((name, len(seen), of.sum(), (of & ~seen).sum(), (~of & seen).sum()))
+    table("The same by others", ("", "encounters", "contacts there are", "missed", "made up"), lines)
 
 
 # Rods that turn
@@ -159,9 +191,26 @@ def tell(points, run, exact, rtol):
     table(f"Rods that turn, rtol {rtol}, against 1e-12", ("pairs", "certificate", "number", "share", "outcome wrong"), lines)
 
 
-PARTS = {"straight": straight, "turning": turning}
+def diagrams(lab):
+    lines = []
+    for scene in ["phase_perpendicular"] if lab.quick else sorted(path.stem for path in (SOURCE / "scenes").glob("phase_*.toml")):
+        seconds = []
+        for key in ("false", "true"):
+            began = time.monotonic()
+            text = (SOURCE / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")
+            out = lab.make(f"{scene}_{key}", text, f"scan.certificates={key}", *(["scan.resolution=64"] if lab.quick else []), verbs=("scan",), good=(0, 3))
+            seconds.append(time.monotonic() - began)
+        points, area = (told(out, "scan")[key] for key in ("certificates", "certified_area"))
+        total = sum(points.values())
+        lines.append((scene, total, *(f"{points[name] / total:.1%}" for name in points), *(f"{area[name]:.1%}" for name in area),
+                      *(f"{one:.1f}" for one in seconds)))
+    table("Shipped diagrams", ("scene", "points", "proved", "checked", "open", "area proved", "checked", "open", "seconds without", "with"), lines)
+
+
+PARTS = {"straight": straight, "turning": turning, "diagrams": diagrams}
 
 if __name__ == "__main__":
     found = parser(__doc__, "quick", "keep", "threads", "seed", parts=PARTS)
     found.add_argument("--points", type=int, default=100_000, help="number of straight encounters; of pairs that turn a tenth [100000]")
+    found.add_argument("--peers", type=Path, default=SOURCE / "build/release/bench/bench_grazing", help="other solvers' events, if it is there")
     run_parts(found.parse_args(), PARTS)

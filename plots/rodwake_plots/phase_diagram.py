@@ -206,7 +206,7 @@ def draw_panel(axes, drawing, part):
     paint(axes, drawing, part)
     if drawing.outlines and drawing.leaves:
         outlines(axes, drawing, part)
-    if drawing.leaves and len(drawing.scan.axes) == 2:
+    if drawing.leaves and len(drawing.scan.axes) == 2 and drawing.scan.open_cells.any():
         hatch_open(axes, drawing)
     if drawing.boundary:
         draw_boundary(axes, drawing)

@@ -137,8 +137,9 @@ class ScanRun:
 
     @cached_property
     def open_cells(self):
-        """[cell]: whether it is not known to have one outcome; none of a scan without certificates."""
-        if not self.told.get("certified_area"):
+        """[cell]: whether it is not known to have one outcome; none of a scan that was not asked for certificates."""
+        area = self.told.get("certified_area") or {}
+        if not (area.get("proved") or area.get("checked")):
             return np.zeros(len(self.cells[2]), dtype=bool)
         found = files.read_csv(self.folder / CELLS, text=("outcome", "certificate"), needed=["certificate"])
         return np.array([name == "open" for name in found["certificate"]])

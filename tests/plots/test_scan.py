@@ -83,6 +83,18 @@ class AdaptiveTest(ScanCase):
         ends = np.array(segments)
         self.assertTrue((ends[..., 0] >= 0.1 * (1 - 1e-9)).all() and (ends[..., 0] <= 100 * (1 + 1e-9)).all())
 
+    def test_open_cells_are_hatched(self):
+        def hatched(area):
+            self.retell(certificates={"proved": 10, "checked": 20, "open": 0}, certified_area=area)
+            made, caption = self.draw()
+            self.assertIn("proved 10, checked 20", caption)
+            cells = [len(one.get_paths()) for one in made.axes[0].collections if one.get_hatch()]
+            self.assertEqual("Hatched: cells that are not known" in caption, bool(cells))
+            return cells
+        wanted = (self.folder / "cells.csv").read_text().count(",open\n")
+        self.assertEqual(hatched({"proved": 0.25, "checked": 0.7, "open": 0.05}), [wanted])
+        self.assertEqual(hatched({"proved": 0.0, "checked": 0.0, "open": 1.0}), [])  # they were not asked for
+
     def test_window(self):
         made, _ = self.draw(x=[1.0, 30.0], y=[-2.0, 4.0])
         self.assertEqual((made.axes[0].get_xlim(), made.axes[0].get_ylim()), ((1, 30), (-2, 4)))
