@@ -73,12 +73,19 @@ install(FILES ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake ${CMAKE_BINARY_DIR}/rodwak
         DESTINATION ${package_dir})
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The rodwake authors")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
+set(CPACK_PACKAGE_CONTACT "The rodwake authors <authors@rodwake.invalid>") # the field asks for an address; there is none
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "motile rods in an elastic medium")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+    "A vibrated rod walks through a crystal of beads and leaves a wake of strain
+in which other rods turn. rodwake integrates many rods in such fields,
+simulates the beds themselves, measures their wakes, fits the elastic
+parameters, and maps capture and escape, from one scene file to figures
+and a report.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/debian.cmake)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON) # the libraries that the program is linked with
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "python3, python3-numpy, python3-matplotlib, python3-h5py") # of rodwake plot

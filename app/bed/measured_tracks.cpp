@@ -162,11 +162,6 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
     return scale;
 }
 
-const char* name_of(WindowKind kind) {
-    constexpr const char* names[] = {"hull", "periodic", "circle", "rectangle", "automatic"};
-    return names[static_cast<std::size_t>(kind)];
-}
-
 /// Everything that is missing, most of it first told by whoever met it.
 std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCounts& counts) {
     std::vector<RowsLeftOut> all;
@@ -192,7 +187,7 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     const double a = keys.bead_radius, area = seen_area(measure::layout_of(tracks)) / (a * a);
     const WindowKind found = tracks.window ? WindowKind::hull : WindowKind::periodic;
     TracksReport r{file.filename().string(),
-                   name_of(keys.window.kind == WindowKind::automatic ? found : keys.window.kind),
+                   to_string(keys.window.kind == WindowKind::automatic ? found : keys.window.kind),
                    kept.length_unit};
     r.rows = tracks.counts.rows + kept.without_place + kept.hidden;
     r.frames = tracks.frames();
@@ -321,7 +316,7 @@ void describe_tracks(const Plan& plan, Lines& lines) {
     const scene::Tracks& keys = *plan.scene.tracks;
     lines.push_back(
         {true, fmt::format("tracks of {} in place of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
-                           keys.pixel / keys.bead_radius, name_of(keys.window.kind))});
+                           keys.pixel / keys.bead_radius, to_string(keys.window.kind))});
     for (const MeasureKind& kind : measure_kinds()) {
         const bool wanted = kind.wanted(*plan.scene.measure);
         lines.push_back({wanted, fmt::format("measure {}: {}", kind.name,

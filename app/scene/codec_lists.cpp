@@ -330,22 +330,22 @@ struct As<Settings> : Whole<Settings> {
 
 template<>
 struct As<TracksWindow> : Whole<TracksWindow> {
-    static constexpr std::string_view words[] = {"automatic", "hull", "periodic"};
-    static constexpr WindowKind kinds[] = {WindowKind::automatic, WindowKind::hull, WindowKind::periodic};
+    static constexpr std::string_view words[] = {window_names[0], window_names[1],
+                                                 window_names[2]}; ///< the others have sizes
     static bool read(const Input& in, TracksWindow& value) {
         if (in.node.as<std::string>()) {
             const auto* word = word_of(in, words);
             if (word)
-                value = {kinds[std::ranges::find(words, *word) - words], {}};
+                value = {static_cast<WindowKind>(std::ranges::find(words, *word) - words), {}};
             return word;
         }
         const auto* table = in.node.as<Node::Table>();
         const std::string name = table && table->size() == 1 ? table->front().key : "";
-        if (name != "circle" && name != "rectangle")
+        const bool circle = name == to_string(WindowKind::circle);
+        if (!circle && name != to_string(WindowKind::rectangle))
             return in.wrong_type(
                 "expected a string such as \"hull\", { circle = [x, y, radius] } or { rectangle = "
                 "[x0, y0, x1, y1] }");
-        const bool circle = name == "circle";
         TracksWindow found{circle ? WindowKind::circle : WindowKind::rectangle, {}};
         Key sizes = in.key;
         sizes.unit(Dimension::length);
@@ -358,9 +358,9 @@ struct As<TracksWindow> : Whole<TracksWindow> {
     }
     static std::string text(const Key& key, const TracksWindow& value, const Units& units) {
         if (value.sizes.empty())
-            return in_quotes(words[std::ranges::find(kinds, value.kind) - kinds]);
+            return in_quotes(to_string(value.kind));
         Key sizes = key;
-        return fmt::format("{{ {} = {} }}", value.kind == WindowKind::circle ? "circle" : "rectangle",
+        return fmt::format("{{ {} = {} }}", to_string(value.kind),
                            As<std::vector<double>>::text(sizes.unit(Dimension::length), value.sizes, units));
     }
     static Description about(const Key&, const TracksWindow&) {

@@ -204,7 +204,7 @@ class InstallTest(unittest.TestCase):
         self.assertEqual(run("dpkg-deb", "-x", package, self.folder / "root").returncode, 0)
         done = run(self.folder / "root/usr/bin/rodwake", "scenes", "pair")
         self.assertEqual(done.stdout, (rodwake.SOURCE / "scenes/pair.toml").read_text(), done.stderr)
-        self.assertTrue((self.folder / "root/usr/share/man/man1/rodwake.1").is_file())
+        self.assertTrue((self.folder / "root/usr/share/man/man1/rodwake.1.gz").is_file())
 
     def test_installed_files_name_no_folder_of_the_source(self):
         texts = [p for p in self.prefix.rglob("*") if p.suffix in (".hpp", ".cmake", ".py", ".toml", ".md", ".css")]

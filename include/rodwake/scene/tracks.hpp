@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rodwake::scene {
@@ -26,7 +27,9 @@ struct TracksColumns {
 enum class ThinEnd { given, ahead };
 
 /// Automatic: the periodic box of the file if it has one, else the hull.
-enum class WindowKind { hull, periodic, circle, rectangle, automatic };
+enum class WindowKind { automatic, hull, periodic, circle, rectangle };
+inline constexpr std::string_view window_names[] = {"automatic", "hull", "periodic", "circle", "rectangle"};
+constexpr std::string_view to_string(WindowKind kind) { return window_names[static_cast<std::size_t>(kind)]; }
 
 /// tracks.window, in the coordinates of the file, m.
 struct TracksWindow {

@@ -1,4 +1,4 @@
-"""tools/wheel: a wheel that pip installs where there is no compiler, no library of the project and no network."""
+"""Packages: a wheel that pip installs where there is no compiler, no library of the project and no network, and a .deb."""
 
 import contextlib
 import io
@@ -68,6 +68,36 @@ class WheelTest(unittest.TestCase):
         shutil.move(lost, self.folder)
         with self.assertRaisesRegex(SystemExit, f"not in the wheel: .*{lost.name}"):
             audit(tree)
+
+
+class DebianTest(unittest.TestCase):
+    def setUp(self):
+        keeper = tempfile.TemporaryDirectory(prefix="rodwake-deb-")
+        self.addCleanup(keeper.cleanup)
+        self.folder = Path(keeper.name)
+
+    def package(self, name):
+        config = Path(os.environ["RODWAKE_BINARY_DIR"]) / "CPackConfig.cmake"
+        done = run("cpack", "--config", config, "-B", self.folder / name, folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        (package,) = (self.folder / name).glob("rodwake_*.deb")
+        return package
+
+    def errors(self, package):
+        done = run("lintian", "--allow-root", "--tag-display-limit", "0", package, folder=self.folder)
+        return [line for line in done.stdout.splitlines() if line.startswith("E:")]
+
+    def test_lintian_finds_no_error_and_the_bytes_are_the_same_again(self):
+        first = self.package("first")
+        self.assertEqual(self.errors(first), [])
+        self.assertEqual(first.read_bytes(), self.package("second").read_bytes())
+
+    def test_lintian_finds_one_that_is_there(self):
+        tree = self.folder / "tree"
+        run("dpkg-deb", "-R", self.package("made"), tree, folder=self.folder)
+        (tree / "usr/share/doc/rodwake/copyright").unlink()
+        run("dpkg-deb", "-Zxz", "-b", tree, self.folder / "bad.deb", folder=self.folder)
+        self.assertTrue(any("no-copyright-file" in line for line in self.errors(self.folder / "bad.deb")))
 
 
 if __name__ == "__main__":
