@@ -1,9 +1,10 @@
-"""tools/quickstart: the steps it takes, with stand-ins for apt, cmake and the program that record what they are asked."""
+"""tools/quickstart: the steps it takes, with stand-ins for apt, cmake and the program that record what they are asked. Recipes of packages."""
 
 import os
 import re
 import shutil
 import subprocess
+import unittest
 
 import rodwake
 from rodwake import SOURCE, ProgramTest
@@ -82,6 +83,35 @@ class QuickstartTest(ProgramTest):
         text = (SOURCE / "Containerfile").read_text()
         self.assertIn("RUN /opt/rodwake/tools/quickstart --deps-only\nRUN /opt/rodwake/tools/quickstart\n", text)
         self.assertIn("FROM debian:12\n", text)
+
+
+RECIPES = {"conda": SOURCE / "tools/recipes/conda/meta.yaml", "spack": SOURCE / "tools/recipes/spack/package.py"}
+# What the build calls a package, as others do.
+OTHER_NAMES = {"eigen3": "eigen", "hdf5c": "hdf5", "sqlite": "sqlite", "hwy": "libhwy|highway", "nlohmann_json": "nlohmann[_-]json", "png": "libpng",
+               "boost": "boost|libboost-headers", "xxhash": "xxhash"}
+
+
+class RecipesTest(unittest.TestCase):
+    def missing(self, recipe):
+        """What the build asks for and the recipe does not name."""
+        asked = re.findall(r"(?m)^set\(RODWAKE_FIND_\w+ (\w+)", (SOURCE / "cmake/dependencies.cmake").read_text())
+        named = [name.lower() for name in asked if name not in ("Threads", "MPI", "SQLite3")] + ["sqlite", "xxhash", "random123", "pybind11"]
+        return [name for name in named if not re.search(rf"[\s\"'-](py-)?({OTHER_NAMES.get(name, name)})[\s\"'@]", recipe)]
+
+    def test_each_library_is_named(self):
+        for name, path in RECIPES.items():
+            text = path.read_text()
+            self.assertEqual(self.missing(text), [], name)
+            self.assertEqual(self.missing(text.replace("nlopt", "nothing")), ["nlopt"], name)
+
+    def test_versions_are_the_projects(self):
+        version, = re.findall(r"project\(rodwake VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text())
+        self.assertIn(f'set version = "{version}"', RECIPES["conda"].read_text())
+        self.assertIn(f'    version("{version}")', RECIPES["spack"].read_text())
+        self.assertIn(f"version: {version}\n", (SOURCE / "CITATION.cff").read_text())
+
+    def test_spack_reads_it(self):
+        compile(RECIPES["spack"].read_text(), "package.py", "exec")
 
 
 if __name__ == "__main__":
