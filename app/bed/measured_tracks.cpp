@@ -186,9 +186,10 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
                        const measure::Tracks& tracks) {
     const double a = keys.bead_radius, area = seen_area(measure::layout_of(tracks)) / (a * a);
     const WindowKind found = tracks.window ? WindowKind::hull : WindowKind::periodic;
-    TracksReport r{file.filename().string(),
-                   to_string(keys.window.kind == WindowKind::automatic ? found : keys.window.kind),
-                   kept.length_unit};
+    TracksReport r{
+        file.filename().string(),
+        std::string(to_string(keys.window.kind == WindowKind::automatic ? found : keys.window.kind)),
+        kept.length_unit};
     r.rows = tracks.counts.rows + kept.without_place + kept.hidden;
     r.frames = tracks.frames();
     r.particles = tracks.beads;
