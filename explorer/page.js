@@ -99,7 +99,7 @@ class Explorer {
     }
     this.tellTime();
     const busy = document.body.classList.contains("dragging") || this.playing;
-    this.diagram.work(busy ? 4 : 10);
+    this.diagram.work(busy ? 2 : 10);
     this.count = (this.count ?? 0) + 1;
     if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;
@@ -138,9 +138,8 @@ class Explorer {
     const kind = COLOURINGS[this.store.state.colour], bar = find("#bar"), ticks = find("#bar-ticks");
     bar.parentElement.hidden = !kind;
     if (!kind) return;
-    const colours = ramp(kind.ramp().map(name => ink[name])), pen = bar.getContext("2d"), picture = pen.createImageData(256, 1);
-    for (let i = 0; i < 256; ++i) picture.data.set([...colours.subarray(3 * i, 3 * i + 3), 255], 4 * i);
-    pen.putImageData(picture, 0, 0);
+    const colours = ramp(kind.ramp().map(name => ink[name]));
+    bar.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(colours.buffer), 256), 0, 0);
     ticks.replaceChildren(...kind.ticks.map(([value, text]) => make("span", { style: `left: ${100 * kind.place(value)}%` }, text)));
     find("#bar-name").textContent = kind.name;
   }

@@ -4,7 +4,7 @@ class Paths {
   constructor(place, store, api) {
     this.store = store;
     this.api = api;
-    this.stage = new Stage(place, store, () => this.draw(), true);
+    this.stage = new Stage(place, store, true);
   }
   solve() {
     const began = performance.now();
@@ -60,7 +60,7 @@ class Paths {
   }
   draw() {
     const { stage, run } = this, { state } = this.store, { pen } = stage;
-    stage.begin();
+    stage.clear(ink.sheet);
     stage.drawGrid();
     for (const rod of [1, 0]) {
       this.line(this.trace(rod, Infinity), ink.rods[rod], 2, this.time > 0 ? 0.35 : 0.85);
