@@ -84,7 +84,8 @@ class Explorer {
       this.paths.solve();
       this.tellEnd();
     }
-    if (this.diagram.key() !== this.diagramKey) {
+    const busy = document.body.classList.contains("dragging") || this.playing;
+    if (this.diagram.key() !== this.diagramKey && (!busy || this.diagram.stride < COARSEST)) {  // a moving hand leaves time for coarse cells
       this.diagramKey = this.diagram.key();
       this.diagram.restart();
     }
@@ -98,8 +99,7 @@ class Explorer {
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
     }
     this.tellTime();
-    const busy = document.body.classList.contains("dragging") || this.playing;
-    this.diagram.work(busy ? 2 : 10);
+    this.diagram.work(busy ? 1 : 10);
     this.count = (this.count ?? 0) + 1;
     if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;

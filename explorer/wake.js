@@ -100,21 +100,23 @@ class WakePicture {
   /** Along these a rod with kappa > 0 turns. */
   drawAxes() {
     const { stage } = this, count = Math.round(stage.size / 26), { x, y } = middles(this.store.state, count), n = count * count;
-    const of = this.ask(x, y, false), { pen } = stage;
-    pen.strokeStyle = ink.ink;
-    pen.lineWidth = 1.4;
+    const of = this.ask(x, y, false), { pen } = stage, levels = Array.from({ length: 9 }, () => new Path2D());
     for (let i = 0; i < n; ++i) {
       const half = 0.5 * (of[i] - of[2 * n + i]), value = Math.hypot(half, of[n + i]);
       const strength = Math.min(Math.max((Math.log10(value) + 4.2) / 2.4, 0), 1);
       if (!(strength > 0.02)) continue;
       const angle = 0.5 * Math.atan2(of[n + i], half), [px, py] = stage.toPixel(x[i], y[i]);
       const dx = 9 * Math.cos(angle), dy = -9 * Math.sin(angle);
-      pen.globalAlpha = 0.15 + 0.65 * strength;
-      pen.beginPath();
-      pen.moveTo(px - dx, py - dy);
-      pen.lineTo(px + dx, py + dy);
-      pen.stroke();
+      const level = levels[Math.round(8 * strength)];
+      level.moveTo(px - dx, py - dy);
+      level.lineTo(px + dx, py + dy);
     }
+    pen.strokeStyle = ink.ink;
+    pen.lineWidth = 1.4;
+    levels.forEach((level, index) => {
+      pen.globalAlpha = 0.15 + (0.65 * index) / 8;
+      pen.stroke(level);
+    });
     pen.globalAlpha = 1;
   }
   /** Streamlines of the vector in these columns, kept apart by a grid of cells. */
