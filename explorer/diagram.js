@@ -183,7 +183,8 @@ class Diagram extends Square {
   onHover(event) {
     const places = this.toPlaces(event), [x, y] = this.axes;
     const [code, time, closest] = this.api.encounters(this.numbersAt(...places), 1e-8);
-    const value = (axis, place) => `${axis.symbol} = ${told(rounded(valueAt(axis, place)))}`;
+    const number = (axis, value) => (axis.name.startsWith("theta") ? `${told(value / DEGREE, 3)}°` : told(rounded(value)));
+    const value = (axis, place) => `${axis.symbol} = ${number(axis, valueAt(axis, place))}`;
     this.tell(`${value(x, places[0])}, ${value(y, places[1])}: ${OUTCOMES[code]}${code === 0 ? ` at t = ${told(time)}` : ""}, `
               + `closest ${told(closest, 3)}`);
   }

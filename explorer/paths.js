@@ -111,7 +111,7 @@ class Paths {
   words() {
     const { run } = this;
     if (this.trouble) return this.trouble;
-    return run.reason.charAt(0).toUpperCase() + run.reason.slice(1) + ".";
+    return run.reason.charAt(0).toUpperCase() + run.reason.slice(1).replace("t_end", "T") + ".";
   }
   turns() {
     const [a, b] = this.run.turn.map(turn => Math.abs(turn)), degrees = turn => `${Math.round(Math.abs(turn) / DEGREE)}°`;

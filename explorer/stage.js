@@ -225,7 +225,7 @@ class Stage extends Square {
     pen.stroke();
     pen.restore();
   }
-  /** The line from a rod to the handle of its heading. */
+  /** The line from a rod to the handle of its heading, and its name, beside it. */
   drawAim([x, y, theta], rod) {
     const { pen } = this, [px, py] = this.toPixel(x, y);
     pen.strokeStyle = ink.rods[rod];
@@ -234,6 +234,15 @@ class Stage extends Square {
     pen.moveTo(px + 16 * Math.cos(theta), py - 16 * Math.sin(theta));
     pen.lineTo(px + (TURN_REACH - 8) * Math.cos(theta), py - (TURN_REACH - 8) * Math.sin(theta));
     pen.stroke();
+    const at = [`rod ${rod}`, px + 26 * Math.sin(theta), py + 4 + 17 * Math.cos(theta)];
+    pen.font = "600 11px system-ui, sans-serif";
+    pen.textAlign = "center";
+    pen.lineWidth = 3;
+    pen.strokeStyle = ink.sheet;
+    pen.strokeText(...at);
+    pen.fillStyle = ink.rods[rod];
+    pen.fillText(...at);
+    pen.textAlign = "start";
   }
 }
 
