@@ -3,6 +3,7 @@
 const setup = JSON.parse(find("#setup").textContent);
 
 function bytesOf(base64) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(base64);
   const text = atob(base64), bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   return bytes;
@@ -99,7 +100,7 @@ class Explorer {
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
     }
     this.tellTime();
-    this.diagram.work(busy ? 1 : 10);
+    this.diagram.work(busy || !this.count ? 1 : 10);
     this.count = (this.count ?? 0) + 1;
     if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;

@@ -78,7 +78,10 @@ class WakePicture {
   }
   draw() {
     const { stage } = this, { state } = this.store;
-    const began = performance.now(), quick = document.body.classList.contains("dragging") || document.body.classList.contains("playing");
+    const began = performance.now(), first = !this.drawn;
+    const quick = first || document.body.classList.contains("dragging") || document.body.classList.contains("playing");
+    this.drawn = true;
+    stage.stale = first;  // it is drawn finely next
     stage.clear(ink.sheet);
     try {
       this.colour(state.colour === "displacement" ? GRID.quick / (quick ? 2 : 1) : quick ? GRID.quick : GRID.fine, quick);
