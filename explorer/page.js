@@ -97,6 +97,7 @@ class Explorer {
       }
     if (this.settled) {
       this.settled = false;
+      find("#check").textContent = this.paths.check();
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
     }
     this.tellTime();
@@ -120,6 +121,7 @@ class Explorer {
     badge.className = run.outcome;
     find("#outcome").textContent = this.paths.words();
     find("#turns").textContent = this.paths.trouble ? "" : this.paths.turns();
+    find("#check").textContent = "";
     const scrub = find("#scrub");
     scrub.max = String(Math.max(run.time, 1e-9));
     scrub.step = String(Math.max(run.time, 1e-9) / 500);

@@ -113,6 +113,17 @@ class Paths {
     if (this.trouble) return this.trouble;
     return run.reason.charAt(0).toUpperCase() + run.reason.slice(1).replace("t_end", "T") + ".";
   }
+  /** Whether a run a hundred times tighter ends alike, in words. */
+  check() {
+    if (this.trouble) return "";
+    let end;
+    try {
+      end = this.api.simulate({ ...problemOf(this.store.state), rtol: 1e-10 }).outcome;
+    } catch (error) {
+      end = error.message;
+    }
+    return end === this.run.outcome ? "Checked: a run a hundred times tighter ends alike." : `Open: a run a hundred times tighter: ${end}.`;
+  }
   turns() {
     const [a, b] = this.run.turn.map(turn => Math.abs(turn)), degrees = turn => `${Math.round(Math.abs(turn) / DEGREE)}°`;
     const both = `Rod 0 turned by ${degrees(this.run.turn[0])}, rod 1 by ${degrees(this.run.turn[1])}`;

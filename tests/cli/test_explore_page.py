@@ -213,6 +213,17 @@ class KeyTest(PageTest):
         self.assertAlmostEqual(self.state("theta1"), math.radians(5))
         self.assertIn("5 degrees", self.page.evaluate("document.querySelector('#paths-stage .head.rod1').ariaLabel"))
 
+    def test_tab_reaches_every_control(self):
+        self.page.evaluate("""(() => {
+            window.missed = new Set([...document.querySelectorAll("button, input, select, summary, canvas[tabindex]")].filter(one =>
+                !one.disabled && one.checkVisibility()));
+            document.addEventListener("focusin", event => missed.delete(event.target));
+            document.activeElement.blur();
+        })()""")
+        for _ in range(120):
+            self.page.key("Tab")
+        self.assertEqual(self.page.evaluate("[...missed].map(one => one.outerHTML)"), [])
+
     def test_sliders_and_numbers(self):
         for name in ("kappa", "gamma1", "gamma2", "alpha", "eta", "t_end", "contact_distance"):
             before = self.state(name)
@@ -286,6 +297,7 @@ class KeyTest(PageTest):
             ends = {"Attraction": "contact", "Pursuit": "pursuit", "Weak coupling": "escape", "Spiral": "contact", "Screened": "undecided",
                     "Polar couplings": "contact", "Repulsion": "escape"}
             self.assertEqual(self.page.text("#badge"), ends[preset])
+            self.assertEqual(self.page.text("#check"), "Checked: a run a hundred times tighter ends alike.")
 
     def test_what_the_wake_shows(self):
         def picture():
@@ -345,8 +357,17 @@ class FilesTest(PageTest):
         for row, one in zip(wake, exact):
             for name in ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "grady_tr"):
                 self.assertAlmostEqual(float(row[name]), float(one[name]), delta=1e-9)
-        cells = list(csv.DictReader(io.StringIO(self.press_and_get("#diagram-csv", "diagram.csv"))))
+
+    def test_the_table_of_the_diagram_is_that_of_a_scan(self):
+        self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
+        cells = list(csv.DictReader(io.StringIO(self.press_and_get("#diagram-csv", "diagram.csv"))))[::97]
         self.assertEqual(list(cells[0]), ["x1", "kappa", "outcome"])
+        self.write("points.csv", "rods.1.position.0,coupling.kappa\n" + "".join(f"{cell['x1']},{cell['kappa']}\n" for cell in cells))
+        self.write("scan.toml", self.page.evaluate("document.querySelector('#scene').textContent") + '[scan]\ndesign = "list"\nfile = "points.csv"\n')
+        self.expect(0, "scan", "scan.toml", "-o", "scan", "--quiet")
+        program = csv.DictReader(io.StringIO((self.folder / "scan/scan.csv").read_text()))
+        differ = sum(cell["outcome"] != point["outcome"] for cell, point in zip(cells, program, strict=True))
+        self.assertLessEqual(differ, len(cells) // 50)  # cells are computed at rtol 1e-6, points at 1e-8
 
     def test_copies(self):
         self.page.evaluate("navigator.clipboard.writeText = text => { window.copied = text; return Promise.resolve(); }; 0")
