@@ -1,34 +1,20 @@
 // The phase diagram: how encounters end over two parameters. Coarse cells first, then finer ones; between cells that end alike only
 // their middles are looked at until everything else is done.
 
-const CELLS = 128, COARSEST = 16, BATCH = 24, MARGIN = { left: 46, right: 10, top: 10, bottom: 40 };
+const CELLS = 128, COARSEST = 16, BATCH = 12, MARGIN = { left: 46, right: 10, top: 10, bottom: 40 };
 
-class Diagram {
+class Diagram extends Square {
   constructor(place, store, api) {
-    this.store = store;
+    super(place, store, { tabindex: "0", role: "application", "aria-label": "Phase diagram: arrow keys move the encounter over it",
+                          "aria-describedby": "diagram-tip" });
     this.api = api;
-    this.place = place;
-    this.canvas = make("canvas", { tabindex: "0", role: "application", "aria-label": "Phase diagram: arrow keys move the encounter over it",
-                                   "aria-describedby": "diagram-tip" });
-    place.append(this.canvas);
-    this.pen = this.canvas.getContext("2d");
     this.image = make("canvas", { width: CELLS, height: CELLS });
     this.shown = new Int8Array(CELLS * CELLS).fill(-1);
     this.restart();
-    this.fit();
-    new ResizeObserver(() => this.fit()).observe(place);
     this.canvas.addEventListener("pointerdown", event => this.onPick(event));
     this.canvas.addEventListener("pointermove", event => this.onHover(event));
     this.canvas.addEventListener("pointerleave", () => this.tell(null));
     this.canvas.addEventListener("keydown", event => this.onKey(event));
-  }
-  fit() {
-    const size = Math.max(this.place.clientWidth, 120), dense = Math.min(window.devicePixelRatio || 1, 2);
-    if (this.size === size && this.dense === dense) return;
-    this.size = size;
-    this.dense = dense;
-    this.canvas.width = this.canvas.height = Math.round(size * dense);
-    this.stale = true;
   }
   get axes() { return [PARAMETERS[this.store.state.across], PARAMETERS[this.store.state.up]]; }
   /** What the cells depend on: all but what stands on the axes. */
@@ -108,18 +94,10 @@ class Diagram {
     return [clamp((event.clientX - box.left - MARGIN.left) / this.inner), clamp(1 - (event.clientY - box.top - MARGIN.top) / this.height)];
   }
   draw() {
-    const { pen, size } = this;
-    pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
-    pen.fillStyle = ink.card;
-    pen.fillRect(0, 0, size, size);
-    const paint = this.image.getContext("2d"), picture = paint.createImageData(CELLS, CELLS);
-    const colours = OUTCOMES.map(name => rgb(ink[name]));
-    this.shown.forEach((code, cell) => {
-      if (code < 0) return;
-      const at = (CELLS - 1 - Math.floor(cell / CELLS)) * CELLS + (cell % CELLS);
-      picture.data.set([...colours[code], 255], 4 * at);
-    });
-    paint.putImageData(picture, 0, 0);
+    const { pen } = this;
+    this.clear(ink.card);
+    const colours = new Uint32Array(Uint8Array.from(OUTCOMES.flatMap(name => [...rgb(ink[name]), 255])).buffer);
+    paintCells(this.image, CELLS, i => colours[this.shown[i + (CELLS - 1 - 2 * Math.floor(i / CELLS)) * CELLS]] ?? 0);  // the last row on top
     pen.imageSmoothingEnabled = false;
     pen.drawImage(this.image, MARGIN.left, MARGIN.top, this.inner, this.height);
     this.drawAxes();
@@ -191,19 +169,8 @@ class Diagram {
     this.store.change({ [y.name]: rounded(valueAt(y, up)), [x.name]: rounded(valueAt(x, across)), time: 0 }, settle);
   }
   onPick(event) {
-    event.preventDefault();
-    this.canvas.focus({ preventScroll: true });
-    this.canvas.setPointerCapture(event.pointerId);
     this.choose(this.toPlaces(event), false);
-    const move = moved => this.choose(this.toPlaces(moved), false);
-    const end = () => {
-      this.canvas.removeEventListener("pointermove", move);
-      document.body.classList.remove("dragging");
-      this.store.settle();
-    };
-    document.body.classList.add("dragging");
-    this.canvas.addEventListener("pointermove", move);
-    for (const kind of ["pointerup", "pointercancel"]) this.canvas.addEventListener(kind, end, { once: true });
+    this.follow(event, moved => this.choose(this.toPlaces(moved), false));
   }
   onKey(event) {
     const way = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
@@ -216,7 +183,8 @@ class Diagram {
   onHover(event) {
     const places = this.toPlaces(event), [x, y] = this.axes;
     const [code, time, closest] = this.api.encounters(this.numbersAt(...places), 1e-8);
-    const value = (axis, place) => `${axis.symbol} = ${told(rounded(valueAt(axis, place)))}`;
+    const number = (axis, value) => (axis.name.startsWith("theta") ? `${told(value / DEGREE, 3)}°` : told(rounded(value)));
+    const value = (axis, place) => `${axis.symbol} = ${number(axis, valueAt(axis, place))}`;
     this.tell(`${value(x, places[0])}, ${value(y, places[1])}: ${OUTCOMES[code]}${code === 0 ? ` at t = ${told(time)}` : ""}, `
               + `closest ${told(closest, 3)}`);
   }

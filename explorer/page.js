@@ -3,6 +3,7 @@
 const setup = JSON.parse(find("#setup").textContent);
 
 function bytesOf(base64) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(base64);
   const text = atob(base64), bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
   return bytes;
@@ -84,7 +85,8 @@ class Explorer {
       this.paths.solve();
       this.tellEnd();
     }
-    if (this.diagram.key() !== this.diagramKey) {
+    const busy = document.body.classList.contains("dragging") || this.playing;
+    if (this.diagram.key() !== this.diagramKey && (!busy || this.diagram.stride < COARSEST)) {  // a moving hand leaves time for coarse cells
       this.diagramKey = this.diagram.key();
       this.diagram.restart();
     }
@@ -95,11 +97,11 @@ class Explorer {
       }
     if (this.settled) {
       this.settled = false;
+      find("#check").textContent = this.paths.check();
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
     }
     this.tellTime();
-    const busy = document.body.classList.contains("dragging") || this.playing;
-    this.diagram.work(busy ? 4 : 10);
+    this.diagram.work(busy || !this.count ? 1 : 10);
     this.count = (this.count ?? 0) + 1;
     if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;
@@ -119,6 +121,7 @@ class Explorer {
     badge.className = run.outcome;
     find("#outcome").textContent = this.paths.words();
     find("#turns").textContent = this.paths.trouble ? "" : this.paths.turns();
+    find("#check").textContent = "";
     const scrub = find("#scrub");
     scrub.max = String(Math.max(run.time, 1e-9));
     scrub.step = String(Math.max(run.time, 1e-9) / 500);
@@ -138,9 +141,8 @@ class Explorer {
     const kind = COLOURINGS[this.store.state.colour], bar = find("#bar"), ticks = find("#bar-ticks");
     bar.parentElement.hidden = !kind;
     if (!kind) return;
-    const colours = ramp(kind.ramp().map(name => ink[name])), pen = bar.getContext("2d"), picture = pen.createImageData(256, 1);
-    for (let i = 0; i < 256; ++i) picture.data.set([...colours.subarray(3 * i, 3 * i + 3), 255], 4 * i);
-    pen.putImageData(picture, 0, 0);
+    const colours = ramp(kind.ramp().map(name => ink[name]));
+    bar.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(colours.buffer), 256), 0, 0);
     ticks.replaceChildren(...kind.ticks.map(([value, text]) => make("span", { style: `left: ${100 * kind.place(value)}%` }, text)));
     find("#bar-name").textContent = kind.name;
   }

@@ -4,7 +4,7 @@ class Paths {
   constructor(place, store, api) {
     this.store = store;
     this.api = api;
-    this.stage = new Stage(place, store, () => this.draw(), true);
+    this.stage = new Stage(place, store, true);
   }
   solve() {
     const began = performance.now();
@@ -60,7 +60,7 @@ class Paths {
   }
   draw() {
     const { stage, run } = this, { state } = this.store, { pen } = stage;
-    stage.begin();
+    stage.clear(ink.sheet);
     stage.drawGrid();
     for (const rod of [1, 0]) {
       this.line(this.trace(rod, Infinity), ink.rods[rod], 2, this.time > 0 ? 0.35 : 0.85);
@@ -111,7 +111,18 @@ class Paths {
   words() {
     const { run } = this;
     if (this.trouble) return this.trouble;
-    return run.reason.charAt(0).toUpperCase() + run.reason.slice(1) + ".";
+    return run.reason.charAt(0).toUpperCase() + run.reason.slice(1).replace("t_end", "T") + ".";
+  }
+  /** Whether a run a hundred times tighter ends alike, in words. */
+  check() {
+    if (this.trouble) return "";
+    let end;
+    try {
+      end = this.api.simulate({ ...problemOf(this.store.state), rtol: 1e-10 }).outcome;
+    } catch (error) {
+      end = error.message;
+    }
+    return end === this.run.outcome ? "Checked: a run a hundred times tighter ends alike." : `Open: a run a hundred times tighter: ${end}.`;
   }
   turns() {
     const [a, b] = this.run.turn.map(turn => Math.abs(turn)), degrees = turn => `${Math.round(Math.abs(turn) / DEGREE)}°`;

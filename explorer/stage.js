@@ -1,4 +1,4 @@
-// A square picture of the plane: its canvas, its view and the handles of the rods.
+// Square pictures, and those of the plane: their view and the handles of the rods.
 
 const make = (tag, attributes = {}, ...children) => {
   const one = document.createElement(tag);
@@ -29,22 +29,17 @@ function niceStep(size) {
 /** A number for people: no rounding noise, few digits. */
 const told = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "−");
 
-const TURN_REACH = 46; // pixels from a rod to the handle of its heading
-
-class Stage {
-  /** `focusable`: its handles are buttons; else a picture that repeats another one's. */
-  constructor(place, store, draw, focusable) {
+/** A square canvas that fills its place, as fine as the screen. */
+class Square {
+  constructor(place, store, attributes) {
     this.place = place;
     this.store = store;
-    this.draw = draw;
-    this.canvas = make("canvas", { "aria-hidden": "true" });
+    this.canvas = make("canvas", attributes);
     place.append(this.canvas);
     this.pen = this.canvas.getContext("2d");
-    this.handles = [0, 1].map(rod => this.handlesOf(rod, focusable));
+    this.stop = () => {};
     this.fit();
     new ResizeObserver(() => this.fit()).observe(place);
-    this.canvas.addEventListener("wheel", event => this.onWheel(event), { passive: false });
-    this.canvas.addEventListener("pointerdown", event => this.onPan(event));
   }
   fit() {
     const size = Math.max(this.place.clientWidth, 120), dense = Math.min(window.devicePixelRatio || 1, 2);
@@ -53,6 +48,43 @@ class Stage {
     this.dense = dense;
     this.canvas.width = this.canvas.height = Math.round(size * dense);
     this.stale = true;
+  }
+  clear(colour) {
+    this.pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
+    this.pen.fillStyle = colour;
+    this.pen.fillRect(0, 0, this.size, this.size);
+  }
+  /** Follows a pointer until it is released or stop() is called; `each` gets its events. */
+  follow(event, each) {
+    event.preventDefault();
+    const target = event.currentTarget, ends = ["pointerup", "pointercancel"];
+    target.setPointerCapture(event.pointerId);
+    target.focus?.({ preventScroll: true });
+    this.stop();
+    const stop = this.stop = () => {
+      this.stop = () => {};
+      target.removeEventListener("pointermove", each);
+      for (const kind of ends) target.removeEventListener(kind, stop);
+      document.body.classList.remove("dragging");
+      this.store.settle();
+    };
+    document.body.classList.add("dragging");
+    target.addEventListener("pointermove", each);
+    for (const kind of ends) target.addEventListener(kind, stop);
+  }
+}
+
+const TURN_REACH = 46; // pixels from a rod to the handle of its heading
+
+class Stage extends Square {
+  /** `focusable`: its handles are buttons; else a picture that repeats another one's. */
+  constructor(place, store, focusable) {
+    super(place, store, { "aria-hidden": "true" });
+    this.handles = [0, 1].map(rod => this.handlesOf(rod, focusable));
+    this.canvas.addEventListener("wheel", event => this.onWheel(event), { passive: false });
+    this.canvas.addEventListener("pointerdown", event => this.onPan(event));
+    for (const kind of ["touchstart", "touchmove", "touchend", "touchcancel"])
+      place.addEventListener(kind, event => this.onTouch(event), { passive: false });
   }
   get scale() { return this.size / this.store.state.wide; }
   toPixel(x, y) {
@@ -93,24 +125,6 @@ class Stage {
     });
   }
 
-  /** Follows a pointer until it is released; `each` gets its events. */
-  follow(event, each) {
-    event.preventDefault();
-    const target = event.currentTarget;
-    target.setPointerCapture(event.pointerId);
-    target.focus?.({ preventScroll: true });
-    const end = () => {
-      target.removeEventListener("pointermove", each);
-      target.removeEventListener("pointerup", end);
-      target.removeEventListener("pointercancel", end);
-      document.body.classList.remove("dragging");
-      this.store.settle();
-    };
-    document.body.classList.add("dragging");
-    target.addEventListener("pointermove", each);
-    target.addEventListener("pointerup", end);
-    target.addEventListener("pointercancel", end);
-  }
   onMove(event, rod) {
     const [x, y] = this.toPlane(event), { state } = this.store;
     const off = [state[`x${rod}`] - x, state[`y${rod}`] - y];
@@ -151,13 +165,25 @@ class Stage {
     event.preventDefault();
     zoom(this.store, Math.exp(event.deltaY * 0.0015), this.toPlane(event));
   }
-
-  /** Clears the picture and draws the lines of the plane. */
-  begin() {
-    this.pen.setTransform(this.dense, 0, 0, this.dense, 0, 0);
-    this.pen.fillStyle = ink.sheet;
-    this.pen.fillRect(0, 0, this.size, this.size);
+  /** Two fingers: what is between them stays there. */
+  onTouch(event) {
+    const [a, b] = [...event.touches].filter(({ target }) => this.place.contains(target)), before = this.fingers;
+    this.fingers = b && { clientX: (a.clientX + b.clientX) / 2, clientY: (a.clientY + b.clientY) / 2,
+                          apart: Math.max(Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY), 1) };
+    if (this.fingers && event.cancelable) event.preventDefault();
+    if (this.fingers && before) {
+      const { left, top } = this.store.state, from = this.toPlane(before), to = this.toPlane(this.fingers);
+      this.store.change({ left: left + from[0] - to[0], top: top + from[1] - to[1] }, false);
+      zoom(this.store, before.apart / this.fingers.apart, from, false);
+    } else if (this.fingers) {
+      this.stop();  // what the first finger did alone
+      document.body.classList.add("dragging");
+    } else if (before) {
+      document.body.classList.remove("dragging");
+      this.store.settle();
+    }
   }
+
   drawGrid() {
     const { pen, size } = this, { left, top, wide } = this.store.state, step = niceStep(wide / 6);
     pen.lineWidth = 1;
@@ -199,7 +225,7 @@ class Stage {
     pen.stroke();
     pen.restore();
   }
-  /** The line from a rod to the handle of its heading. */
+  /** The line from a rod to the handle of its heading, and its name, beside it. */
   drawAim([x, y, theta], rod) {
     const { pen } = this, [px, py] = this.toPixel(x, y);
     pen.strokeStyle = ink.rods[rod];
@@ -208,12 +234,21 @@ class Stage {
     pen.moveTo(px + 16 * Math.cos(theta), py - 16 * Math.sin(theta));
     pen.lineTo(px + (TURN_REACH - 8) * Math.cos(theta), py - (TURN_REACH - 8) * Math.sin(theta));
     pen.stroke();
+    const at = [`rod ${rod}`, px + 26 * Math.sin(theta), py + 4 + 17 * Math.cos(theta)];
+    pen.font = "600 11px system-ui, sans-serif";
+    pen.textAlign = "center";
+    pen.lineWidth = 3;
+    pen.strokeStyle = ink.sheet;
+    pen.strokeText(...at);
+    pen.fillStyle = ink.rods[rod];
+    pen.fillText(...at);
+    pen.textAlign = "start";
   }
 }
 
-function zoom(store, factor, about) {
+function zoom(store, factor, about, settle = true) {
   const { left, top, wide } = store.state, next = Math.min(Math.max(wide * factor, 0.2), 2000), ratio = next / wide;
   const [x, y] = about ?? [left + wide / 2, top - wide / 2];
   const short = value => Number(value.toPrecision(6));
-  store.change({ wide: short(next), left: short(x - (x - left) * ratio), top: short(y + (top - y) * ratio) });
+  store.change({ wide: short(next), left: short(x - (x - left) * ratio), top: short(y + (top - y) * ratio) }, settle);
 }

@@ -15,10 +15,10 @@ const PARAMETERS = {
   contact_distance: { low: 0.01, high: 1, scale: "log", short: "contact distance", symbol: "d" },
   x0: { low: -10, high: 10, scale: "linear", symbol: "x₀", short: "rod 0, x", unit: "f/mu" },
   y0: { low: -10, high: 10, scale: "linear", symbol: "y₀", short: "rod 0, y", unit: "f/mu" },
-  theta0: { low: -Math.PI, high: Math.PI, scale: "linear", symbol: "θ₀", short: "rod 0, heading", unit: "rad" },
+  theta0: { low: -Math.PI, high: Math.PI, scale: "linear", symbol: "θ₀", short: "rod 0, heading" },
   x1: { low: -10, high: 10, scale: "linear", symbol: "x₁", short: "rod 1, x", unit: "f/mu" },
   y1: { low: -10, high: 10, scale: "linear", symbol: "y₁", short: "rod 1, y", unit: "f/mu" },
-  theta1: { low: -Math.PI, high: Math.PI, scale: "linear", symbol: "θ₁", short: "rod 1, heading", unit: "rad" },
+  theta1: { low: -Math.PI, high: Math.PI, scale: "linear", symbol: "θ₁", short: "rod 1, heading" },
 };
 const SLIDERS = ["kappa", "gamma1", "gamma2", "alpha", "eta", "t_end", "contact_distance"];
 const PLACES = ["x0", "y0", "theta0", "x1", "y1", "theta1"];
@@ -69,7 +69,7 @@ const CHOICES = {
 };
 const WORDS = {
   strain: "shear strain", trace: "dilation", displacement: "displacement", none: "none",
-  axes: "strain axes", laplacian: "streamlines of ∇²u", gradient: "streamlines of ∇∇·u", 0: "rod 0", 1: "rod 1", both: "both rods",
+  axes: "strain axes", laplacian: "along ∇²u", gradient: "along ∇∇·u", 0: "rod 0", 1: "rod 1", both: "both rods",
 };
 
 /** The state in the address and back; what is not legal is left as it was. */

@@ -14,14 +14,20 @@ function middles({ left, top, wide }, count) {
 }
 
 const rgb = colour => [1, 3, 5].map(at => parseInt(colour.slice(at, at + 2), 16));
-/** 256 colours through the given ones. */
+/** 256 colours through the given ones, a pixel each. */
 function ramp(colours) {
-  const stops = colours.map(rgb), table = new Uint8ClampedArray(256 * 3);
+  const stops = colours.map(rgb), table = new Uint8ClampedArray(256 * 4).fill(255);
   for (let i = 0; i < 256; ++i) {
     const at = (i / 255) * (stops.length - 1), k = Math.min(Math.floor(at), stops.length - 2), u = at - k;
-    for (let c = 0; c < 3; ++c) table[3 * i + c] = stops[k][c] * (1 - u) + stops[k + 1][c] * u;
+    for (let c = 0; c < 3; ++c) table[4 * i + c] = stops[k][c] * (1 - u) + stops[k + 1][c] * u;
   }
-  return table;
+  return new Uint32Array(table.buffer);
+}
+/** Draws so many cells a side, `pixelOf` each, into a canvas of that size. */
+function paintCells(image, count, pixelOf) {
+  const pen = image.getContext("2d"), picture = new ImageData(count, count), pixels = new Uint32Array(picture.data.buffer);
+  for (let i = 0; i < pixels.length; ++i) pixels[i] = pixelOf(i);
+  pen.putImageData(picture, 0, 0);
 }
 
 /** What colours can show: value of a point, its place from 0 to 1, ticks of the bar. The scales never move, so that pictures compare. */
@@ -48,7 +54,7 @@ class WakePicture {
     this.store = store;
     this.api = api;
     this.paths = paths;
-    this.stage = new Stage(place, store, () => this.draw(), false);
+    this.stage = new Stage(place, store, false);
     this.image = make("canvas");
   }
   sources() {
@@ -59,28 +65,26 @@ class WakePicture {
     const { eta, alpha } = this.store.state;
     return this.api.wakes({ eta, alpha, rods: this.sources() }, x, y, displacement);
   }
-  colour(count) {
+  colour(count, quick) {
     const { state } = this.store, kind = COLOURINGS[state.colour];
     if (!kind) return;
     const { x, y } = middles(state, count), n = count * count;
     const of = this.ask(x, y, state.colour === "displacement"), table = ramp(kind.ramp().map(name => ink[name]));
     this.image.width = this.image.height = count;
-    const pen = this.image.getContext("2d"), picture = pen.createImageData(count, count);
-    for (let i = 0; i < n; ++i) {
-      const place = kind.place(kind.value(of, i, n)), at = 3 * Math.round(255 * Math.min(Math.max(place || 0, 0), 1));
-      picture.data.set([table[at], table[at + 1], table[at + 2], 255], 4 * i);
-    }
-    pen.putImageData(picture, 0, 0);
+    paintCells(this.image, count, i => table[Math.round(255 * Math.min(Math.max(kind.place(kind.value(of, i, n)) || 0, 0), 1))]);
     this.stage.pen.imageSmoothingEnabled = true;
-    this.stage.pen.imageSmoothingQuality = "high";
+    this.stage.pen.imageSmoothingQuality = quick ? "low" : "high";
     this.stage.pen.drawImage(this.image, 0, 0, this.stage.size, this.stage.size);
   }
   draw() {
     const { stage } = this, { state } = this.store;
-    const began = performance.now(), quick = document.body.classList.contains("dragging") || document.body.classList.contains("playing");
-    stage.begin();
+    const began = performance.now(), first = !this.drawn;
+    const quick = first || document.body.classList.contains("dragging") || document.body.classList.contains("playing");
+    this.drawn = true;
+    stage.stale = first;  // it is drawn finely next
+    stage.clear(ink.sheet);
     try {
-      this.colour(state.colour === "displacement" ? GRID.quick / (quick ? 2 : 1) : quick ? GRID.quick : GRID.fine);
+      this.colour(state.colour === "displacement" ? GRID.quick / (quick ? 2 : 1) : quick ? GRID.quick : GRID.fine, quick);
       if (state.colour === "none") stage.drawGrid();
       if (state.lines === "axes") this.drawAxes();
       else if (state.lines !== "none") this.drawStreams(state.lines === "laplacian" ? 3 : 5);
@@ -88,7 +92,6 @@ class WakePicture {
       stage.drawGrid();
     }
     this.milliseconds = performance.now() - began;
-    this.quick = quick;
     const poses = this.paths.poses(), still = this.paths.time === 0;
     poses.forEach((pose, rod) => {
       const felt = state.source === "both" || Number(state.source) === rod;
@@ -100,21 +103,23 @@ class WakePicture {
   /** Along these a rod with kappa > 0 turns. */
   drawAxes() {
     const { stage } = this, count = Math.round(stage.size / 26), { x, y } = middles(this.store.state, count), n = count * count;
-    const of = this.ask(x, y, false), { pen } = stage;
-    pen.strokeStyle = ink.ink;
-    pen.lineWidth = 1.4;
+    const of = this.ask(x, y, false), { pen } = stage, levels = Array.from({ length: 9 }, () => new Path2D());
     for (let i = 0; i < n; ++i) {
       const half = 0.5 * (of[i] - of[2 * n + i]), value = Math.hypot(half, of[n + i]);
       const strength = Math.min(Math.max((Math.log10(value) + 4.2) / 2.4, 0), 1);
       if (!(strength > 0.02)) continue;
       const angle = 0.5 * Math.atan2(of[n + i], half), [px, py] = stage.toPixel(x[i], y[i]);
       const dx = 9 * Math.cos(angle), dy = -9 * Math.sin(angle);
-      pen.globalAlpha = 0.15 + 0.65 * strength;
-      pen.beginPath();
-      pen.moveTo(px - dx, py - dy);
-      pen.lineTo(px + dx, py + dy);
-      pen.stroke();
+      const level = levels[Math.round(8 * strength)];
+      level.moveTo(px - dx, py - dy);
+      level.lineTo(px + dx, py + dy);
     }
+    pen.strokeStyle = ink.ink;
+    pen.lineWidth = 1.4;
+    levels.forEach((level, index) => {
+      pen.globalAlpha = 0.15 + (0.65 * index) / 8;
+      pen.stroke(level);
+    });
     pen.globalAlpha = 1;
   }
   /** Streamlines of the vector in these columns, kept apart by a grid of cells. */

@@ -1,6 +1,7 @@
 #include "explicit_run.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/integrate/dormand_prince.hpp"
 #include "rodwake/rods/conclude.hpp"
 
 #include <fmt/format.h>
@@ -14,17 +15,6 @@ namespace rodwake::app {
 namespace {
 
 using Numbers = std::vector<double>;
-
-// Hairer, Norsett, Wanner I, table II.5.2.
-constexpr double weights[7][6] = {{},
-                                  {1.0 / 5},
-                                  {3.0 / 40, 9.0 / 40},
-                                  {44.0 / 45, -56.0 / 15, 32.0 / 9},
-                                  {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-                                  {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-                                  {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
-constexpr double error_weights[7] = {71.0 / 57600,      0.0,        -71.0 / 16695, 71.0 / 1920,
-                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
 /// Where a trial step ends.
 struct Trial {
@@ -105,7 +95,7 @@ private:
             end.y = y_;
             for (int s = 0; s < stage; ++s)
                 for (std::size_t i = 0; i < size; ++i)
-                    end.y[i] += h * weights[stage][s] * k[s][i];
+                    end.y[i] += h * integrate::stage_weights[stage][s] * k[s][i];
             k[stage] = rates(end.y);
         }
         double square = 0.0;
@@ -113,7 +103,7 @@ private:
         for (std::size_t i = 0; i < size; ++i) {
             double error = 0.0;
             for (int s = 0; s < 7; ++s)
-                error += h * error_weights[s] * k[s][i];
+                error += h * integrate::error_weights[s] * k[s][i];
             const double tolerance = rtol_ * std::min(std::max(std::abs(y_[i]), std::abs(end.y[i])), 1.0);
             square += std::pow(error / (tolerance + atol), 2);
         }

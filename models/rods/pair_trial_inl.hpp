@@ -1,5 +1,5 @@
-// A trial step of many pairs, a pair a lane: Dormand-Prince 5(4) (Hairer, Norsett, Wanner I, table II.5.2),
-// the end and its error (include after foreach_target.h).
+// A trial step of many pairs, a pair a lane: Dormand-Prince 5(4), the end and its error (include after
+// foreach_target.h).
 
 #if defined(RODWAKE_RODS_PAIR_TRIAL_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef RODWAKE_RODS_PAIR_TRIAL_INL
@@ -9,20 +9,12 @@
 #endif
 
 #include "pair_rates_inl.hpp"
+#include "rodwake/integrate/dormand_prince.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::rods::HWY_NAMESPACE {
 
-constexpr double stage_weights[7][6] = {
-    {},
-    {1.0 / 5},
-    {3.0 / 40, 9.0 / 40},
-    {44.0 / 45, -56.0 / 15, 32.0 / 9},
-    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-    {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}};
-constexpr double error_weights[7] = {71.0 / 57600,      0.0,        -71.0 / 16695, 71.0 / 1920,
-                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+using integrate::error_weights, integrate::stage_weights;
 
 /// Sum over the stages of weight and rate of a coordinate.
 template<std::size_t stages>

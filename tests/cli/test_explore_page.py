@@ -81,29 +81,37 @@ class PointerTest(PageTest):
         self.page.drag((x, y), (x - 46, y - 46))
         self.assertAlmostEqual(self.state("theta0"), math.pi / 2, delta=0.05)  # 46 pixels are the handle's distance, to one
 
-    def test_touch(self):
-        x, y = self.at("#paths-stage .handle.body.rod0")
-        before = self.state("y0")
-        for kind, points in (("touchStart", [{"x": x, "y": y}]), ("touchMove", [{"x": x, "y": y + 20}]),
-                             ("touchMove", [{"x": x, "y": y + 40}]), ("touchEnd", [])):
-            self.page.send("Input.dispatchTouchEvent", type=kind, touchPoints=points)
+    def test_sliders_and_the_time_are_dragged(self):
+        before = self.state("kappa")
+        x, y = self.at("#slider-kappa")
+        self.page.drag((x, y), (x - 10, y), (x - 50, y))
         self.frame()
-        self.assertLess(self.state("y0"), before - 0.3)
+        self.assertLess(self.state("kappa"), 0)
+        self.page.press("#undo")  # one gesture
+        self.assertEqual(self.state("kappa"), before)
+        x, y = self.at("#scrub")
+        self.page.drag((x - 20, y), (x - 10, y), (x, y))
+        self.assertAlmostEqual(self.state("time") / self.page.evaluate("rodwake.page.paths.run.time"), 0.5, delta=0.05)  # the knob's width
 
     def test_the_ground_and_the_wheel(self):
-        left, wide = self.state("left"), self.state("wide")
-        x, y = self.at("#paths-stage")
-        self.page.drag((x, y + 100), (x - 50, y + 100))
-        self.assertGreater(self.state("left"), left)
-        self.page.move(x, y)
-        self.page.wheel(x, y, 300)
-        self.page.wait_for(lambda: self.state("wide") > 1.2 * wide, "the wheel does not zoom", 5)
+        for stage in ("#wake-stage", "#paths-stage"):
+            left, wide = self.state("left"), self.state("wide")
+            x, y = self.at(stage)
+            self.page.drag((x, y + 100), (x - 50, y + 100))
+            self.assertGreater(self.state("left"), left)
+            self.page.move(x, y)
+            self.page.wheel(x, y, 300)
+            self.page.wait_for(lambda wide=wide: self.state("wide") > 1.2 * wide, "the wheel does not zoom", 5)
         for selector, more in (("#nearer", False), ("#farther", True)):
             wide = self.state("wide")
             self.page.press(selector)
             self.assertEqual(self.state("wide") > wide, more)
         self.page.press("#fit")
         self.assertEqual(self.page.evaluate("rodwake.page.paths.whole().wide"), self.state("wide"))
+
+    def test_swapped_rods(self):
+        self.page.press("#swap")
+        self.assertEqual([self.state(key) for key in ("y0", "y1")], [-2.5, 2.5])
 
     def test_the_diagram_gives_its_encounters(self):
         self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
@@ -138,6 +146,61 @@ class PointerTest(PageTest):
         self.assertLessEqual(wrong[0], 3)
 
 
+class TouchTest(PageTest):
+    size = (360, 740)
+
+    def setUp(self):
+        super().setUp()
+        self.page.send("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+
+    def touch(self, *steps):
+        """The places of all fingers, step by step; then all are lifted."""
+        for number, fingers in enumerate([*steps, ()]):
+            kind = "touchEnd" if not fingers else "touchMove" if number and len(fingers) == len(steps[number - 1]) else "touchStart"
+            self.page.send("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)])
+        self.frame()
+
+    def test_one_finger_moves_and_turns_rods(self):
+        x, y = self.at("#paths-stage .handle.body.rod0")
+        before = self.state("y0")
+        self.touch([(x, y)], [(x, y + 20)], [(x, y + 40)])
+        self.assertLess(self.state("y0"), before - 0.3)
+        x, y = self.at("#wake-stage .handle.head.rod1")
+        self.touch([(x, y)], [(x - 20, y - 40)], [(x - 46, y - 46)])
+        self.assertAlmostEqual(self.state("theta1"), math.pi / 2, delta=0.05)
+
+    def test_one_finger_moves_the_ground_and_picks_from_the_diagram(self):
+        left = self.state("left")
+        x, y = self.at("#wake-stage")
+        self.touch([(x, y + 100)], [(x - 30, y + 100)], [(x - 60, y + 100)])
+        self.assertGreater(self.state("left"), left)
+        x, y = self.at("#diagram-stage canvas")
+        self.touch([(x + 40, y - 30)], [(x + 60, y - 30)])
+        self.assertGreater(self.state("x1"), 0)
+
+    def test_two_fingers_zoom(self):
+        for stage, name in (("#paths-stage", "paths"), ("#wake-stage", "wake")):
+            x, y = self.at(stage)
+            before, below = self.page.evaluate("rodwake.page.store.state"), self.below(name, x, y)
+            self.touch([(x, y - 30)], [(x, y - 30), (x, y + 30)], [(x, y - 45), (x, y + 45)], [(x, y - 60), (x, y + 60)])
+            self.assertAlmostEqual(self.state("wide"), before["wide"] / 2, delta=0.01)  # views have six digits
+            for here, there in zip(self.below(name, x, y), below):
+                self.assertAlmostEqual(here, there, delta=0.01)
+            self.page.press("#undo")  # one gesture
+            self.assertEqual(self.state("wide"), before["wide"])
+
+    def test_two_fingers_on_a_rod_leave_it(self):
+        x, y = self.at("#paths-stage .handle.body.rod0")
+        wide, place = self.state("wide"), [self.state(key) for key in ("x0", "y0", "theta0")]
+        self.touch([(x, y)], [(x, y), (x + 60, y)], [(x - 20, y), (x + 80, y)])
+        self.assertEqual([self.state(key) for key in ("x0", "y0", "theta0")], place)
+        self.assertAlmostEqual(self.state("wide"), wide * 0.6, delta=0.01)
+        self.assertFalse(self.page.evaluate("document.body.classList.contains('dragging')"))
+
+    def below(self, name, x, y):
+        return self.page.evaluate(f"rodwake.page.{name}.stage.toPlane({{ clientX: {x}, clientY: {y} }})")
+
+
 class KeyTest(PageTest):
     def test_rods_by_keys(self):
         self.focus("#paths-stage .handle.body.rod0")
@@ -149,6 +212,17 @@ class KeyTest(PageTest):
         self.page.key("ArrowLeft")
         self.assertAlmostEqual(self.state("theta1"), math.radians(5))
         self.assertIn("5 degrees", self.page.evaluate("document.querySelector('#paths-stage .head.rod1').ariaLabel"))
+
+    def test_tab_reaches_every_control(self):
+        self.page.evaluate("""(() => {
+            window.missed = new Set([...document.querySelectorAll("button, input, select, summary, canvas[tabindex]")].filter(one =>
+                !one.disabled && one.checkVisibility()));
+            document.addEventListener("focusin", event => missed.delete(event.target));
+            document.activeElement.blur();
+        })()""")
+        for _ in range(120):
+            self.page.key("Tab")
+        self.assertEqual(self.page.evaluate("[...missed].map(one => one.outerHTML)"), [])
 
     def test_sliders_and_numbers(self):
         for name in ("kappa", "gamma1", "gamma2", "alpha", "eta", "t_end", "contact_distance"):
@@ -202,6 +276,12 @@ class KeyTest(PageTest):
         self.assertTrue(self.page.evaluate("rodwake.page.playing"))
         self.page.key(" ")
 
+    def test_the_view_by_keys(self):
+        self.page.evaluate("document.activeElement.blur()")
+        for key, ratio in (("+", 0.8), ("-", 1.0), ("-", 1.25), ("0", 1.0)):
+            self.page.key(key)
+            self.assertAlmostEqual(self.state("wide") / self.page.evaluate("rodwake.page.paths.whole().wide"), ratio, delta=1e-4)
+
     def test_the_diagram_by_keys(self):
         self.focus("#diagram-stage canvas")
         self.page.key("ArrowRight")
@@ -217,6 +297,7 @@ class KeyTest(PageTest):
             ends = {"Attraction": "contact", "Pursuit": "pursuit", "Weak coupling": "escape", "Spiral": "contact", "Screened": "undecided",
                     "Polar couplings": "contact", "Repulsion": "escape"}
             self.assertEqual(self.page.text("#badge"), ends[preset])
+            self.assertEqual(self.page.text("#check"), "Checked: a run a hundred times tighter ends alike.")
 
     def test_what_the_wake_shows(self):
         def picture():
@@ -276,8 +357,25 @@ class FilesTest(PageTest):
         for row, one in zip(wake, exact):
             for name in ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "grady_tr"):
                 self.assertAlmostEqual(float(row[name]), float(one[name]), delta=1e-9)
-        cells = list(csv.DictReader(io.StringIO(self.press_and_get("#diagram-csv", "diagram.csv"))))
+
+    def test_the_table_of_the_diagram_is_that_of_a_scan(self):
+        self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
+        cells = list(csv.DictReader(io.StringIO(self.press_and_get("#diagram-csv", "diagram.csv"))))[::97]
         self.assertEqual(list(cells[0]), ["x1", "kappa", "outcome"])
+        self.write("points.csv", "rods.1.position.0,coupling.kappa\n" + "".join(f"{cell['x1']},{cell['kappa']}\n" for cell in cells))
+        self.write("scan.toml", self.page.evaluate("document.querySelector('#scene').textContent") + '[scan]\ndesign = "list"\nfile = "points.csv"\n')
+        self.expect(0, "scan", "scan.toml", "-o", "scan", "--quiet")
+        program = csv.DictReader(io.StringIO((self.folder / "scan/scan.csv").read_text()))
+        differ = sum(cell["outcome"] != point["outcome"] for cell, point in zip(cells, program, strict=True))
+        self.assertLessEqual(differ, len(cells) // 50)  # cells are computed at rtol 1e-6, points at 1e-8
+
+    def test_copies(self):
+        self.page.evaluate("navigator.clipboard.writeText = text => { window.copied = text; return Promise.resolve(); }; 0")
+        self.page.evaluate("document.querySelector('details').open = true")
+        for selector, text in (("#copy-link", "location.href.split('#')[0] + '#'"), ("#copy-scene", "document.querySelector('#scene').textContent")):
+            self.page.press(selector)
+            self.page.wait_for(lambda: self.page.text(selector) == "Copied", "it is not copied", 5)
+            self.assertTrue(self.page.evaluate(f"copied.startsWith({text})"))
 
     def press_and_get(self, selector, name):
         self.page.press(selector)
