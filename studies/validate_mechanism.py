@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 """What turns two rods in the bed: rivals weighed on the tracks of pairs. The table of docs/findings.md, "Which mechanism turns the rods".
 
-    studies/validate_mechanism.py [--program build/release/rodwake] [--only beds,weigh,apart] [--runs 50] [-j 2] [--quick] [--keep DIR]
+    studies/validate_mechanism.py [--program build/release/rodwake] [--only beds,weigh,weights,apart] [--runs 50] [-j 2] [--quick] [--keep DIR]
 
 beds   two rods side by side, 15 a apart, at 0.70 and 0.78, close-packed rows along and across them, walking and apolar, in batches of 25 runs;
        some 3 CPU minutes a batch. What is kept of a run are its rods at whole seconds, in studies/bed_pairs.csv; batches that are there are
        not made again, so another --runs adds to them.
 weigh  each pair of walking rods as a track with noise of its own: strain, polar couplings, the medium's velocity, the rows of the crystal,
        none; AIC of all runs of a setting together, in the medium of sound and of pushes, and in that of the line. Kept in studies/mechanism.csv.
+weights the table of what is kept.
 apart  of all, how far rods have come together or apart, and turned, without a model.
 """
 
@@ -134,12 +135,17 @@ def walked(pairs):
 
 
 def weigh(lab):
-    """What is kept is weighed no more; the table is of the most runs that there are of a setting."""
+    """What is kept is weighed no more."""
     for medium in MEDIA:
         for kind, phi, rows in SETTINGS:
             pairs = [one for one in map(apart_yet, pairs_of(lab, kind, phi, rows)) if len(one) > 3][:4 if lab.quick else None]
             if kind == "motile" and pairs and not kept_of(phi, rows, medium, len(pairs)):
                 keep_weights(lab, phi, rows, medium, pairs)
+    weights(lab)
+
+
+def weights(_):
+    """Of the most runs that there are of a setting."""
     lines = [line_of(*setting) for setting in sorted({(float(row["phi"]), int(row["rows"]), row["medium"]) for row in kept_rows(WEIGHED)})]
     table("Rivals on the tracks of pairs", ["phi_b", "rows, deg", "medium", "runs", *(f"{one}: AIC less that of none" for one in RIVALS),
                                              "coupling of the best", "its misfit"], lines)
@@ -181,7 +187,7 @@ def line_of(phi, rows, medium):
             f"{float(best['misfit']):.2g}"]
 
 
-PARTS = {"beds": beds, "weigh": weigh, "apart": apart}
+PARTS = {"beds": beds, "weigh": weigh, "weights": weights, "apart": apart}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "runs", "threads", "quick", "keep", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "runs", "threads", "quick", "keep", parts=PARTS, chosen=("beds", "weigh", "apart")).parse_args(), PARTS)
