@@ -14,11 +14,13 @@
 #include "prior_map.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/noise.hpp"
+#include "rodwake/rods/separation.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -53,49 +55,86 @@ Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> valu
     return out;
 }
 
-/// The moments' equations, state: mean, then the columns of the covariance.
-integrate::OdeProblem moments(const rods::RodModel& model, const Diffusion& diffusion, const Belief& from) {
-    integrate::OdeProblem problem;
-    const Index n = from.mean.size();
-    problem.initial_state.assign(from.mean.begin(), from.mean.end());
-    problem.initial_state.insert(problem.initial_state.end(), from.covariance.data(),
-                                 from.covariance.data() + n * n);
-    problem.relative_cap = 1.0;
-    problem.rhs = [&model, diffusion, n](double, integrate::State y, std::span<double> out) {
-        const auto size = static_cast<std::size_t>(n);
-        const Eigen::Map<const Eigen::MatrixXd> P(y.data() + n, n, n);
-        Eigen::Map<Eigen::MatrixXd> slope(out.data() + n, n, n);
-        Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n);
-        model.rhs(y.first(size), out.first(size));
-        model.jacobian(y.first(size), J);
-        for (Index i = 0; i < n; i += 3) {
-            const double blur = std::exp(-0.5 * P(i + 2, i + 2));
-            for (const Index k : {i, i + 1}) {
-                out[static_cast<std::size_t>(k)] *= blur;
-                J.row(k) *= blur;
-            }
+/// The moments' equations between two rows in units of the data's errors, so that one tolerance serves all:
+/// how far the mean has moved, then the covariance's upper triangle, column by column.
+class Moments {
+public:
+    Moments(const rods::RodModel& model, const Diffusion& diffusion, const Trajectory& trajectory)
+        : model_(model), box_(trajectory.box), n_(static_cast<Index>(3 * model.rods())), unit_(n_),
+          driven_(n_), mean_(n_), rate_(n_), P_(n_, n_), J_(n_, n_), JP_transposed_(n_, n_) {
+        for (Index i = 0; i < n_; ++i) {
+            unit_[i] = sigma_at(trajectory, i);
+            driven_[i] = 2.0 * diffusion.of(i);
         }
-        slope.noalias() = J * P;
-        slope += slope.transpose().eval();
-        for (Index i = 0; i < n; ++i)
-            slope(i, i) += 2.0 * diffusion.of(i);
-    };
-    return problem;
-}
+    }
 
-/// Moves on by `span`. Throws RunError where the solve fails.
-void foretell(const rods::RodModel& model, const Diffusion& diffusion, double span,
-              const Trajectory& trajectory, Belief& belief) {
-    integrate::OdeOptions options;
-    options.method = integrate::Method::erk;
-    options.rtol = 1e-8, options.atol = 1e-10, options.max_steps = 2000;
-    const auto end = integrate::solve(moments(model, diffusion, belief), options, std::vector{span});
-    if (!end.status.ok())
-        throw RunError(trajectory.name + ": " + end.status.message());
-    const Index n = belief.mean.size();
-    belief.mean = Eigen::Map<const Eigen::VectorXd>(end.final_state.data(), n);
-    belief.covariance = Eigen::Map<const Eigen::MatrixXd>(end.final_state.data() + n, n, n);
-}
+    /// Moves on by `span`. Throws RunError where the solve fails.
+    void foretell(double span, const std::string& name, Belief& belief) {
+        begin_ = belief.mean;
+        integrate::OdeOptions options;
+        options.method = integrate::Method::erk;
+        options.rtol = 1e-8, options.atol = 1e-7, options.max_steps = 2000;
+        options.initial_step = span / static_cast<double>(steps_);
+        const auto end = integrate::solve(problem(belief), options, std::array{span});
+        if (!end.status.ok())
+            throw RunError(name + ": " + end.status.message());
+        steps_ = std::max(1L, end.statistics.steps);
+        unpack(end.final_state);
+        belief.mean = mean_;
+        belief.covariance = P_;
+    }
+
+private:
+    integrate::OdeProblem problem(const Belief& from) {
+        integrate::OdeProblem problem;
+        problem.initial_state.assign(static_cast<std::size_t>(n_), 0.0);
+        for (Index j = 0; j < n_; ++j)
+            for (Index i = 0; i <= j; ++i)
+                problem.initial_state.push_back(from.covariance(i, j) / (unit_[i] * unit_[j]));
+        problem.rhs = [this](double, integrate::State y, std::span<double> out) { slope(y, out); };
+        if (model_.interacting()) // steps may be as long as a row: none passes over an encounter
+            problem.step_limit = [this](double, integrate::State y) {
+                mean_ = begin_ + Eigen::Map<const Eigen::VectorXd>(y.data(), n_).cwiseProduct(unit_);
+                return rods::encounter_step({mean_.data(), static_cast<std::size_t>(n_)}, box_);
+            };
+        return problem;
+    }
+
+    void unpack(integrate::State y) {
+        mean_ = begin_ + Eigen::Map<const Eigen::VectorXd>(y.data(), n_).cwiseProduct(unit_);
+        const double* packed = y.data() + n_;
+        for (Index j = 0; j < n_; ++j)
+            for (Index i = 0; i <= j; ++i)
+                P_(i, j) = P_(j, i) = *packed++ * unit_[i] * unit_[j];
+    }
+
+    void slope(integrate::State y, std::span<double> out) {
+        unpack(y);
+        const auto size = static_cast<std::size_t>(n_);
+        model_.linearise({mean_.data(), size}, {rate_.data(), size}, J_);
+        for (Index i = 0; i < n_; i += 3) {
+            const double blur = std::exp(-0.5 * P_(i + 2, i + 2));
+            for (const Index k : {i, i + 1}) { // places are driven by their own heading alone
+                rate_[k] *= blur;
+                JP_transposed_.col(k) = blur * J_(k, i + 2) * P_.col(i + 2);
+            }
+            JP_transposed_.col(i + 2).noalias() = P_ * J_.row(i + 2).transpose();
+        }
+        Eigen::Map<Eigen::VectorXd>(out.data(), n_) = rate_.cwiseQuotient(unit_);
+        double* packed = out.data() + n_;
+        for (Index j = 0; j < n_; ++j)
+            for (Index i = 0; i <= j; ++i)
+                *packed++ = (JP_transposed_(i, j) + JP_transposed_(j, i) + (i == j ? driven_[i] : 0.0)) /
+                            (unit_[i] * unit_[j]);
+    }
+
+    const rods::RodModel& model_;
+    rods::Box box_;
+    Index n_;
+    Eigen::VectorXd unit_, driven_, mean_, rate_, begin_;
+    Eigen::MatrixXd P_, J_, JP_transposed_;
+    long steps_ = 1; ///< of the last row: as many are tried in the next
+};
 
 Belief at_start(const Trajectory& one) {
     const std::vector<double>& start = one.states.front();
@@ -193,9 +232,10 @@ private:
         for (std::size_t k = 0; k < all_.size(); ++k) {
             const Trajectory& one = all_[k];
             const rods::RodModel model = rods::model_of(rod_problem(one, k, roles_, p));
+            Moments moments(model, diffusion, one);
             Belief belief = at_start(one);
             for (std::size_t row = 1; row < one.times.size(); ++row) {
-                foretell(model, diffusion, one.times[row] - one.times[row - 1], one, belief);
+                moments.foretell(one.times[row] - one.times[row - 1], one.name, belief);
                 at = add_row(one, row, belief, at, r);
             }
         }
@@ -222,22 +262,19 @@ private:
         return at + n;
     }
 
-    /// Fourth-order differences, on the scale of what a parameter of this kind is.
+    /// Central differences, on the scale of what a parameter of this kind is: 1e-6 of the slope are left.
     Eigen::VectorXd slope(std::vector<double>& p, std::size_t j) const {
         const double value = p[j], scale = roles_[j].diffusion ? noise_scale(*roles_[j].diffusion) : 0.1;
         const bool positive = roles_[j].physical && *roles_[j].physical >= rods::Parameter::eta &&
                               *roles_[j].physical <= rods::Parameter::xi;
         const double h = 2e-3 * (positive ? std::abs(value) : std::max(std::abs(value), scale));
-        Eigen::VectorXd low(static_cast<Index>(2 * data_)), high = low;
-        const auto difference = [&](double step) -> Eigen::VectorXd {
-            p[j] = value + step;
-            fill(p, high);
-            p[j] = value - step;
-            fill(p, low);
-            p[j] = value;
-            return high - low;
-        };
-        return (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
+        Eigen::VectorXd low(static_cast<Eigen::Index>(2 * data_)), high = low;
+        p[j] = value + h;
+        fill(p, high);
+        p[j] = value - h;
+        fill(p, low);
+        p[j] = value;
+        return (high - low) / (2.0 * h);
     }
 
     /// What adds a variance of a tenth of sigma's from row to row.
@@ -323,10 +360,11 @@ std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, st
     if (diffusion.rotational == 0.0 && diffusion.translational == 0.0)
         return out;
     const rods::RodModel model = rods::model_of(rod_problem(trajectory, index, roles, values));
+    Moments moments(model, diffusion, trajectory);
     Belief belief = at_start(trajectory);
     for (std::size_t row = 0; row < out.size(); ++row) {
         if (row > 0)
-            foretell(model, diffusion, trajectory.times[row] - trajectory.times[row - 1], trajectory, belief);
+            moments.foretell(trajectory.times[row] - trajectory.times[row - 1], trajectory.name, belief);
         std::ranges::copy(belief.covariance.diagonal(), out[row].begin());
     }
     return out;

@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 """What turns two rods in the bed: rivals weighed on the tracks of pairs. The table of docs/findings.md, "Which mechanism turns the rods".
 
-    studies/validate_mechanism.py [--program build/release/rodwake] [--only beds,weigh,apart] [--runs 50] [-j 2] [--quick] [--keep DIR]
+    studies/validate_mechanism.py [--program build/release/rodwake] [--only beds,weigh,weights,apart] [--runs 50] [-j 2] [--quick] [--keep DIR]
 
 beds   two rods side by side, 15 a apart, at 0.70 and 0.78, close-packed rows along and across them, walking and apolar, in batches of 25 runs;
        some 3 CPU minutes a batch. What is kept of a run are its rods at whole seconds, in studies/bed_pairs.csv; batches that are there are
        not made again, so another --runs adds to them.
 weigh  each pair of walking rods as a track with noise of its own: strain, polar couplings, the medium's velocity, the rows of the crystal,
-       none; AIC of all runs of a setting together, in the medium of sound and of pushes, and in that of the line.
+       none; AIC of all runs of a setting together, in the medium of sound and of pushes, and in that of the line. Kept in studies/mechanism.csv.
+weights the table of what is kept.
 apart  of all, how far rods have come together or apart, and turned, without a model.
 """
 
@@ -15,9 +16,9 @@ import math
 
 import numpy as np
 
-from lab import SOURCE, keep_row, kept_rows, mean, parser, rows_of, run_parts, table, text, told, tracks
+from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, text, told, tracks
 
-KEPT, A, BATCH, RUNS = SOURCE / "studies/bed_pairs.csv", 4e-4, 25, 50
+KEPT, WEIGHED, A, BATCH, RUNS = SOURCE / "studies/bed_pairs.csv", SOURCE / "studies/mechanism.csv", 4e-4, 25, 50
 SETTINGS = [(kind, phi, rows) for kind in ("motile", "apolar") for phi in (0.78, 0.70) for rows in (0, 90)]
 NUMBERS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 # f/mu in a, eta, alpha: docs/findings.md, "A line does not tell the medium, the map beside it does".
@@ -134,39 +135,59 @@ def walked(pairs):
 
 
 def weigh(lab):
-    lines = []
-    for kind, phi, rows in SETTINGS:
-        if kind != "motile":
-            continue
-        pairs = [one for one in map(apart_yet, pairs_of(lab, kind, phi, rows)) if len(one) > 3][:4 if lab.quick else None]
-        for medium, (scale, eta, alpha) in MEDIA.items() if pairs else ():
-            parts = []
-            for number, pair in enumerate(pairs):
-                file = lab.write(f"pair_{phi:.2f}_{rows}_{number}.csv", "t,x0,y0,theta0,x1,y1,theta1\n" +
-                                 "".join(",".join(f"{value:.4f}" for value in row) + "\n" for row in pair))
-                parts.append(TRACK.format(file=file, scale=scale, speed=round(speed_of(pair), 4), position=SIGMA_POSITION, heading=SIGMA_HEADING))
-            out = lab.make(f"weigh_{phi:.2f}_{rows}_{medium}_{len(pairs)}",
-                           FIT.format(eta=eta, alpha=alpha, direction=math.radians(rows), tracks="".join(parts)), verbs=("fit",))
-            lines.append(row_of(phi, rows, medium, len(pairs), told(out, "models"), out))
+    """What is kept is weighed no more."""
+    for medium in MEDIA:
+        for kind, phi, rows in SETTINGS:
+            pairs = [one for one in map(apart_yet, pairs_of(lab, kind, phi, rows)) if len(one) > 3][:4 if lab.quick else None]
+            if kind == "motile" and pairs and not kept_of(phi, rows, medium, len(pairs)):
+                keep_weights(lab, phi, rows, medium, pairs)
+    weights(lab)
+
+
+def weights(_):
+    """Of the most runs that there are of a setting."""
+    lines = [line_of(*setting) for setting in sorted({(float(row["phi"]), int(row["rows"]), row["medium"]) for row in kept_rows(WEIGHED)})]
     table("Rivals on the tracks of pairs", ["phi_b", "rows, deg", "medium", "runs", *(f"{one}: AIC less that of none" for one in RIVALS),
                                              "coupling of the best", "its misfit"], lines)
+
+
+def keep_weights(lab, phi, rows, medium, pairs):
+    (scale, eta, alpha), parts = MEDIA[medium], []
+    for number, pair in enumerate(pairs):
+        file = lab.write(f"pair_{phi:.2f}_{rows}_{number}.csv", "t,x0,y0,theta0,x1,y1,theta1\n" +
+                         "".join(",".join(f"{value:.4f}" for value in row) + "\n" for row in pair))
+        parts.append(TRACK.format(file=file, scale=scale, speed=round(speed_of(pair), 4), position=SIGMA_POSITION, heading=SIGMA_HEADING))
+    out = lab.make(f"weigh_{phi:.2f}_{rows}_{medium}_{len(pairs)}",
+                   FIT.format(eta=eta, alpha=alpha, direction=math.radians(rows), tracks="".join(parts)), verbs=("fit",))
+    for one in told(out, "models")["models"]:
+        names, found = RIVALS.get(one["name"], ()), one["parameters"]
+        keep_row(None if lab.quick else WEIGHED, {
+            "phi": phi, "rows": rows, "medium": medium, "runs": len(pairs), "model": one["name"], "aic": round(one["aic"], 2), "bic": round(one["bic"], 2),
+            "misfit": f"{one['misfit']['probability']:.2g}", "couplings": " ".join(names),
+            "values": " ".join(f"{found[name]['value']:.4g}" for name in names), "errors": " ".join(f"{found[name]['stderr']:.3g}" for name in names),
+            "D_r": f"{found['D_r']['value']:.4g}", "D_t": f"{found['D_t']['value']:.4g}", "worst": one["misfit"]["worst"].rsplit("/", 1)[-1]})
+
+
+def kept_of(phi, rows, medium, runs=None):
+    """{model: row} of the most runs, or of so many."""
+    found = [row for row in kept_rows(WEIGHED) if (float(row["phi"]), int(row["rows"]), row["medium"]) == (phi, rows, medium)]
+    runs = runs or max((int(row["runs"]) for row in found), default=0)
+    return {row["model"]: row for row in found if int(row["runs"]) == runs}
 
 
 RIVALS = {"strain": ("kappa",), "polar": ("gamma1", "gamma2"), "flow": ("gamma_flow",), "rows": ("gamma_rows",),
           "rows_flow": ("gamma_rows", "gamma_flow"), "rows_strain": ("gamma_rows", "kappa")}
 
 
-def row_of(phi, rows, medium, count, models, out):
-    found = {one["name"]: one for one in models["models"]}
-    apart_of = [f"{found[one]['aic'] - found['none']['aic']:+.1f}" for one in RIVALS]
-    best = min(found.values(), key=lambda one: one["aic"])
-    folder = out if best["name"] == "strain" else out / "models" / best["name"]
-    values = told(folder, "fit")["parameters"]
-    coupling = ", ".join(f"{name} = {text((values[name]['value'], values[name]['stderr']))}" for name in RIVALS.get(best["name"], ("D_r",)))
-    return [phi, rows, medium, count, *apart_of, f"{best['name']}: {coupling}", f"{best['misfit']['probability']:.2g}"]
+def line_of(phi, rows, medium):
+    found = kept_of(phi, rows, medium)
+    best, none = min(found.values(), key=lambda one: float(one["aic"])), float(found["none"]["aic"])
+    coupling = ", ".join(f"{name} = {value} +- {error}" for name, value, error in zip(*(best[key].split() for key in ("couplings", "values", "errors"))))
+    return [phi, rows, medium, best["runs"], *(f"{float(found[one]['aic']) - none:+.1f}" for one in RIVALS), f"{best['model']}: {coupling}",
+            f"{float(best['misfit']):.2g}"]
 
 
-PARTS = {"beds": beds, "weigh": weigh, "apart": apart}
+PARTS = {"beds": beds, "weigh": weigh, "weights": weights, "apart": apart}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "runs", "threads", "quick", "keep", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "runs", "threads", "quick", "keep", parts=PARTS, chosen=("beds", "weigh", "apart")).parse_args(), PARTS)

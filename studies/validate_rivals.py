@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """Which mechanism made the tracks: how often the true one wins, and how often the misfit speaks. Table of docs/validation_fitting.md.
 
-    studies/validate_rivals.py [--program build/release/rodwake] [--only choice,none,evidence] [--runs 100] [--quick] [--keep DIR]
+    studies/validate_rivals.py [--program build/release/rodwake] [--only choice,none,evidence,tracks] [--runs 100] [--quick] [--keep DIR]
 
 choice: tracks of two rods that pass each other, made by strain, polar coupling, the medium's velocity, the rows of a crystal or nothing, with
 noise of another seed in each set. All five are fitted to each set; counted is how often the true one has the lowest AIC, BIC and the best
 cross-validation, whether its weight says so, and in how many sets its misfit is below 0.05 though it is right.
 none: the same tracks with a wobble of the headings that no mechanism has; counted is in how many sets no model is said to describe the data.
-evidence: rivals and their parameters drawn from the priors, weights by evidence; counted is how often the true one has the largest, beside what
-its own probability says. By the Python package beside the program (build/release/python); sets that --keep has are not made again.
+evidence, tracks: rivals of a wake, or of tracks, and their parameters drawn from the priors, weights by evidence; counted is how often the true
+one has the largest, beside what its own probability says. By the Python package beside the program (build/release/python); sets that --keep has
+are not made again.
 Some 2 s a set. --quick: 2 sets, whose numbers mean nothing.
 """
 
@@ -112,63 +113,102 @@ def none(lab):
           ["made by", "no model describes"], rows)
 
 
-# By evidence, of wakes: a fit of tracks takes a hundred times as long.
+# By evidence. A family of rivals: priors of each, data of one with noise, and the log evidence of one for such data.
 
-PRIORS = {"force": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0)}, "with offset": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "offset": (-0.3, 0.3)},
-          "with dipole": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "f2d_over_mu": (-30.0, 30.0)}, "offset alone": {"offset": (-0.3, 0.3)}}
+WAKES = {"force": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0)}, "with offset": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "offset": (-0.3, 0.3)},
+         "with dipole": {"f_over_mu": (0.5, 4.0), "xi": (6.0, 60.0), "f2d_over_mu": (-30.0, 30.0)}, "offset alone": {"offset": (-0.3, 0.3)}}
 PLACES, ETA, BLUR = np.linspace(-38.0, 38.0, 20), 1.3, 0.1
+TRACKS = {"strain": {"kappa": (0.0, 1.0)}, "polar": {"gamma1": (-0.5, 0.5), "gamma2": (-0.5, 0.5)}, "flow": {"gamma_flow": (-1.0, 1.0)},
+          "rows": {"gamma_rows": (0.0, 0.1)}, "none": {}}
+START, TIMES, ALPHA = np.array([[0.0, 2.0, 0.1], [1.0, -2.0, 0.4]]), np.linspace(0.0, 8.0, 17), 0.8
+POSE_SIGMA = 0.05  # f/mu and rad: strong couplings are told apart, weak ones not
 
 
-def values_of(rodwake, values):
+def wake_of(rodwake, random, values):
     points = np.stack([PLACES, np.ones(PLACES.size)], axis=1)
     medium = rodwake.Medium(eta=ETA, xi=values.get("xi", 20.0))
     return (values.get("f_over_mu", 0.0) * rodwake.displacement(points[:, 0], points[:, 1], medium)[:, 0]
-            + values.get("f2d_over_mu", 0.0) * rodwake.dipole(points[:, 0], points[:, 1], medium)[:, 0] + values.get("offset", 0.0))
+            + values.get("f2d_over_mu", 0.0) * rodwake.dipole(points[:, 0], points[:, 1], medium)[:, 0] + values.get("offset", 0.0)
+            + BLUR * random.standard_normal(PLACES.size))
 
 
-def evidence_of(rodwake, name, values):
-    bounds = {one: list(ends) for one, ends in PRIORS[name].items()}
-    fixed = {"eta": ETA} | ({} if "xi" in bounds else {"xi": 20.0, "f_over_mu": 0.0})
+def wake_evidence(rodwake, ranges, values):
+    fixed = {"eta": ETA} | ({} if "xi" in ranges else {"xi": 20.0, "f_over_mu": 0.0})
     data = rodwake.Profile(PLACES, values, np.full(PLACES.size, BLUR), component="Ux", along="x", at=1.0)
-    return rodwake.posterior(profiles=[data], parameters=list(bounds), bounds=bounds, fixed=fixed, start={one: np.mean(ends) for one, ends in bounds.items()},
-                             chains=2, samples=800).log_evidence[0]
+    return evidence_of(rodwake, ranges, fixed, profiles=[data])
 
 
-def evidence(lab):
-    sys.path.insert(0, str(Path(lab.program).parent / "python"))
-    import rodwake  # pylint: disable=import-outside-toplevel
-    file, sets = lab.folder / "evidence.csv", len(PRIORS) * sets_of(lab)
-    done = rows_of(file.read_text(encoding="utf-8")) if file.is_file() else []
-    with file.open("a", encoding="utf-8") as out:
-        if not done:
-            out.write("set,made_by," + ",".join(PRIORS) + "\n")
-        for index in range(len(done), sets):
-            random, name = np.random.default_rng([index, 5]), list(PRIORS)[index % len(PRIORS)]
-            values = values_of(rodwake, {one: random.uniform(*ends) for one, ends in PRIORS[name].items()}) + BLUR * random.standard_normal(PLACES.size)
-            found = {one: evidence_of(rodwake, one, values) for one in PRIORS}
-            done.append({"made_by": name, **found})
-            out.write(f"{index},{name}," + ",".join(repr(float(one)) for one in found.values()) + "\n")
-            out.flush()
-    rows, all_right, all_said, all_spread = [], 0, 0.0, 0.0
-    for name in PRIORS:
-        right, said, count = 0, 0.0, 0
-        for one in done[:sets]:
-            scores = np.array([float(one[rival]) for rival in PRIORS])
-            weights = np.exp(scores - scores.max()) / np.exp(scores - scores.max()).sum()
-            likeliest = list(PRIORS)[int(weights.argmax())]
-            if likeliest == name:  # how often it is right where it wins, which its own weight says
-                said += weights.max()
-                all_spread += weights.max() * (1 - weights.max())
-                right += one["made_by"] == name
-                count += 1
-        rows.append([name, sum(one["made_by"] == name for one in done[:sets]), count, right, f"{said:.1f}"])
-        all_right, all_said = all_right + right, all_said + said
-    rows.append(["all", sets, sets, all_right, f"{all_said:.1f} +- {math.sqrt(all_spread):.1f}"])
-    table(f"Rivals and parameters from the priors, sigma {BLUR}: sets in which a rival has the largest evidence, and in which it made the data",
-          ["rival", "sets made by it", "largest evidence", "of these made by it", "sum of its weights there"], rows)
+def tracks_of(rodwake, random, values):
+    if "gamma_rows" in values:
+        poses = in_rows(values["gamma_rows"])
+    else:
+        flow = values.get("gamma_flow", 0.0) / ALPHA  # turning to the medium's velocity is polar turning
+        poses = rodwake.simulate(START, rodwake.Medium(eta=ETA, alpha=ALPHA), t_end=TIMES[-1], output_times=TIMES, kappa=values.get("kappa", 0.0),
+                                 gamma1=values.get("gamma1", 0.0) + flow, gamma2=values.get("gamma2", 0.0) + flow * ETA).poses.copy()
+    poses[1:] += POSE_SIGMA * random.standard_normal(poses[1:].shape)
+    return poses
 
 
-PARTS = {"choice": choice, "none": none, "evidence": evidence}
+def in_rows(gamma):
+    """Rods that only the rows turn: tan 3 theta falls off exponentially."""
+    each = 200
+    fine = np.linspace(0.0, TIMES[-1], each * (TIMES.size - 1) + 1)
+    heading = np.arctan(np.tan(3.0 * START[:, 2]) * np.exp(-6.0 * gamma * fine)[:, None]) / 3.0
+    way = np.stack([np.cos(heading), np.sin(heading)], axis=2)
+    gone = np.concatenate([np.zeros((1, 2, 2)), np.cumsum(0.5 * (way[1:] + way[:-1]), axis=0) * (fine[1] - fine[0])])
+    return np.concatenate([START[None, :, :2] + gone, heading[:, :, None]], axis=2)[::each]
+
+
+def track_evidence(rodwake, ranges, poses):
+    fixed = {"eta": ETA, "alpha": ALPHA} | ({"rows_direction": 0.0} if "gamma_rows" in ranges else {})
+    data = rodwake.Track(TIMES, poses, sigma_position=POSE_SIGMA, sigma_heading=POSE_SIGMA, start_poses="exact")
+    if not ranges:  # nothing is unknown: the likelihood itself
+        return rodwake.FitProblem(tracks=[data], parameters=["kappa"], bounds={"kappa": [-1.0, 1.0]}, fixed=fixed).log_likelihood([[0.0]])[0]
+    return evidence_of(rodwake, ranges, fixed, tracks=[data])
+
+
+def evidence_of(rodwake, ranges, fixed, **data):
+    return rodwake.posterior(**data, parameters=list(ranges), bounds={one: list(ends) for one, ends in ranges.items()}, fixed=fixed,
+                             start={one: np.mean(ends) for one, ends in ranges.items()}, chains=2, samples=800).log_evidence[0]
+
+
+def by_evidence(kept, priors, make, evidence, sigma):
+    def part(lab):
+        sys.path.insert(0, str(Path(lab.program).parent / "python"))
+        import rodwake  # pylint: disable=import-outside-toplevel
+        file, sets = lab.folder / kept, len(priors) * sets_of(lab)
+        done = rows_of(file.read_text(encoding="utf-8")) if file.is_file() else []
+        with file.open("a", encoding="utf-8") as out:
+            if not done:
+                out.write("set,made_by," + ",".join(priors) + "\n")
+            for index in range(len(done), sets):
+                random, name = np.random.default_rng([index, 5]), list(priors)[index % len(priors)]
+                data = make(rodwake, random, {one: random.uniform(*ends) for one, ends in priors[name].items()})
+                found = {one: evidence(rodwake, ranges, data) for one, ranges in priors.items()}
+                done.append({"made_by": name, **found})
+                out.write(f"{index},{name}," + ",".join(repr(float(one)) for one in found.values()) + "\n")
+                out.flush()
+        told_of(done[:sets], list(priors), sigma)
+    return part
+
+
+def told_of(sets, names, sigma):
+    """How often a rival is right where it wins, beside what its own weights say."""
+    scores = np.array([[float(one[rival]) for rival in names] for one in sets])
+    weights = np.exp(scores - scores.max(axis=1, keepdims=True))
+    weights /= weights.sum(axis=1, keepdims=True)
+    likeliest, said = weights.argmax(axis=1), weights.max(axis=1)
+    true = np.array([names.index(one["made_by"]) for one in sets])
+    line = lambda name, chosen, mine: [name, mine.sum(), chosen.sum(), (chosen & (likeliest == true)).sum(),
+                                       f"{said[chosen].sum():.1f} +- {math.sqrt((said * (1 - said))[chosen].sum()):.1f}"]
+    every = np.ones(len(sets), dtype=bool)
+    table(f"Rivals and parameters from the priors, sigma {sigma}: sets in which a rival has the largest evidence, and in which it made the data",
+          ["rival", "sets made by it", "largest evidence", "of these made by it", "sum of its weights there"],
+          [*(line(name, likeliest == k, true == k) for k, name in enumerate(names)), line("all", every, every)])
+
+
+PARTS = {"choice": choice, "none": none, "evidence": by_evidence("evidence.csv", WAKES, wake_of, wake_evidence, BLUR),
+         "tracks": by_evidence("evidence_tracks.csv", TRACKS, tracks_of, track_evidence, POSE_SIGMA)}
 
 if __name__ == "__main__":
     run_parts(parser(__doc__, "quick", "keep", "runs", "threads", parts=PARTS).parse_args(), PARTS)

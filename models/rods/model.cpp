@@ -2,6 +2,7 @@
 
 #include "interaction.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -74,8 +75,29 @@ void RodModel::wakes(integrate::State y, std::span<elastic::FieldValues> sums) c
         field_->mutual(Wakes(y).rods_of(rods_), request_of(couplings_, false), sums);
 }
 
+void RodModel::linearise(integrate::State y, std::span<double> ydot,
+                         Eigen::Ref<Eigen::MatrixXd> by_state) const {
+    const bool shared = field_ && !field_->box(); // of images only the sum is known
+    if (!shared)
+        rhs(y, ydot);
+    fill_jacobian(y, by_state, shared ? ydot : std::span<double>{});
+    for (std::size_t a = 0; shared && a < rods_; ++a) {
+        ydot[3 * a] = by_state(static_cast<Eigen::Index>(3 * a + 1), static_cast<Eigen::Index>(3 * a + 2));
+        ydot[3 * a + 1] = -by_state(static_cast<Eigen::Index>(3 * a), static_cast<Eigen::Index>(3 * a + 2));
+        if (rows_.any())
+            ydot[3 * a + 2] += rows_.rate(y[3 * a + 2]);
+    }
+}
+
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+    fill_jacobian(y, jacobian, {});
+}
+
+/// `rates`: where the headings' rates in the wakes go too, unless empty.
+void RodModel::fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian,
+                             std::span<double> rates) const {
     jacobian.setZero();
+    std::ranges::fill(rates, 0.0);
     for (std::size_t a = 0; a < rods_; ++a) {
         const Direction na = direction(y, a);
         const auto row = static_cast<Eigen::Index>(3 * a);
@@ -85,11 +107,12 @@ void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian
             jacobian(row + 2, row + 2) = rows_.rate_by_heading(y[3 * a + 2]);
     }
     for (std::size_t b = 0; field_ && b < rods_; ++b)
-        add_by_source(y, b, jacobian);
+        add_by_source(y, b, jacobian, rates);
 }
 
 /// What the wake of rod b adds to the rows of the others, and that of its images to its own.
-void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen::MatrixXd> jacobian,
+                             std::span<double> rates) const {
     const Direction nb = direction(y, b);
     const auto column = static_cast<Eigen::Index>(3 * b);
     const auto wake = field_->wake(y[3 * b + 2]);
@@ -105,6 +128,8 @@ void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen
         const auto row = static_cast<Eigen::Index>(3 * a);
         const auto rate = turning_rate_derivatives(wake->at(at.x, at.y, request_of(couplings_, true)),
                                                    couplings_, at.heading);
+        if (!rates.empty())
+            rates[3 * a + 2] += rate.value;
         // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
         const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
         const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;

@@ -76,7 +76,7 @@ std::unique_ptr<Stepper> make_erk_stepper(ProblemCalls& calls, const OdeOptions&
 /// For at most most_small components, where SUNDIALS' calls take as long as the right-hand side.
 std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
                                                 double end_time);
-inline constexpr std::size_t most_small = 24;
+inline constexpr std::size_t most_small = 27;
 
 /// Completes the status of a solve that ended with the stepper where it is now: flag, step, cause,
 /// components, advice.

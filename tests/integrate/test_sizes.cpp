@@ -36,7 +36,7 @@ double worst_error(const Solution& solution) {
     return worst;
 }
 
-constexpr std::size_t small_side = 12, large_side = 13; // 24 and 26 components
+constexpr std::size_t small_side = 13, large_side = 14; // 26 and 28 components
 
 std::string prefix(std::size_t count) { return count == small_side ? "ERK_" : "ARK_"; }
 

@@ -11,6 +11,7 @@ import threading
 import time
 import tomllib
 import unittest
+import unittest.mock
 from math import isfinite, nan
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from PIL import Image
 from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "studies"))
-from paper_rows import bed, bed_pairs, judge, lab, page, subjects, table, theory_pairs  # noqa: E402
+from paper_rows import bed, bed_pairs, judge, lab, mechanism, page, subjects, table, theory_pairs  # noqa: E402
 from paper_rows.entry import Row, Run, Subject  # noqa: E402
 from paper_rows.judge import DIFFERS, MATCHES, UNKNOWN  # noqa: E402
 
@@ -129,6 +130,30 @@ class DensityTest(unittest.TestCase):
             self.assertEqual([rule(folder).verdict for rule in (bed_pairs.avoid, bed_pairs.attract, bed_pairs.weakens)], [MATCHES, MATCHES, UNKNOWN])
             changed = bed_pairs.sign_change(folder)
             self.assertEqual((changed.verdict, changed.ours), (UNKNOWN, "between 0.7 and 0.78"))
+
+
+class MechanismTest(unittest.TestCase):
+    def verdict(self, judged, *aic):
+        """With these AIC of strain, rows, rows_strain in both directions; of fewer runs there are others."""
+        head = "phi,rows,medium,runs,model,aic,couplings,values,errors"
+        lines = [f"0.78,{rows},{medium},{runs},{name},{one - bonus},gamma_rows kappa,0.01 2.0,0.01 0.5" for rows in (0, 90)
+                 for medium, runs, bonus in (("medium", 50, 0), ("medium", 25, 1000), ("line", 50, 1000))
+                 for name, one in zip(("strain", "rows", "rows_strain"), aic) if name != "rows" or bonus == 0]
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "mechanism.csv"
+            file.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
+            with unittest.mock.patch.object(mechanism, "KEPT", file):
+                return judged()
+
+    def test_a_better_law_without_strain_refutes_strain(self):
+        for aic, verdict in (((90.0, 95.0, 92.0), MATCHES), ((100.0, 95.0, 104.0), UNKNOWN), ((110.0, 95.0, 106.0), DIFFERS)):
+            self.assertEqual(self.verdict(mechanism.strain_turns(0.78), *aic).verdict, verdict, aic)
+        self.assertEqual(self.verdict(mechanism.strain_turns(0.70), 1.0, 2.0, 3.0).verdict, UNKNOWN)
+
+    def test_kappa_is_that_beside_the_rows(self):
+        found = self.verdict(mechanism.kappa(0.78), 1.0, 2.0, 3.0)
+        self.assertEqual(found.verdict, MATCHES)
+        self.assertIn("2.00 ± 0.50", found.ours)
 
 
 class LabCase(unittest.TestCase):

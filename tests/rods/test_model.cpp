@@ -81,6 +81,25 @@ TEST_CASE("the Jacobian matches finite differences at random states") {
     }
 }
 
+TEST_CASE("slope and Jacobian at once are those that are asked for one by one") {
+    RandomStream random(12);
+    for (const rods::Box box : {rods::Box{}, rods::Box{9.0}})
+        for (const double gamma_rows : {0.0, 0.3})
+            for (const double kappa : {0.0, 2.0}) {
+                const rods::RodModel model(elastic::exact_field({1.3, 2.0}, box), {kappa, kappa, 0.5 * kappa},
+                                           2, {gamma_rows, 0.2});
+                const auto y = random_state(random, 2);
+                std::vector<double> slope(6), at_once(6, 7.0);
+                Eigen::MatrixXd jacobian(6, 6), also = Eigen::MatrixXd::Constant(6, 6, 7.0);
+                model.rhs(y, slope);
+                model.jacobian(y, jacobian);
+                model.linearise(y, at_once, also);
+                CHECK(also == jacobian);
+                for (std::size_t i = 0; i < 6; ++i) // the sums of rhs() are those of lanes
+                    CHECK(at_once[i] == Approx(slope[i]).epsilon(1e-12).margin(1e-12));
+            }
+}
+
 TEST_CASE("in a periodic box too, with the rods' own images") {
     RandomStream random(13);
     int tried = 0;

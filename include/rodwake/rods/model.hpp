@@ -56,13 +56,18 @@ public:
     void wakes(integrate::State y, std::span<elastic::FieldValues> sums) const;
     /// jacobian(i, j) = d rhs_i / d y_j, 3 N x 3 N.
     void jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
+    /// Both at once, on the plane from one look at each wake.
+    void linearise(integrate::State y, std::span<double> ydot, Eigen::Ref<Eigen::MatrixXd> by_state) const;
 
     /// "rods[3].theta"
     static std::string component_name(std::size_t component);
 
 private:
     void turn(integrate::State y, std::span<double> ydot) const;
-    void add_by_source(integrate::State y, std::size_t source, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
+    void fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian,
+                       std::span<double> rates) const;
+    void add_by_source(integrate::State y, std::size_t source, Eigen::Ref<Eigen::MatrixXd> jacobian,
+                       std::span<double> rates) const;
 
     std::shared_ptr<const elastic::WakeField> field_; ///< none: nothing interacts
     Couplings couplings_;
