@@ -95,7 +95,7 @@ class Explorer {
         picture.stage.stale = false;
         picture.draw();
       }
-    if (this.settled) {
+    if (this.settled && this.count) {  // the first picture comes first
       this.settled = false;
       find("#check").textContent = this.paths.check();
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
