@@ -97,7 +97,7 @@ void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian
 void RodModel::fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian,
                              std::span<double> rates) const {
     jacobian.setZero();
-    std::ranges::fill(rates, 0.0);
+    std::fill(rates.begin(), rates.end(), 0.0);
     for (std::size_t a = 0; a < rods_; ++a) {
         const Direction na = direction(y, a);
         const auto row = static_cast<Eigen::Index>(3 * a);
