@@ -80,6 +80,7 @@ void RodModel::linearise(integrate::State y, std::span<double> ydot,
     const bool shared = field_ && !field_->box(); // of images only the sum is known
     if (!shared)
         rhs(y, ydot);
+    by_state.setZero();
     fill_jacobian(y, by_state, shared ? ydot : std::span<double>{});
     for (std::size_t a = 0; shared && a < rods_; ++a) {
         ydot[3 * a] = by_state(static_cast<Eigen::Index>(3 * a + 1), static_cast<Eigen::Index>(3 * a + 2));
@@ -90,13 +91,13 @@ void RodModel::linearise(integrate::State y, std::span<double> ydot,
 }
 
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
+    jacobian.setZero();
     fill_jacobian(y, jacobian, {});
 }
 
-/// `rates`: where the headings' rates in the wakes go too, unless empty.
+/// To zeros. `rates`: where the headings' rates in the wakes go too, unless empty.
 void RodModel::fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian,
                              std::span<double> rates) const {
-    jacobian.setZero();
     std::fill(rates.begin(), rates.end(), 0.0);
     for (std::size_t a = 0; a < rods_; ++a) {
         const Direction na = direction(y, a);

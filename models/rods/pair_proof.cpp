@@ -247,7 +247,7 @@ StepBounds Prover::bounds_of(const Piece& piece, const PairJets& jets, std::size
         const double sign = rod == 0 ? 1.0 : -1.0;
         b.mean(0, 2 + rod) = -sign * sine[rod];
         b.mean(1, 2 + rod) = sign * cosine[rod];
-        b.turn[rod] = piece.p[static_cast<std::size_t>(2 + rod)].excursion(1.0);
+        b.turn[rod] = piece.p[2 + static_cast<std::size_t>(rod)].excursion(1.0);
     }
     const double reach = 0.5 * (rho + 1.0 / rho);
     double place_rest = 0.0;
@@ -271,7 +271,7 @@ StepBounds Prover::bounds_of(const Piece& piece, const PairJets& jets, std::size
         }
         b.rate_most[rod] = std::abs(mean[rate_0 + rod]) + beyond[rate_0 + rod] + rest;
         b.rate_least[rod] = samples.col(rate_0 + rod).cwiseAbs().maxCoeff();
-        place_rest += std::expm1(piece.p[static_cast<std::size_t>(2 + rod)].excursion(reach));
+        place_rest += std::expm1(piece.p[2 + static_cast<std::size_t>(rod)].excursion(reach));
     }
     const auto of_place = [&](int k) {
         return std::abs(mean[k]) + beyond[k] + place_rest * remainder_factor(rho);
