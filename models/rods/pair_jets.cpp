@@ -138,23 +138,12 @@ template<bool polar>
 HWY_INLINE M JetsAt(PairJets& jets, std::size_t at, const Constants& c) {
     const Lanes d;
     const auto load = [&](std::size_t column) HWY_ATTR { return hn::LoadU(d, jets.at[column].data() + at); };
-    const V heading[2] = {load(PairJets::heading0), load(PairJets::heading1)};
-    SineCosine<Lanes> n[2];
-    SinCos(d, heading, n);
-    const V x = hn::Mul(load(PairJets::x), c.medium.c_shear),
-            y = hn::Mul(load(PairJets::y), c.medium.c_shear);
-    const V distance[1] = {hn::Sqrt(Fma(d, x, x, hn::Mul(y, y)))};
-    Radial<Lanes> radial[1];
-    RadialAt(d, c.table, distance, c.medium, radial);
-    const V X[2] = {Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y)),
-                    hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)))};
-    const V Y[2] = {Fms(d, n[1].cosine, y, hn::Mul(n[1].sine, x)),
-                    Fnma(d, n[0].cosine, y, hn::Mul(n[0].sine, x))};
+    const Sight seen = SightOf(
+        {load(PairJets::x), load(PairJets::y), {load(PairJets::heading0), load(PairJets::heading1)}}, c);
+    const auto& [n, radial, X, Y, cosine, sine, good] = seen;
     Bearing<Lanes> bearing[2];
     const Radial<Lanes>* const both[2] = {&radial[0], &radial[0]};
     BearingsOf<elastic::full_shape>(d, X, Y, both, c.medium, bearing);
-    const V cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
-    const V sine = Fms(d, n[0].sine, n[1].cosine, hn::Mul(n[0].cosine, n[1].sine));
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const FrameRate r =
             RateAt<polar>(bearing[rod], radial[0], cosine, rod == 0 ? sine : hn::Neg(sine), c);
@@ -174,9 +163,7 @@ HWY_INLINE M JetsAt(PairJets& jets, std::size_t at, const Constants& c) {
         hn::StoreU(n[rod].cosine, d, jets.at[PairJets::cosine0 + 2 * rod].data() + at);
         hn::StoreU(n[rod].sine, d, jets.at[PairJets::sine0 + 2 * rod].data() + at);
     }
-    const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);
-    const M small = hn::And(hn::Lt(hn::Abs(heading[0]), largest), hn::Lt(hn::Abs(heading[1]), largest));
-    return hn::And(small, radial[0].in_range);
+    return good;
 }
 
 template<bool polar>

@@ -1,6 +1,6 @@
 #pragma once
 // Turning rates of a pair and their derivatives at many states at once: what the bounds of a run
-// (pair_proof.hpp) are made of.
+// (pair_proof.hpp) are made of. Reduced units, the lab's frame.
 
 #include "rodwake/elastic/medium.hpp"
 #include "rodwake/rods/couplings.hpp"

@@ -61,31 +61,45 @@ HWY_INLINE V Torque(const Wake<Lanes>& wake, V cosine, V sine, const Constants& 
     return rate;
 }
 
+/// How two rods see each other: rod 0 as rod 1 does, and rod 1 as rod 0 does, lengths in 2 xi.
+struct Sight {
+    elastic::HWY_NAMESPACE::SineCosine<Lanes> n[2];
+    Radial<Lanes> radial[1];
+    V X[2], Y[2];
+    V cosine, sine; ///< of theta_0 - theta_1
+    M good;         ///< within the range of the kernels
+};
+
+HWY_INLINE Sight SightOf(const Relative& at, const Constants& c) {
+    const Lanes d;
+    Sight s;
+    SinCos(d, at.heading, s.n);
+    const auto& n = s.n;
+    const V x = hn::Mul(at.x, c.medium.c_shear), y = hn::Mul(at.y, c.medium.c_shear);
+    const V distance[1] = {hn::Sqrt(Fma(d, x, x, hn::Mul(y, y)))};
+    RadialAt(d, c.table, distance, c.medium, s.radial);
+    s.X[0] = Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y));
+    s.X[1] = hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)));
+    s.Y[0] = Fms(d, n[1].cosine, y, hn::Mul(n[1].sine, x));
+    s.Y[1] = Fnma(d, n[0].cosine, y, hn::Mul(n[0].sine, x));
+    s.cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
+    s.sine = Fms(d, n[0].sine, n[1].cosine, hn::Mul(n[0].cosine, n[1].sine));
+    const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);
+    const M small = hn::And(hn::Lt(hn::Abs(at.heading[0]), largest), hn::Lt(hn::Abs(at.heading[1]), largest));
+    s.good = hn::And(small, s.radial[0].in_range);
+    return s;
+}
+
 /// Not inlined: seven copies would cost more to load and to compile than the calls do.
 template<bool polar>
 HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
     const Lanes d;
-    elastic::HWY_NAMESPACE::SineCosine<Lanes> n[2];
-    SinCos(d, at.heading, n);
-    const V x = hn::Mul(at.x, c.medium.c_shear), y = hn::Mul(at.y, c.medium.c_shear);
-    const V distance[1] = {hn::Sqrt(Fma(d, x, x, hn::Mul(y, y)))};
-    Radial<Lanes> radial[1];
-    RadialAt(d, c.table, distance, c.medium, radial);
-    // rod 0 as rod 1 sees it, and rod 1 as rod 0 does
-    const V X[2] = {Fma(d, n[1].cosine, x, hn::Mul(n[1].sine, y)),
-                    hn::Neg(Fma(d, n[0].cosine, x, hn::Mul(n[0].sine, y)))};
-    const V Y[2] = {Fms(d, n[1].cosine, y, hn::Mul(n[1].sine, x)),
-                    Fnma(d, n[0].cosine, y, hn::Mul(n[0].sine, x))};
+    const Sight s = SightOf(at, c);
     Wake<Lanes> wake[2];
-    WakeAt<polar>(d, X, Y, {&radial[0], &radial[0]}, c.medium, wake);
-    const V cosine = Fma(d, n[0].cosine, n[1].cosine, hn::Mul(n[0].sine, n[1].sine));
-    const V sine = Fms(d, n[0].sine, n[1].cosine, hn::Mul(n[0].cosine, n[1].sine));
-    const V turn0 = Torque<polar>(wake[0], cosine, sine, c);
-    const V turn1 = Torque<polar>(wake[1], cosine, hn::Neg(sine), c);
-    const V largest = hn::Set(d, elastic::HWY_NAMESPACE::largest_angle);
-    const M small = hn::And(hn::Lt(hn::Abs(at.heading[0]), largest), hn::Lt(hn::Abs(at.heading[1]), largest));
-    return {{n[0].cosine, n[0].sine, turn0, n[1].cosine, n[1].sine, turn1},
-            hn::And(small, radial[0].in_range)};
+    WakeAt<polar>(d, s.X, s.Y, {&s.radial[0], &s.radial[0]}, c.medium, wake);
+    const V turn0 = Torque<polar>(wake[0], s.cosine, s.sine, c);
+    const V turn1 = Torque<polar>(wake[1], s.cosine, hn::Neg(s.sine), c);
+    return {{s.n[0].cosine, s.n[0].sine, turn0, s.n[1].cosine, s.n[1].sine, turn1}, s.good};
 }
 
 } // namespace rodwake::rods::HWY_NAMESPACE
