@@ -1,13 +1,14 @@
 #include "rodwake/elastic/mutual_wakes.hpp"
 
+#include "far_wakes.hpp"
 #include "mutual_pairs.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
-#include "wake_cutoff.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <string>
 
@@ -83,104 +84,209 @@ void add_all_pairs(const Task& task) {
     finish();
 }
 
-/// Numbers of the rods whose wakes are felt in a block.
-std::vector<std::uint32_t> felt_in(const Task& task, const WakeCutoff& cutoff,
-                                   std::span<const KernelSource> targets) {
-    const Circle circle = circle_around(targets);
-    std::vector<std::uint32_t> felt;
-    for (std::size_t k = 0; k < task.rods.size(); ++k)
-        if (!cutoff.skips(task.rods[k], circle))
-            felt.push_back(static_cast<std::uint32_t>(k));
-    return felt;
-}
+// Near pairs, rods in compact order.
 
-/// A tile of the targets, and those rods beyond it whose wakes are felt in it.
-struct FeltTile {
-    std::span<const KernelSource> rods;
-    std::size_t first;
-    std::vector<KernelSource> sources;
+constexpr std::size_t group_rods = 8;
+
+struct Box {
+    double x0, x1, y0, y1;
 };
 
-FeltTile felt_tile(const Task& task, const WakeCutoff& cutoff, std::span<const std::uint32_t> felt,
-                   std::size_t first) {
-    FeltTile tile{task.rods.subspan(first, std::min(tile_rods, task.rods.size() - first)), first, {}};
-    const Circle circle = circle_around(tile.rods);
-    for (const std::uint32_t k : felt)
-        if ((k < first || k >= first + tile.rods.size()) && !cutoff.skips(task.rods[k], circle))
-            tile.sources.push_back(task.rods[k]);
-    return tile;
-}
-
-/// Sums at a tile: of its own rods, and of the others that are felt.
-void add_tile(const Task& task, const FeltTile& tile) {
-    BlockSums own, far;
-    std::array<double, tile_rods> x{}, y{};
-    for (std::size_t i = 0; i < tile.rods.size(); ++i) {
-        x[i] = tile.rods[i].x;
-        y[i] = tile.rods[i].y;
+template<class Range, class At>
+Box box_around(const Range& range, const At& at) {
+    const KernelSource& first = at(*range.begin());
+    Box box{first.x, first.x, first.y, first.y};
+    for (const auto& one : range) {
+        const KernelSource& rod = at(one);
+        box = {std::min(box.x0, rod.x), std::max(box.x1, rod.x), std::min(box.y0, rod.y),
+               std::max(box.y1, rod.y)};
     }
-    KernelTargets targets{x.data(), y.data(), tile.rods.size(), {}};
-    for (int k = 0; k < task.parts(); ++k)
-        targets.sum[k] = far.part[k].data();
-    sum_wakes(task.medium, task.field, task.options.accuracy, tile.sources, targets);
-    add_block_pair(task.medium, task.field, task.options.accuracy, task.polar, {tile.rods, {}, &own, &own});
-    for (int k = 0; k < task.parts(); ++k)
-        for (std::size_t i = 0; i < tile.rods.size(); ++i)
-            task.sum[k][tile.first + i] = own.part[k][i] + far.part[k][i];
+    return box;
 }
 
-/// Shows each tile to use(), blocks on threads.
-template<class Use>
-void each_tile(const Task& task, const WakeCutoff& cutoff, const Use& use) {
-    parallel_for(task.blocks(), task.team, [&](std::size_t block) {
-        const std::vector<std::uint32_t> felt = felt_in(task, cutoff, task.block(block));
-        for (std::size_t i = 0; i < task.block(block).size(); i += tile_rods)
-            use(felt_tile(task, cutoff, felt, block * block_rods + i));
-    });
+/// Half of a number of rods, in whole groups, or in whole blocks if there are several.
+std::size_t half_of(std::size_t count) {
+    const std::size_t unit = count > block_rods ? block_rods : group_rods, units = (count + unit - 1) / unit;
+    return units / 2 * unit;
 }
 
-/// The pairs that are felt, rods in compact order. 0: too many, nothing done. Tiles are found twice, first to
-/// be counted: that is a twentieth of the work, and keeping them all would take memory as N^2.
-std::size_t add_felt_pairs(const Task& task, const WakeCutoff& cutoff) {
-    std::atomic<std::size_t> felt{0};
-    each_tile(task, cutoff, [&](const FeltTile& tile) {
-        felt += tile.rods.size() * (tile.sources.size() + tile.rods.size() - 1);
-    });
-    if (2 * felt > task.rods.size() * task.rods.size())
-        return 0;
-    each_tile(task, cutoff, [&](const FeltTile& tile) { add_tile(task, tile); });
-    return felt;
+void split(std::span<const KernelSource> rods, std::span<std::uint32_t> numbers) {
+    if (numbers.size() <= group_rods) {
+        std::sort(numbers.begin(), numbers.end());
+        return;
+    }
+    const Box box = box_around(numbers, [&](std::uint32_t k) -> const KernelSource& { return rods[k]; });
+    const bool across = box.x1 - box.x0 >= box.y1 - box.y0;
+    const auto less = [&](std::uint32_t a, std::uint32_t b) {
+        const double at_a = across ? rods[a].x : rods[a].y, at_b = across ? rods[b].x : rods[b].y;
+        return at_a != at_b ? at_a < at_b : a < b;
+    };
+    const std::size_t half = half_of(numbers.size());
+    std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(half), numbers.end(),
+                     less);
+    split(rods, numbers.first(half));
+    split(rods, numbers.subspan(half));
 }
 
-/// The cutoff of each source, or nothing to be left out.
-bool may_skip(const MutualWakesOptions& options, bool polar, std::size_t rods) {
-    return options.strain_tolerance > 0.0 && (!polar || options.polar_tolerance > 0.0) && rods > tile_rods;
+/// Numbers of the rods in an order in which each group, and each block, lies together: halves across the
+/// longer side, again and again. It depends on the places and, where these are equal, on the numbers.
+std::vector<std::uint32_t> compact_order(std::span<const KernelSource> rods) {
+    std::vector<std::uint32_t> numbers(rods.size());
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    split(rods, numbers);
+    return numbers;
 }
 
-/// Sums of the pairs that are felt, in the given order of rods; 0: too many, nothing done.
-std::size_t add_sorted(const Task& task) {
-    const std::size_t n = task.rods.size();
-    const double share = 1.0 / static_cast<double>(n - 1);
-    const WakeCutoff cutoff(task.field.medium(), {task.options.strain_tolerance * share,
-                                                  task.options.polar_tolerance * share, task.polar});
-    const std::vector<std::uint32_t> order = compact_order(task.rods);
-    std::vector<KernelSource> rods;
-    rods.reserve(n);
-    for (const std::uint32_t k : order)
-        rods.push_back(task.rods[k]);
-    std::vector<double> part(static_cast<std::size_t>(task.parts()) * n);
-    Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
-    for (int k = 0; k < task.parts(); ++k)
-        sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * n;
-    const std::size_t done = add_felt_pairs(sorted, cutoff);
-    if (done > 0)
-        for (int k = 0; k < task.parts(); ++k)
-            for (std::size_t i = 0; i < n; ++i)
-                task.sum[k][order[i]] = sorted.sum[k][i];
+/// A circle round places.
+struct Circle {
+    double x, y, radius;
+};
+
+Circle circle_around(std::span<const KernelSource> rods) {
+    const Box box = box_around(rods, [](const KernelSource& rod) -> const KernelSource& { return rod; });
+    const double x = 0.5 * (box.x0 + box.x1), y = 0.5 * (box.y0 + box.y1);
+    double radius = 0.0;
+    for (const KernelSource& rod : rods)
+        radius = std::max(radius, std::hypot(rod.x - x, rod.y - y));
+    return {x, y, radius};
+}
+
+struct Near {
+    const NearHeat& heat;
+    std::vector<Circle> blocks;
+};
+
+bool within(const Circle& a, const Circle& b, double distance) {
+    const double dx = a.x - b.x, dy = a.y - b.y, most = distance + a.radius + b.radius;
+    return dx * dx + dy * dy <= most * most;
+}
+
+/// Numbers of the rods that are near to some of a group.
+std::vector<std::size_t> near_numbers(const Task& task, const Near& near, std::size_t block,
+                                      std::span<const KernelSource> group) {
+    const Circle circle = circle_around(group);
+    std::vector<std::size_t> numbers;
+    for (std::size_t other = 0; other < task.blocks(); ++other)
+        if (within(near.blocks[block], near.blocks[other], near.heat.reach))
+            for (std::size_t k = other * block_rods, i = 0; i < task.block(other).size(); ++i, ++k)
+                if (within(circle, {task.rods[k].x, task.rods[k].y, 0.0}, near.heat.reach))
+                    numbers.push_back(k);
+    return numbers;
+}
+
+/// Near sources of a rod, whole vectors of them.
+std::size_t gather(const Task& task, const Near& near, std::span<const std::size_t> numbers, std::size_t rod,
+                   NearSources& sources) {
+    const KernelSource& at = task.rods[rod];
+    const double reach = near.heat.reach;
+    sources.clear();
+    for (const std::size_t k : numbers) {
+        const KernelSource& one = task.rods[k];
+        const double dx = one.x - at.x, dy = one.y - at.y;
+        if (k != rod && dx * dx + dy * dy <= reach * reach)
+            sources.add(one, 1.0);
+    }
+    const std::size_t found = sources.x.size();
+    while (sources.x.size() % heat_lanes != 0)
+        sources.add({at.x + reach, at.y, 1.0, 0.0}, 0.0);
+    return found;
+}
+
+/// Takes off what a rod got of its own heat.
+void take_own(const KernelSource& rod, const Near& near, std::span<double> sums) {
+    const auto& [trace, difference, shear, lx, ly, gx, gy] = near.heat.own;
+    const double c = rod.cosine, s = rod.sine, across = difference * (c * c - s * s);
+    sums[0] -= 0.5 * (trace + across);
+    sums[1] -= difference * s * c;
+    sums[2] -= 0.5 * (trace - across);
+    if (sums.size() > strain_parts) {
+        sums[3] -= lx * c;
+        sums[4] -= lx * s;
+        sums[5] -= gx * c;
+        sums[6] -= gx * s;
+    }
+}
+
+/// Puts the exact field of near rods in at a group, in place of their far wakes.
+std::size_t add_group(const Task& task, const Near& near, std::size_t block, std::size_t first) {
+    const auto group = task.rods.subspan(first, std::min(group_rods, task.rods.size() - first));
+    const std::vector<std::size_t> numbers = near_numbers(task, near, block, group);
+    NearSources sources;
+    std::size_t done = 0;
+    for (std::size_t rod = first; rod < first + group.size(); ++rod) {
+        done += gather(task, near, numbers, rod, sources);
+        std::array<double, all_parts> all{};
+        const auto sums = std::span(all).first(static_cast<std::size_t>(task.parts()));
+        add_near(task.medium, task.field, near.heat, sources, task.rods[rod].x, task.rods[rod].y, task.polar, sums);
+        take_own(task.rods[rod], near, sums);
+        for (std::size_t k = 0; k < sums.size(); ++k)
+            task.sum[k][rod] += sums[k];
+    }
     return done;
 }
 
-std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
+std::size_t add_near_pairs(const Task& task, const FarWakes& far, const FarWakes::Plan& plan) {
+    Near near{far.near_heat(plan), {}};
+    for (std::size_t k = 0; k < task.blocks(); ++k)
+        near.blocks.push_back(circle_around(task.block(k)));
+    std::atomic<std::size_t> done{0};
+    parallel_for(task.blocks(), task.team, [&](std::size_t block) {
+        const std::size_t end = block * block_rods + task.block(block).size();
+        for (std::size_t first = block * block_rods; first < end; first += group_rods)
+            done += add_group(task, near, block, first);
+    });
+    return done;
+}
+
+/// Sums by far wakes and near pairs, in xi and in compact order; 0: all pairs are cheaper, nothing done.
+std::size_t add_far_and_near(const Task& task, const FarWakes& far) {
+    const double xi = task.field.medium().xi;
+    std::vector<KernelSource> rods;
+    const std::vector<std::uint32_t> order = compact_order(task.rods);
+    for (const std::uint32_t k : order)
+        rods.push_back({task.rods[k].x / xi, task.rods[k].y / xi, task.rods[k].cosine, task.rods[k].sine});
+    const FarWakes::Plan plan = far.plan(rods);
+    const auto n = static_cast<double>(rods.size());
+    if (plan.cost > n * n * (task.polar ? 8.0 : 5.0)) // ns, see FarWakes::Plan
+        return 0;
+    const Field unit({task.field.medium().eta, 1.0});
+    const KernelMedium medium = KernelInternals::constants(unit);
+    std::vector<double> part(static_cast<std::size_t>(task.parts()) * rods.size());
+    Task sorted{medium, unit, task.options, task.team, task.polar, rods, {}};
+    for (int k = 0; k < task.parts(); ++k)
+        sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * rods.size();
+    far.add(plan, rods, task.team, std::span(sorted.sum).first(static_cast<std::size_t>(task.parts())));
+    const std::size_t done = add_near_pairs(sorted, far, plan);
+    for (int k = 0; k < task.parts(); ++k)
+        for (std::size_t i = 0; i < rods.size(); ++i)
+            task.sum[k][order[i]] = sorted.sum[k][i] / (k < strain_parts ? xi : xi * xi);
+    return done;
+}
+
+} // namespace
+
+/// Made when they are first asked for.
+struct MutualWakes::Far {
+    std::mutex mutex;
+    std::array<std::unique_ptr<const FarWakes>, 2> kept;
+
+    const FarWakes& of(const Medium& medium, const MutualWakesOptions& options, bool polar) {
+        const std::scoped_lock lock(mutex);
+        auto& one = kept[polar ? 1 : 0];
+        if (!one)
+            one = std::make_unique<const FarWakes>(medium, options.strain_tolerance, options.polar_tolerance, polar);
+        return *one;
+    }
+};
+
+namespace {
+
+bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool polar, std::size_t rods) {
+    return options.strain_tolerance > 0.0 && (!polar || options.polar_tolerance > 0.0) && medium.eta >= 0.0 &&
+           medium.eta <= FarWakes::largest_eta && rods > block_rods;
+}
+
+std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team, MutualWakes::Far& far,
                 std::span<const Source> rods, const StrainSums& strain, const PolarSums* polar) {
     require_lengths(rods.size(), strain);
     if (polar != nullptr)
@@ -202,8 +308,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
                           task.sum.begin() + strain_parts);
     for (int k = 0; k < task.parts(); ++k)
         std::fill_n(task.sum[k], rods.size(), 0.0);
-    if (may_skip(options, task.polar, rods.size()))
-        if (const std::size_t done = add_sorted(task); done > 0)
+    if (may_be_far(options, kernel.medium(), task.polar, rods.size()))
+        if (const std::size_t done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar)); done > 0)
             return done;
     add_all_pairs(task);
     return rods.empty() ? 0 : rods.size() * (rods.size() - 1);
@@ -212,7 +318,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
 } // namespace
 
 MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options)
-    : kernel_(medium, options.accuracy), options_(options), team_(std::make_shared<Team>(options.threads)) {
+    : kernel_(medium, options.accuracy), options_(options), team_(std::make_shared<Team>(options.threads)),
+      far_(std::make_shared<Far>()) {
     require(options.threads > 0, "threads = 0: give at least one");
     for (const double tolerance : {options.strain_tolerance, options.polar_tolerance})
         require(tolerance >= 0.0 && std::isfinite(tolerance),
@@ -220,72 +327,12 @@ MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options
 }
 
 std::size_t MutualWakes::strain(std::span<const Source> rods, const StrainSums& sums) const {
-    return run(kernel_, options_, *team_, rods, sums, nullptr);
+    return run(kernel_, options_, *team_, *far_, rods, sums, nullptr);
 }
 
 std::size_t MutualWakes::strain_and_polar(std::span<const Source> rods, const StrainSums& strain,
                                           const PolarSums& polar) const {
-    return run(kernel_, options_, *team_, rods, strain, &polar);
-}
-
-namespace {
-
-struct Box {
-    double x0, x1, y0, y1;
-};
-
-template<class Range, class At>
-Box box_around(const Range& range, const At& at) {
-    const KernelSource& first = at(*range.begin());
-    Box box{first.x, first.x, first.y, first.y};
-    for (const auto& one : range) {
-        const KernelSource& rod = at(one);
-        box = {std::min(box.x0, rod.x), std::max(box.x1, rod.x), std::min(box.y0, rod.y),
-               std::max(box.y1, rod.y)};
-    }
-    return box;
-}
-
-/// Half of a number of rods, in whole tiles, or in whole blocks if there are several.
-std::size_t half_of(std::size_t count) {
-    const std::size_t unit = count > block_rods ? block_rods : tile_rods, units = (count + unit - 1) / unit;
-    return units / 2 * unit;
-}
-
-void split(std::span<const KernelSource> rods, std::span<std::uint32_t> numbers) {
-    if (numbers.size() <= tile_rods) {
-        std::sort(numbers.begin(), numbers.end());
-        return;
-    }
-    const Box box = box_around(numbers, [&](std::uint32_t k) -> const KernelSource& { return rods[k]; });
-    const bool across = box.x1 - box.x0 >= box.y1 - box.y0;
-    const auto less = [&](std::uint32_t a, std::uint32_t b) {
-        const double at_a = across ? rods[a].x : rods[a].y, at_b = across ? rods[b].x : rods[b].y;
-        return at_a != at_b ? at_a < at_b : a < b;
-    };
-    const std::size_t half = half_of(numbers.size());
-    std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(half), numbers.end(),
-                     less);
-    split(rods, numbers.first(half));
-    split(rods, numbers.subspan(half));
-}
-
-} // namespace
-
-std::vector<std::uint32_t> compact_order(std::span<const KernelSource> rods) {
-    std::vector<std::uint32_t> numbers(rods.size());
-    std::iota(numbers.begin(), numbers.end(), 0U);
-    split(rods, numbers);
-    return numbers;
-}
-
-Circle circle_around(std::span<const KernelSource> rods) {
-    const Box box = box_around(rods, [](const KernelSource& rod) -> const KernelSource& { return rod; });
-    const double x = 0.5 * (box.x0 + box.x1), y = 0.5 * (box.y0 + box.y1);
-    double radius = 0.0;
-    for (const KernelSource& rod : rods)
-        radius = std::max(radius, std::hypot(rod.x - x, rod.y - y));
-    return {x, y, radius};
+    return run(kernel_, options_, *team_, *far_, rods, strain, &polar);
 }
 
 } // namespace rodwake::elastic

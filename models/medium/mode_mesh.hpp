@@ -4,7 +4,7 @@
 //
 // Error: mesh_error of the largest turning rate. Bits do not depend on the threads.
 
-#include "nonuniform_fft.hpp"
+#include "elastic/nonuniform_fft.hpp"
 #include "rodwake/integrate/ode.hpp"
 #include "rodwake/medium/modal_field.hpp"
 
@@ -36,7 +36,7 @@ public:
     /// e^(i k heading). Where |r| is near 1, at q of order alpha and below, modes are summed over rods.
     void add_steady(integrate::State poses, std::span<double> field);
 
-    const NonuniformFft& transform() const { return transform_; }
+    const elastic::NonuniformFft& transform() const { return transform_; }
 
 private:
     void place(integrate::State poses);
@@ -54,7 +54,7 @@ private:
 
     const ModalField& modes_;
     Team& team_;
-    NonuniformFft transform_;
+    elastic::NonuniformFft transform_;
     std::vector<double> placed_; ///< poses the transform knows of
     std::vector<Complex> values_;
 };

@@ -7,19 +7,11 @@
 // Error below 4e-15 of phi_k, Re z <= 0: by that recurrence from |z| = 1 on, nearer to 0 by the series of
 // phi_3 and the recurrence downwards, which loses nothing there.
 
+#include "elastic/complex.hpp"
+
 namespace rodwake::medium {
 
-/// A complex number; of std::complex a product also looks for infinities, at several times the cost.
-struct Complex {
-    double re = 0.0, im = 0.0;
-
-    friend Complex operator+(Complex a, Complex b) { return {a.re + b.re, a.im + b.im}; }
-    friend Complex operator-(Complex a, Complex b) { return {a.re - b.re, a.im - b.im}; }
-    friend Complex operator*(Complex a, Complex b) {
-        return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-    }
-    friend Complex operator*(double a, Complex b) { return {a * b.re, a * b.im}; }
-};
+using elastic::Complex;
 
 struct Phi {
     Complex zero, one, two, three;

@@ -7,11 +7,9 @@
 // Bits: the sums depend on the rods, their order and the options but for `threads`; not on the lanes of a
 // vector, the instruction set or the threads.
 //
-// Skipping: ahead of a rod its field decays exponentially, so far pairs may be left out. With a tolerance
-// > 0 a source is left out at a rod if WakeBound (wake_bound.hpp) holds its field there below tolerance/(N -
-// 1). What is left out of a sum is therefore below the tolerance, strictly. Cost: the pairs that stay, and
-// N^2/128 comparisons. Where more than half of the pairs stay, nothing is left out: pairs that share K0 and
-// K1 are then faster.
+// Far wakes: with tolerances > 0 and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a time
+// that grows hardly faster than N, if that is cheaper (of some hundred rods on). Errors keep to the tolerances
+// by measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod to rod.
 //
 // Degenerate input:
 //   no rods; one rod                                     nothing is written; sums of 0 (both return 0)
@@ -30,9 +28,9 @@ namespace rodwake::elastic {
 struct MutualWakesOptions {
     Accuracy accuracy = Accuracy::full;
     std::size_t threads = 1;
-    double strain_tolerance = 0.0; ///< norm of what may be left out of a strain, f/mu per length; 0: nothing
-    double polar_tolerance = 0.0;  ///< of each polar vector, f/mu per length^2; where these are asked for a
-                                   ///< source is left out only if both tolerances allow it
+    double strain_tolerance = 0.0; ///< error of a strain by far wakes, f/mu per length; 0: none
+    double polar_tolerance = 0.0;  ///< of each polar vector, f/mu per length^2; where these are asked for far
+                                   ///< wakes are taken only if both tolerances are > 0
 };
 
 class MutualWakes {
@@ -42,7 +40,7 @@ public:
     explicit MutualWakes(const Medium& medium, const MutualWakesOptions& options = {});
 
     /// Overwrites the sums, one number a rod, lab components. Returns how many fields of a source at a rod
-    /// were worked out: N (N - 1) if none was left out. Throws InputError if two rods are at one place, for
+    /// were worked out one by one: N (N - 1) without far wakes. Throws InputError if two rods are at one place, for
     /// places or headings that are not finite and for spans of unlike lengths.
     std::size_t strain(std::span<const Source> rods, const StrainSums& sums) const;
     std::size_t strain_and_polar(std::span<const Source> rods, const StrainSums& strain,
@@ -51,10 +49,13 @@ public:
     const Medium& medium() const { return kernel_.medium(); }
     const MutualWakesOptions& options() const { return options_; }
 
+    struct Far; ///< what far wakes need to know of the medium
+
 private:
     WakeKernel kernel_;
     MutualWakesOptions options_;
     std::shared_ptr<Team> team_; ///< of all copies; calls at one time share it as Team::run says
+    std::shared_ptr<Far> far_;
 };
 
 } // namespace rodwake::elastic

@@ -6,12 +6,14 @@
 // Non-uniform fast Fourier transform: points are spread on (read off) a grid of at least 1.5 points a mode
 // with the kernel e^(beta (sqrt(1 - s^2) - 1)), "exponential of semicircle", `width` points wide, whose
 // transform is divided out of the modes (Barnett, Magland & af Klinteberg, SIAM J. Sci. Comput. 41, C479,
-// 2019). Error: below 1e-12 of sum |w_a|, or of sum |C_q| (tests/medium/test_nonuniform_fft.cpp).
+// 2019). Between grid points the kernel is a polynomial of degree width + 4 for each of its points. Error:
+// below 10 e^(-1.8 width) of sum |w_a|, or of sum |C_q|, and 1e-12 for the widest
+// (tests/elastic/test_nonuniform_fft.cpp).
 //
-// Bits do not depend on the threads: each grid point adds up its points in their order. Cost: some
-// 5 grid^2 log2(grid^2) operations and width^2 a point.
+// Bits do not depend on the threads, since each grid point adds up its points in their order, nor on the
+// instruction set. Cost: some 5 grid^2 log2(grid^2) operations and width^2 a point.
 
-#include "phi.hpp"
+#include "complex.hpp"
 #include "rodwake/core/parallel.hpp"
 
 #include <Eigen/Core>
@@ -22,7 +24,7 @@
 #include <span>
 #include <vector>
 
-namespace rodwake::medium {
+namespace rodwake::elastic {
 
 // Discrete Fourier transforms of short lines, four side by side:
 //
@@ -67,15 +69,46 @@ inline Complex lane_of(const Fft::Element& element, std::size_t lane) {
     return {element.re[i], element.im[i]};
 }
 
+/// The kernel as polynomials in u = 2 z - 1, where z in [0, 1) is how far the first point that it covers lies
+/// beyond its edge. Rows are filled up to whole vectors with zeros.
+class SpreadKernel {
+public:
+    static constexpr std::size_t widest = 18, row = 24, pairs = 40;
+
+    /// 3 <= width <= widest.
+    explicit SpreadKernel(std::size_t width);
+
+    std::size_t width() const { return width_; }
+    std::size_t terms() const { return values_.size() / row; }
+    /// Coefficient k of the points of a row, and with each point twice, for its real and imaginary part.
+    const double* values(std::size_t k) const { return values_.data() + k * row; }
+    const double* twice(std::size_t k) const { return twice_.data() + k * pairs; }
+    /// (width/2) int_-1^1 kernel(s) cos(pi m width s/grid) ds
+    double transform(double m, double grid) const;
+
+private:
+    std::size_t width_;
+    std::vector<double> values_, twice_;
+    std::vector<std::array<double, 2>> quadrature_; ///< places s and weights of the transform
+};
+
+/// Where points lie on a grid of `grid` points a side, and what the kernel is there.
+struct SpreadPlaces {
+    std::size_t grid, width, row, pairs; ///< numbers of a point in x and in y
+    std::vector<std::uint32_t> first_row, first_column;
+    std::vector<double> x, y; ///< y: each number twice
+
+    void resize(std::size_t count);
+};
+
 class NonuniformFft {
 public:
-    static constexpr std::size_t width = 18;
-
-    /// `team` outlives it.
-    NonuniformFft(double box, std::size_t half, Team& team);
+    /// `team` outlives it. `width` points of the grid a point is spread over.
+    NonuniformFft(double box, std::size_t half, Team& team, std::size_t width = SpreadKernel::widest);
 
     std::size_t grid() const { return fft_.size(); } ///< points a side
     std::size_t side() const { return side_; }       ///< modes a side, 2 half + 1
+    static std::size_t grid_of(std::size_t half, std::size_t width);
 
     /// Where the points are: x and y of point a are places[3 a] and places[3 a + 1] (layout of poses).
     void place(std::span<const double> places);
@@ -88,14 +121,7 @@ public:
     void to_points(std::span<Complex> values);
 
 private:
-    using Kernel = std::array<double, width>;
-    struct Place {
-        std::uint32_t row, column; ///< the first that the kernel covers
-        Kernel x, y;
-    };
-
     void spread_rows(std::size_t slab, std::span<const Complex> weights);
-    Complex read(const Place& place) const;
     void lines_to_modes(std::size_t first);
     void columns_to_modes(std::size_t first);
     void modes_to_columns(std::size_t first);
@@ -104,17 +130,30 @@ private:
     std::size_t place_of(std::size_t index) const {
         return index >= half_ ? index - half_ : grid() + index - half_;
     }
+    /// Numbers of a line of the grid: its end stands for its beginning once more, as far as a point reaches.
+    std::size_t line() const { return grid() + places_.pairs / 2; }
 
     double per_length_; ///< grid points per length
     std::size_t half_, side_;
+    SpreadKernel kernel_;
     Fft fft_;
     Team& team_;
     std::vector<double> inverse_;  ///< 1/transform of the kernel at each mode of a side
     std::vector<Complex> modes_;   ///< side x side
     std::vector<Complex> between_; ///< grid x side: one direction transformed
-    std::vector<Complex> grid_;    ///< grid x grid
-    std::vector<Place> places_;
+    std::vector<Complex> grid_;    ///< grid x line
+    SpreadPlaces places_;
     std::vector<std::vector<std::uint32_t>> slabs_; ///< points that reach into these rows of the grid
 };
 
-} // namespace rodwake::medium
+// By vectors (nonuniform_points.cpp).
+
+/// Places of points `first` to `last` from their coordinates in grid points; layout of poses.
+void cover_points(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
+                  std::size_t first, std::size_t last, SpreadPlaces& places);
+/// Adds a weighted point to rows of the grid from `begin` to `end`.
+void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
+                  std::size_t end, std::size_t line, Complex* grid);
+Complex read_point(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid);
+
+} // namespace rodwake::elastic

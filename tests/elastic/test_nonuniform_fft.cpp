@@ -1,6 +1,6 @@
 // Transforms against sums written out.
 
-#include "medium/nonuniform_fft.hpp"
+#include "elastic/nonuniform_fft.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,7 +11,7 @@
 #include <random>
 
 using namespace rodwake;
-using namespace rodwake::medium;
+using namespace rodwake::elastic;
 
 namespace {
 

@@ -9,43 +9,43 @@
 #include <cmath>
 #include <numbers>
 
-namespace rodwake::medium {
+namespace rodwake::elastic {
 
 namespace {
 
 constexpr std::size_t slab_rows = 16;
 constexpr double oversampling = 1.5; // grid points a mode, at least
-constexpr auto points = static_cast<double>(NonuniformFft::width);
 
 /// 0.97 pi width (1 - 1/(2 oversampling)), Barnett et al., Eq. 4.5.
-constexpr double beta = 0.97 * std::numbers::pi * points * (1.0 - 0.5 / oversampling);
+double shape(std::size_t width) {
+    return 0.97 * std::numbers::pi * static_cast<double>(width) * (1.0 - 0.5 / oversampling);
+}
 
-double kernel(double s) {
+double kernel(double beta, double s) {
     const double inside = 1.0 - s * s;
     return inside > 0.0 ? std::exp(beta * (std::sqrt(inside) - 1.0)) : 0.0;
 }
 
-/// (width/2) int_-1^1 kernel(s) cos(pi m width s/grid) ds; s = sin t has no root at the ends, and there the
-/// kernel is below 1e-15, so that the trapezoidal rule converges exponentially.
-double transform(double m, double grid) {
-    constexpr int panels = 200;
-    constexpr double step = std::numbers::pi / panels;
-    double sum = 0.0;
-    for (int k = 1; k < panels; ++k) {
-        const double t = -0.5 * std::numbers::pi + k * step, s = std::sin(t);
-        sum += kernel(s) * std::cos(t) * std::cos(std::numbers::pi * m * points * s / grid);
+/// Coefficients by powers of u of the polynomial through f at as many Chebyshev points.
+template<class Function>
+std::vector<double> powers_of(std::size_t terms, const Function& f) {
+    const auto n = static_cast<double>(terms);
+    std::vector<double> sum(terms), before(terms), now(terms), next(terms);
+    now[0] = 1.0; // of T_0
+    for (std::size_t k = 0; k < terms; ++k) {
+        double c = 0.0;
+        for (std::size_t j = 0; j < terms; ++j) {
+            const double angle = std::numbers::pi * (static_cast<double>(j) + 0.5) / n;
+            c += f(std::cos(angle)) * std::cos(static_cast<double>(k) * angle) * (k == 0 ? 1.0 : 2.0) / n;
+        }
+        for (std::size_t j = 0; j < terms; ++j) {
+            sum[j] += c * now[j];
+            next[j] = (j > 0 ? (k == 0 ? 1.0 : 2.0) * now[j - 1] : 0.0) - (k == 0 ? 0.0 : before[j]);
+        }
+        before = now;
+        now = next;
     }
-    return 0.5 * points * step * sum;
-}
-
-/// First grid point that the kernel covers, for a point at `at` grid spacings, and its values from there on.
-std::uint32_t cover(double at, std::size_t grid, std::array<double, NonuniformFft::width>& values) {
-    const double wrapped = at - static_cast<double>(grid) * std::floor(at / static_cast<double>(grid));
-    const double first = std::ceil(wrapped - 0.5 * points);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        values[i] = kernel((first + static_cast<double>(i) - wrapped) / (0.5 * points));
-    const double row = first < 0.0 ? first + static_cast<double>(grid) : first;
-    return static_cast<std::uint32_t>(row) % static_cast<std::uint32_t>(grid);
+    return sum;
 }
 
 /// Working space that each thread keeps: lines of `size`.
@@ -64,72 +64,98 @@ Complex swapped(Complex value) { return {value.im, value.re}; }
 
 } // namespace
 
-NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
-    : half_(half), side_(2 * half + 1),
-      fft_(Fft::suitable(std::max(static_cast<std::size_t>(oversampling * static_cast<double>(side_)) + 1,
-                                  2 * width + slab_rows))),
-      team_(team), modes_(side_ * side_), between_(grid() * side_), grid_(grid() * grid()),
+SpreadKernel::SpreadKernel(std::size_t width)
+    : width_(width), values_((width + 5) * row), twice_((width + 5) * pairs) {
+    const double beta = shape(width), wide = 0.5 * static_cast<double>(width);
+    for (std::size_t i = 0; i < width; ++i) {
+        const std::vector<double> c = powers_of(terms(), [&](double u) {
+            return kernel(beta, (static_cast<double>(i) + 0.5 * (u + 1.0)) / wide - 1.0);
+        });
+        for (std::size_t k = 0; k < terms(); ++k)
+            values_[k * row + i] = twice_[k * pairs + 2 * i] = twice_[k * pairs + 2 * i + 1] = c[k];
+    }
+    // s = sin t has no root at the ends, and there the kernel is small, so that the trapezoidal rule converges
+    // exponentially
+    constexpr int panels = 60;
+    constexpr double step = std::numbers::pi / panels;
+    for (int k = 1; k < panels; ++k) {
+        const double t = -0.5 * std::numbers::pi + k * step, s = std::sin(t);
+        quadrature_.push_back({s, wide * step * kernel(beta, s) * std::cos(t)});
+    }
+}
+
+double SpreadKernel::transform(double m, double grid) const {
+    double sum = 0.0;
+    for (const auto& [s, weight] : quadrature_)
+        sum += weight * std::cos(std::numbers::pi * m * static_cast<double>(width_) * s / grid);
+    return sum;
+}
+
+void SpreadPlaces::resize(std::size_t count) {
+    first_row.resize(count);
+    first_column.resize(count);
+    x.resize(count * row);
+    y.resize(count * pairs);
+}
+
+namespace {
+
+std::size_t whole_vectors(std::size_t count) { return (count + 7) / 8 * 8; }
+
+} // namespace
+
+std::size_t NonuniformFft::grid_of(std::size_t half, std::size_t width) {
+    const auto modes = static_cast<double>(2 * half + 1);
+    return Fft::suitable(
+        std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * width + slab_rows));
+}
+
+NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team, std::size_t width)
+    : half_(half), side_(2 * half + 1), kernel_(width), fft_(grid_of(half, width)), team_(team),
+      modes_(side_ * side_), between_(grid() * side_),
+      places_{grid(), width, whole_vectors(width), whole_vectors(2 * width), {}, {}, {}, {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {
+    grid_.resize(grid() * line());
     const auto size = static_cast<double>(grid());
     per_length_ = size / box;
     inverse_.reserve(side_);
     for (std::size_t m = 0; m < side_; ++m)
-        inverse_.push_back(1.0 / transform(static_cast<double>(m) - static_cast<double>(half), size));
+        inverse_.push_back(1.0 /
+                           kernel_.transform(static_cast<double>(m) - static_cast<double>(half), size));
 }
 
 void NonuniformFft::place(std::span<const double> places) {
-    places_.resize(places.size() / 3);
+    const std::size_t count = places.size() / 3;
+    places_.resize(count);
     constexpr std::size_t block = 64;
-    team_.run((places_.size() + block - 1) / block, [&](std::size_t first) {
-        for (std::size_t a = first * block; a < std::min((first + 1) * block, places_.size()); ++a) {
-            places_[a].row = cover(places[3 * a] * per_length_, grid(), places_[a].x);
-            places_[a].column = cover(places[3 * a + 1] * per_length_, grid(), places_[a].y);
-        }
+    team_.run((count + block - 1) / block, [&](std::size_t k) {
+        cover_points(kernel_, per_length_, places, k * block, std::min((k + 1) * block, count), places_);
     });
     for (auto& slab : slabs_)
         slab.clear();
-    for (std::size_t a = 0; a < places_.size(); ++a)
-        for (std::size_t i = 0, last = slabs_.size(); i < width; ++i)
-            if (const std::size_t slab = (places_[a].row + i) % grid() / slab_rows; slab != last) {
-                slabs_[slab].push_back(static_cast<std::uint32_t>(a));
-                last = slab;
-            }
+    const auto give = [&](std::size_t point, std::size_t first_row, std::size_t last_row) {
+        for (std::size_t slab = first_row / slab_rows; slab <= last_row / slab_rows; ++slab)
+            slabs_[slab].push_back(static_cast<std::uint32_t>(point));
+    };
+    for (std::size_t a = 0; a < count; ++a) {
+        const std::size_t first = places_.first_row[a], end = first + places_.width;
+        give(a, first, std::min(end, grid()) - 1);
+        if (end > grid()) // the grid is longer than a kernel and a slab: not the same one
+            give(a, 0, end - grid() - 1);
+    }
 }
 
 void NonuniformFft::spread_rows(std::size_t slab, std::span<const Complex> weights) {
-    const std::size_t n = grid(), first = slab * slab_rows, last = std::min(first + slab_rows, n);
-    std::fill(grid_.begin() + static_cast<std::ptrdiff_t>(first * n),
-              grid_.begin() + static_cast<std::ptrdiff_t>(last * n), Complex{});
-    for (const std::uint32_t a : slabs_[slab]) {
-        const Place& place = places_[a];
-        const std::size_t straight = std::min(width, n - place.column); // before the grid's end
-        for (std::size_t i = 0; i < width; ++i) {
-            const std::size_t row = (place.row + i) % n;
-            if (row < first || row >= last)
-                continue;
-            const Complex weight = place.x[i] * weights[a];
-            Complex *to = &grid_[row * n + place.column], *wrapped = &grid_[row * n];
-            for (std::size_t j = 0; j < straight; ++j)
-                to[j] = to[j] + place.y[j] * weight;
-            for (std::size_t j = straight; j < width; ++j)
-                wrapped[j - straight] = wrapped[j - straight] + place.y[j] * weight;
+    const std::size_t begin = slab * slab_rows, end = std::min(begin + slab_rows, grid());
+    std::fill(grid_.begin() + static_cast<std::ptrdiff_t>(begin * line()),
+              grid_.begin() + static_cast<std::ptrdiff_t>(end * line()), Complex{});
+    for (const std::uint32_t a : slabs_[slab])
+        spread_point(places_, a, weights[a], begin, end, line(), grid_.data());
+    for (std::size_t row = begin; row < end; ++row)
+        for (std::size_t j = grid(); j < line(); ++j) {
+            Complex& wrapped = grid_[row * line() + j - grid()];
+            wrapped = wrapped + grid_[row * line() + j];
         }
-    }
-}
-
-Complex NonuniformFft::read(const Place& place) const {
-    const std::size_t n = grid(), straight = std::min(width, n - place.column);
-    Complex sum;
-    for (std::size_t i = 0; i < width; ++i) {
-        const Complex *wrapped = &grid_[(place.row + i) % n * n], *from = wrapped + place.column;
-        Complex line;
-        for (std::size_t j = 0; j < straight; ++j)
-            line = line + place.y[j] * from[j];
-        for (std::size_t j = straight; j < width; ++j)
-            line = line + place.y[j] * wrapped[j - straight];
-        sum = sum + place.x[i] * line;
-    }
-    return sum;
 }
 
 void NonuniformFft::lines_to_modes(std::size_t first) {
@@ -137,7 +163,7 @@ void NonuniformFft::lines_to_modes(std::size_t first) {
     Lines& work = lines(n);
     for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
         for (std::size_t j = 0; j < n; ++j)
-            set_lane(work.data[j], lane, lane < count ? grid_[(first + lane) * n + j] : Complex{});
+            set_lane(work.data[j], lane, lane < count ? grid_[(first + lane) * line() + j] : Complex{});
     fft_.transform(work.data, work.other);
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < side_; ++j)
@@ -181,7 +207,10 @@ void NonuniformFft::lines_to_grid(std::size_t first) {
     fft_.transform(work.data, work.other);
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < n; ++j)
-            grid_[(first + lane) * n + j] = swapped(lane_of(work.data[j], lane));
+            grid_[(first + lane) * line() + j] = swapped(lane_of(work.data[j], lane));
+    for (std::size_t lane = 0; lane < count; ++lane)
+        for (std::size_t j = n; j < line(); ++j)
+            grid_[(first + lane) * line() + j] = grid_[(first + lane) * line() + j - n];
 }
 
 void NonuniformFft::to_modes(std::span<const Complex> weights) {
@@ -196,9 +225,9 @@ void NonuniformFft::to_points(std::span<Complex> values) {
     team_.run(blocks(side_), [&](std::size_t k) { modes_to_columns(k * Fft::lanes); });
     team_.run(blocks(grid()), [&](std::size_t k) { lines_to_grid(k * Fft::lanes); });
     constexpr std::size_t block = 64;
-    team_.run((places_.size() + block - 1) / block, [&](std::size_t first) {
-        for (std::size_t a = first * block; a < std::min((first + 1) * block, places_.size()); ++a)
-            values[a] = read(places_[a]);
+    team_.run((values.size() + block - 1) / block, [&](std::size_t first) {
+        for (std::size_t a = first * block; a < std::min((first + 1) * block, values.size()); ++a)
+            values[a] = read_point(places_, a, line(), grid_.data());
     });
 }
 
@@ -313,4 +342,4 @@ std::size_t Fft::suitable(std::size_t least) {
     return size;
 }
 
-} // namespace rodwake::medium
+} // namespace rodwake::elastic

@@ -1,0 +1,138 @@
+// Points of non-uniform transforms on their grid. Compiled once for each instruction set (foreach_target
+// includes this file again); sums have one order, so that bits are the same.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "nonuniform_points.cpp"
+#include <hwy/foreach_target.h> // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "nonuniform_fft.hpp"
+#include "vector_math_inl.hpp"
+
+#include <cmath>
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::elastic::HWY_NAMESPACE {
+
+using Lanes = hn::CappedTag<double, 8>;
+
+/// Some vectors of polynomials in u side by side; coefficient k of the first at c + k stride.
+template<std::size_t vectors>
+HWY_INLINE void PolynomialsOf(hn::Vec<Lanes> u, const double* c, std::size_t stride, std::size_t terms,
+                              double* values) {
+    const Lanes d;
+    hn::Vec<Lanes> sum[vectors];
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < vectors; ++i)
+        sum[i] = hn::LoadU(d, c + (terms - 1) * stride + i * hn::Lanes(d));
+    for (std::size_t k = terms - 1; k-- > 0;)
+        RODWAKE_UNROLL
+    for (std::size_t i = 0; i < vectors; ++i)
+        sum[i] = Fma(d, sum[i], u, hn::LoadU(d, c + k * stride + i * hn::Lanes(d)));
+    RODWAKE_UNROLL
+    for (std::size_t i = 0; i < vectors; ++i)
+        hn::StoreU(sum[i], d, values + i * hn::Lanes(d));
+}
+
+/// `count` polynomials, whole vectors of them.
+HWY_INLINE void PolynomialsAt(double at, const double* c, std::size_t stride, std::size_t terms, std::size_t count,
+                              double* values) {
+    const Lanes d;
+    const auto u = hn::Set(d, at);
+    std::size_t i = 0;
+    for (; i + 3 * hn::Lanes(d) <= count; i += 3 * hn::Lanes(d))
+        PolynomialsOf<3>(u, c + i, stride, terms, values + i);
+    for (; i + 2 * hn::Lanes(d) <= count; i += 2 * hn::Lanes(d))
+        PolynomialsOf<2>(u, c + i, stride, terms, values + i);
+    for (; i < count; i += hn::Lanes(d))
+        PolynomialsOf<1>(u, c + i, stride, terms, values + i);
+}
+
+struct Cover {
+    std::uint32_t first;
+    double u;
+};
+
+/// What a point covers, at `at` grid spacings.
+HWY_INLINE Cover CoverOf(double at, const SpreadPlaces& places) {
+    const auto grid = static_cast<double>(places.grid);
+    const double wrapped = at - grid * std::floor(at / grid),
+                 edge = wrapped - 0.5 * static_cast<double>(places.width), first = std::ceil(edge);
+    const auto index = static_cast<std::uint32_t>(first < 0.0 ? first + grid : first);
+    return {index % static_cast<std::uint32_t>(places.grid), 2.0 * (first - edge) - 1.0};
+}
+
+void CoverPoints(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
+                 std::size_t first, std::size_t last, SpreadPlaces& places) {
+    for (std::size_t a = first; a < last; ++a) {
+        const Cover row = CoverOf(poses[3 * a] * per_length, places),
+                    column = CoverOf(poses[3 * a + 1] * per_length, places);
+        places.first_row[a] = row.first;
+        places.first_column[a] = column.first;
+        PolynomialsAt(row.u, kernel.values(0), SpreadKernel::row, kernel.terms(), places.row,
+                    &places.x[a * places.row]);
+        PolynomialsAt(column.u, kernel.twice(0), SpreadKernel::pairs, kernel.terms(), places.pairs,
+                    &places.y[a * places.pairs]);
+    }
+}
+
+void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
+                 std::size_t end, std::size_t line, Complex* grid) {
+    const Lanes d;
+    const double *x = &places.x[point * places.row], *y = &places.y[point * places.pairs];
+    std::size_t row = places.first_row[point];
+    for (std::size_t i = 0; i < places.width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
+        if (row < begin || row >= end)
+            continue;
+        const double pair[2] = {x[i] * weight.re, x[i] * weight.im};
+        const auto twice = hn::LoadDup128(d, pair);
+        double* to = &grid[row * line + places.first_column[point]].re;
+        for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d))
+            hn::StoreU(Fma(d, hn::LoadU(d, y + j), twice, hn::LoadU(d, to + j)), d, to + j);
+    }
+}
+
+Complex ReadPoint(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
+    const Lanes d;
+    const double *x = &places.x[point * places.row], *y = &places.y[point * places.pairs];
+    double sums[SpreadKernel::pairs];
+    for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d)) {
+        auto sum = hn::Zero(d);
+        std::size_t row = places.first_row[point];
+        for (std::size_t i = 0; i < places.width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
+            const double* from = &grid[row * line + places.first_column[point]].re + j;
+            sum = Fma(d, hn::Set(d, x[i]), hn::LoadU(d, from), sum);
+        }
+        hn::StoreU(hn::Mul(sum, hn::LoadU(d, y + j)), d, sums + j);
+    }
+    Complex all;
+    for (std::size_t j = 0; j < places.width; ++j)
+        all = all + Complex{sums[2 * j], sums[2 * j + 1]};
+    return all;
+}
+
+} // namespace rodwake::elastic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rodwake::elastic {
+
+HWY_EXPORT(CoverPoints);
+HWY_EXPORT(SpreadPoint);
+HWY_EXPORT(ReadPoint);
+
+void cover_points(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
+                  std::size_t first, std::size_t last, SpreadPlaces& places) {
+    HWY_DYNAMIC_DISPATCH(CoverPoints)(kernel, per_length, poses, first, last, places);
+}
+
+void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
+                  std::size_t end, std::size_t line, Complex* grid) {
+    HWY_DYNAMIC_DISPATCH(SpreadPoint)(places, point, weight, begin, end, line, grid);
+}
+
+Complex read_point(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
+    return HWY_DYNAMIC_DISPATCH(ReadPoint)(places, point, line, grid);
+}
+
+} // namespace rodwake::elastic
+#endif
