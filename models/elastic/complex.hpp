@@ -1,7 +1,7 @@
 #pragma once
 // Complex numbers of transforms and exponential integrators.
 
-namespace rodwake::elastic {
+namespace rodwake::fourier {
 
 /// A complex number; of std::complex a product also looks for infinities, at several times the cost.
 struct Complex {
@@ -15,4 +15,4 @@ struct Complex {
     friend Complex operator*(double a, Complex b) { return {a * b.re, a * b.im}; }
 };
 
-} // namespace rodwake::elastic
+} // namespace rodwake::fourier

@@ -8,10 +8,14 @@
 
 namespace rodwake::elastic {
 
+using fourier::NonuniformFft, fourier::SpreadKernel;
+
 namespace {
 
-/// A sum's error by that of one wake: few are at the reach, or where a mesh is worst, and signs differ.
-constexpr double wakes_at_once = 10.0;
+/// What one wake may be wrong by, in xi: a tenth of a sum's error, since few are at the reach, or where a
+/// mesh is worst, and signs differ. Far wakes as a whole are not small beside it.
+double error_of_one(double tolerance) { return std::clamp(0.1 * tolerance, 1e-13, 1e-4); }
+
 constexpr std::size_t most_first = 48; ///< first nodes that are thought of
 
 struct Extent {
@@ -64,15 +68,16 @@ struct Sample {
     }
 };
 
+constexpr double largest_crowd = 1e5; ///< beyond it meshes never pay
+
 constexpr double bend = 10.0; ///< node at which steps have widened
 
 } // namespace
 
 FarWakes::FarWakes(const Medium& medium, double strain_tolerance, double polar_tolerance, bool polar)
-    : unit_({medium.eta, 1.0}), polar_(polar), strain_error_(strain_tolerance * medium.xi / wakes_at_once),
-      polar_error_(polar_tolerance * square(medium.xi) / wakes_at_once) {
-    const double error = std::clamp(polar ? std::min(strain_error_, polar_error_) : strain_error_, 1e-13, 1e-2);
-    cutoff_ = -std::log(error);
+    : unit_({medium.eta, 1.0}), polar_(polar), strain_error_(error_of_one(strain_tolerance * medium.xi)),
+      polar_error_(error_of_one(polar_tolerance * square(medium.xi))),
+      cutoff_(-std::log(polar ? std::min(strain_error_, polar_error_) : strain_error_)) {
     width_ = std::min(static_cast<std::size_t>(std::ceil(cutoff_ / 1.8)) + 1, SpreadKernel::widest);
     for (const auto& [step, wider] : {std::pair{1.2, 0.0}, {1.0, 0.8}, {1.0, 1.6}}) {
         nodes_.push_back({step / std::sqrt(cutoff_), wider, medium.eta, cutoff_, {}});
@@ -80,9 +85,7 @@ FarWakes::FarWakes(const Medium& medium, double strain_tolerance, double polar_t
     }
 }
 
-double FarWakes::Nodes::width_at(double time) const {
-    return 2.0 * std::sqrt((1.0 + eta) * time * cutoff);
-}
+double FarWakes::Nodes::width_at(double time) const { return 2.0 * std::sqrt((1.0 + eta) * time * cutoff); }
 
 double FarWakes::Nodes::root_time(std::size_t k) const {
     const auto at = static_cast<double>(k);
@@ -91,17 +94,17 @@ double FarWakes::Nodes::root_time(std::size_t k) const {
 
 HeatNode FarWakes::Nodes::at(std::size_t k) const {
     const auto number = static_cast<double>(k);
-    return heat_node(root_time(k), step * (1.0 + wider * number / std::sqrt(number * number + bend * bend)), eta);
+    return heat_node(root_time(k), step * (1.0 + wider * number / std::sqrt(number * number + bend * bend)),
+                     eta);
 }
 
 /// The node from which on all Gaussians have left a place for one `distance` behind it.
 std::size_t FarWakes::Nodes::last_for(double distance) const {
     const double root = std::sqrt((1.0 + eta) * cutoff), // t - 2 root sqrt(t) = distance
         end = root + std::sqrt(square(root) + distance);
-    std::size_t k = 1;
-    while (root_time(k) < end)
-        ++k;
-    return k;
+    const double q = end / step + wider * bend, cc = wider * wider; // of root_time(k) = end
+    return static_cast<std::size_t>((q - wider * std::sqrt(q * q - bend * bend * (1.0 - cc))) / (1.0 - cc)) +
+           2;
 }
 
 void FarWakes::find_reaches(Nodes& nodes) const {
@@ -122,15 +125,16 @@ void FarWakes::find_reaches(Nodes& nodes) const {
     }
 }
 
-std::vector<FarWakes::Octave> FarWakes::octaves(const Nodes& nodes, std::size_t first, double diagonal, double side) const {
+std::vector<FarWakes::Octave> FarWakes::octaves(const Nodes& nodes, std::size_t first, double diagonal,
+                                                double side) const {
     std::vector<Octave> found;
     for (std::size_t last = nodes.last_for(diagonal); first < last;) {
         const std::size_t end = std::min(last, std::max(first + 1, 3 * first / 2));
         const double width = nodes.width_at(square(nodes.root_time(end - 1))), box = side + 2.0 * width;
         const double largest = std::sqrt(cutoff_) / nodes.root_time(first);
         found.push_back({first, end,
-                         static_cast<std::size_t>(std::ceil(largest * box * 0.5 * std::numbers::inv_pi)), width,
-                         box});
+                         static_cast<std::size_t>(std::ceil(largest * box * 0.5 * std::numbers::inv_pi)),
+                         width, box});
         first = end;
     }
     return found;
@@ -142,8 +146,8 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
         std::min(crowd.count, std::numbers::pi * square(nodes.reach[first - 1]) * crowd.density);
     double sum = crowd.count * near * (polar_ ? 40.0 : 30.0);
     for (const Octave& one : octaves(nodes, first, crowd.diagonal, crowd.side)) {
-        const auto grid = static_cast<double>(NonuniformFft::grid_of(one.half, width_)),
-                   count = static_cast<double>(one.last - one.first);
+        const double grid = 3.0 * static_cast<double>(one.half) + 50.0,
+                     count = static_cast<double>(one.last - one.first);
         const double transform = 2.0 * square(grid) * std::log2(grid) + 60.0 * crowd.count;
         sum += (count + (polar_ ? 4.0 : 2.0)) * transform;
     }
@@ -152,13 +156,16 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
 
 FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
     const Extent extent = extent_of(rods);
-    const Crowd crowd{static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
-                      static_cast<double>(rods.size()) /
-                          (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
+    const Crowd crowd{
+        static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
+        static_cast<double>(rods.size()) / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
     Plan best{0, 0, 0.0, HUGE_VAL};
+    if (crowd.diagonal > largest_crowd)
+        return best;
     for (std::size_t way = 0; way < nodes_.size(); ++way)
         for (std::size_t first = 1; first <= most_first; ++first)
-            if (const double reach = nodes_[way].reach[first - 1]; reach < Sample::distance(Sample::distances - 1))
+            if (const double reach = nodes_[way].reach[first - 1];
+                reach < Sample::distance(Sample::distances - 1))
                 if (const double ns = cost(nodes_[way], first, crowd); ns < best.cost)
                     best = {way, first, reach, ns};
     return best;
@@ -231,8 +238,7 @@ private:
 };
 
 /// What nodes give their rod itself.
-template<class Nodes>
-std::array<double, all_parts> own_heat(const Nodes& nodes, std::size_t first) {
+std::array<double, all_parts> own_heat(const FarWakes::Nodes& nodes, std::size_t first) {
     HeatField field{std::vector<double>(heat_lanes), std::vector<double>(heat_lanes)};
     for (std::size_t k = first; k < nodes.last_for(0.0); ++k)
         field.add(nodes.at(k));
@@ -290,38 +296,38 @@ namespace {
 
 /// Forces that have spread by shear and by longitudinal motion, as modes: x components real, y imaginary.
 struct Spread {
-    std::vector<Complex> shear, longitudinal;
+    std::vector<fourier::Complex> shear, longitudinal;
 };
 
 /// A mode's displacement, and its wave vector.
 struct Mode {
     double qx, qy;
-    Complex ux, uy;
+    fourier::Complex ux, uy;
 };
 
-Complex conjugate(Complex z) { return {z.re, -z.im}; }
-Complex times_i(Complex z) { return {-z.im, z.re}; }
+fourier::Complex conjugate(fourier::Complex z) { return {z.re, -z.im}; }
+fourier::Complex times_i(fourier::Complex z) { return {-z.im, z.re}; }
 
 /// The modes of two real fields that one complex field has as its parts.
-Mode forces_of(std::span<const Complex> both, std::size_t i) {
-    const Complex here = both[i], opposite = conjugate(both[both.size() - 1 - i]);
+Mode forces_of(std::span<const fourier::Complex> both, std::size_t i) {
+    const fourier::Complex here = both[i], opposite = conjugate(both[both.size() - 1 - i]);
     return {0.0, 0.0, 0.5 * (here + opposite), -0.5 * times_i(here - opposite)};
 }
 
 Mode displacement_of(const Spread& spread, std::size_t i, double qx, double qy) {
     const Mode t = forces_of(spread.shear, i), l = forces_of(spread.longitudinal, i);
     const double inverse = 1.0 / std::max(qx * qx + qy * qy, 1e-300); // of q = 0 nothing is asked
-    const Complex along = inverse * (qx * (l.ux - t.ux) + qy * (l.uy - t.uy));
+    const fourier::Complex along = inverse * (qx * (l.ux - t.ux) + qy * (l.uy - t.uy));
     return {qx, qy, t.ux + qx * along, t.uy + qy * along};
 }
 
 // What rods are given, two real fields at a time.
 
-Complex normal_strains(const Mode& m) { return times_i(m.qx * m.ux) - m.qy * m.uy; }
-Complex shear_strain(const Mode& m) { return 0.5 * times_i(m.qy * m.ux + m.qx * m.uy); }
-Complex laplacian(const Mode& m) { return -(m.qx * m.qx + m.qy * m.qy) * (m.ux + times_i(m.uy)); }
-Complex gradient(const Mode& m) {
-    const Complex divergence = m.qx * m.ux + m.qy * m.uy;
+fourier::Complex normal_strains(const Mode& m) { return times_i(m.qx * m.ux) - m.qy * m.uy; }
+fourier::Complex shear_strain(const Mode& m) { return 0.5 * times_i(m.qy * m.ux + m.qx * m.uy); }
+fourier::Complex laplacian(const Mode& m) { return -(m.qx * m.qx + m.qy * m.qy) * (m.ux + times_i(m.uy)); }
+fourier::Complex gradient(const Mode& m) {
+    const fourier::Complex divergence = m.qx * m.ux + m.qy * m.uy;
     return (-m.qx) * divergence - m.qy * times_i(divergence);
 }
 
@@ -337,7 +343,7 @@ public:
     }
 
     /// Forces at places (layout of poses) that have spread for a time.
-    void add(std::span<const double> places, std::span<const Complex> forces, const HeatNode& node) {
+    void add(std::span<const double> places, std::span<const fourier::Complex> forces, const HeatNode& node) {
         transform_.place(places);
         transform_.to_modes(forces);
         const std::vector<double> shear = decay(0.25 / node.a), longitudinal = decay(0.25 / node.b);
@@ -353,7 +359,7 @@ public:
 
     /// A pair of fields at the places.
     template<class Of>
-    void read(const Of& of, std::span<Complex> values) {
+    void read(const Of& of, std::span<fourier::Complex> values) {
         if (spread_.longitudinal.empty())
             spread_.longitudinal = spread_.shear;
         team_.run(side(), [&](std::size_t row) {
@@ -376,11 +382,12 @@ private:
         return by_wave;
     }
 
-    void add_row(std::size_t row, double weight, const std::vector<double>& decay, std::vector<Complex>& to) {
+    void add_row(std::size_t row, double weight, const std::vector<double>& decay,
+                 std::vector<fourier::Complex>& to) {
         const double all = weight * decay[row];
-        const Complex* from = transform_.modes().data() + row * side();
+        const fourier::Complex* from = transform_.modes().data() + row * side();
         for (std::size_t column = 0; column < side(); ++column) {
-            Complex& sum = to[row * side() + column];
+            fourier::Complex& sum = to[row * side() + column];
             sum = sum + (all * decay[column]) * from[column];
         }
     }
@@ -400,7 +407,7 @@ void FarWakes::add(const Plan& plan, std::span<const KernelSource> rods, Team& t
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];
     std::vector<double> places, here;
-    std::vector<Complex> forces, values(rods.size());
+    std::vector<fourier::Complex> forces, values(rods.size());
     for (const Octave& octave :
          octaves(nodes, plan.first, std::hypot(extent.width, extent.height), extent.side())) {
         Mesh mesh(octave.box, octave.half, team, width_, unit_.medium().eta > 0.0);

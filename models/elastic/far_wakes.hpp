@@ -2,9 +2,10 @@
 // Sums of the wakes of many rods in a time that hardly grows faster than their number: near ones one by one,
 // far ones as drifting heat (heat_nodes.hpp) on meshes.
 //
-// Nodes lie at s = sqrt(t) = h (k + c (sqrt(k^2 + 100) - 10)): steps are short for near pairs, and longer for far
-// ones, past which a Gaussian goes within a time of sqrt(t). To each node of the wakes' sum over time belongs one Gaussian, that of all rods, each n t behind its rod.
-// Non-uniform Fourier transforms (nonuniform_fft.hpp) make C_q = sum_b n_b e^(-i q.(R_b - n_b t)), and
+// Nodes lie at s = sqrt(t) = h (k + c (sqrt(k^2 + 100) - 10)): steps are short for near pairs, and longer for
+// far ones, past which a Gaussian goes within a time of sqrt(t). To each node of the wakes' sum over time
+// belongs one Gaussian, that of all rods, each n t behind its rod. Non-uniform Fourier transforms
+// (nonuniform_fft.hpp) make C_q = sum_b n_b e^(-i q.(R_b - n_b t)), and
 //
 //   u_q = sum_k w_k [ e^(-D_T q^2 t_k) (C - q q.C/q^2) + e^(-D_L q^2 t_k) q q.C/q^2 ]
 //
@@ -12,9 +13,9 @@
 // each octave of them has a mesh of its own, whose box keeps a Gaussian's length from its images. Of pairs
 // nearer than the reach of the error the nodes' part is taken off again and the exact field put in.
 //
-// Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods"); it
-// is random from rod to rod, and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20.
-// Cost: N (near pairs + nodes) + sum of the meshes, some N^(1/2) nodes of a crowd of even density.
+// Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods");
+// it is random from rod to rod, and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost:
+// N (near pairs + nodes) + sum of the meshes, some N^(1/2) nodes of a crowd of even density.
 //
 // Bits depend neither on threads nor on the instruction set.
 
@@ -35,6 +36,16 @@ public:
     /// Errors of a strain and, if `polar`, a polar vector, in f/mu per length and its square.
     FarWakes(const Medium& medium, double strain_tolerance, double polar_tolerance, bool polar);
 
+    /// A way to place the nodes.
+    struct Nodes {
+        double step, wider, eta, cutoff;
+        std::vector<double> reach; ///< by the first node
+
+        double root_time(std::size_t k) const;
+        HeatNode at(std::size_t k) const;
+        std::size_t last_for(double distance) const;
+        double width_at(double time) const;
+    };
     struct Plan {
         std::size_t nodes; ///< which of the ways to place them
         std::size_t first; ///< node from which on the wakes are drifting heat, counted from 1
@@ -61,16 +72,6 @@ private:
     struct Crowd {
         double count, diagonal, side, density;
     };
-    /// A way to place the nodes.
-    struct Nodes {
-        double step, wider, eta, cutoff;
-        std::vector<double> reach; ///< by the first node
-
-        double root_time(std::size_t k) const;
-        HeatNode at(std::size_t k) const;
-        std::size_t last_for(double distance) const;
-        double width_at(double time) const;
-    };
     std::vector<Octave> octaves(const Nodes& nodes, std::size_t first, double diagonal, double side) const;
     double cost(const Nodes& nodes, std::size_t first, const Crowd& crowd) const;
     void find_reaches(Nodes& nodes) const;
@@ -83,7 +84,8 @@ private:
     std::size_t width_; ///< of the transforms' kernel
     std::vector<Nodes> nodes_;
     mutable std::mutex mutex_;
-    mutable std::map<std::pair<std::size_t, std::size_t>, const NearHeat> near_; ///< made when first asked for
+    mutable std::map<std::pair<std::size_t, std::size_t>, const NearHeat>
+        near_; ///< made when first asked for
 };
 
 } // namespace rodwake::elastic

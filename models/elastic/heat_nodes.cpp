@@ -43,13 +43,13 @@ HWY_INLINE Potential Series(const HeatNode& node, V rho) {
 HWY_INLINE Potential PotentialAt(const HeatNode& node, V rho, V heat_t, V heat_l) {
     const Lanes d;
     const V a = hn::Set(d, node.a), b = hn::Set(d, node.b), one_over = hn::Div(hn::Set(d, 1.0), rho);
-    const V first = hn::Mul(hn::Sub(hn::Mul(heat_t, hn::Set(d, 0.25 / node.a)),
-                                    hn::Mul(heat_l, hn::Set(d, 0.25 / node.b))),
-                            one_over);
+    const V first = hn::Mul(
+        hn::Sub(hn::Mul(heat_t, hn::Set(d, 0.25 / node.a)), hn::Mul(heat_l, hn::Set(d, 0.25 / node.b))),
+        one_over);
     const V second = hn::Mul(Fms(d, hn::Sub(heat_l, heat_t), hn::Set(d, 0.25), first), one_over);
-    const V third = hn::Mul(Fms(d, hn::Sub(hn::Mul(a, heat_t), hn::Mul(b, heat_l)), hn::Set(d, 0.25),
-                                hn::Add(second, second)),
-                            one_over);
+    const V third = hn::Mul(
+        Fms(d, hn::Sub(hn::Mul(a, heat_t), hn::Mul(b, heat_l)), hn::Set(d, 0.25), hn::Add(second, second)),
+        one_over);
     const auto near = hn::Lt(hn::Mul(rho, a), hn::Set(d, 0.1));
     if (HWY_LIKELY(hn::AllFalse(d, near)))
         return {second, third};
@@ -191,8 +191,8 @@ HWY_INLINE HeatSums HeatAt(const NearHeat& heat, const Seen& at) {
 
 /// The exact field of a vector of sources, which need not be near enough for its table.
 template<bool polar>
-HWY_INLINE Parts<FullKind> ExactAt(const Setting<FullKind>& with, const NearSources& sources, std::size_t first,
-                                   double x, double y, const Seen& at, V cosine, V sine) {
+HWY_INLINE Parts<FullKind> ExactAt(const Setting<FullKind>& with, const NearSources& sources,
+                                   std::size_t first, double x, double y, const Seen& at, V cosine, V sine) {
     const Lanes d;
     const V scale = hn::Set(d, with.c_shear);
     const V X[1] = {hn::Mul(at.x, scale)}, Y[1] = {hn::Mul(at.y, scale)};
@@ -206,9 +206,29 @@ HWY_INLINE Parts<FullKind> ExactAt(const Setting<FullKind>& with, const NearSour
     if (HWY_UNLIKELY(!hn::AllTrue(d, radial[0].in_range)))
         ReplaceLanes<polar, FullKind>(parts, radial[0].in_range, [&](std::size_t lane, double* exact) {
             const std::size_t k = first + lane;
-            exact_parts(*with.field, {sources.x[k], sources.y[k], sources.cosine[k], sources.sine[k]}, x, y, polar,
-                        exact);
+            exact_parts(*with.field, {sources.x[k], sources.y[k], sources.cosine[k], sources.sine[k]}, x, y,
+                        polar, exact);
         });
+    return parts;
+}
+
+/// What sources give at (x, y), less what the heat gives.
+template<bool polar>
+HWY_INLINE Parts<FullKind> NearAt(const Setting<FullKind>& with, const NearHeat& heat,
+                                  const NearSources& sources, std::size_t first, double x, double y) {
+    const Lanes d;
+    const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
+    const V cosine = load(sources.cosine), sine = load(sources.sine);
+    const Seen at = SeenFrom(hn::Sub(hn::Set(d, x), load(sources.x)), hn::Sub(hn::Set(d, y), load(sources.y)),
+                             cosine, sine);
+    Parts<FullKind> parts = ExactAt<polar>(with, sources, first, x, y, at, cosine, sine);
+    const double per_xi = 2.0 * with.c_shear;
+    const V to_xi = hn::Set(d, per_xi), polar_unit = hn::Set(d, per_xi * per_xi);
+    const HeatSums own = HeatAt<polar>(heat, {hn::Mul(at.x, to_xi), hn::Mul(at.y, to_xi)});
+    HeatSums lab = NoHeat<polar>();
+    Turn<polar>(cosine, sine, own, lab);
+    for (int k = 0; k < PartsOf<polar>(); ++k)
+        parts.part[k] = Fnma(d, lab.part[k], k < strain_parts ? to_xi : polar_unit, parts.part[k]);
     return parts;
 }
 
@@ -219,17 +239,11 @@ HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const 
     const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
     double slots[all_parts][heat_lanes] = {}; // one a lane of the longest vector, whatever vectors there are
     for (std::size_t first = 0; first < sources.x.size(); first += hn::Lanes(d)) {
-        const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
-        const V cosine = load(sources.cosine), sine = load(sources.sine), weight = load(sources.weight);
-        const Seen at = SeenFrom(hn::Sub(hn::Set(d, x), load(sources.x)), hn::Sub(hn::Set(d, y), load(sources.y)),
-                                 cosine, sine);
-        const Parts<FullKind> exact = ExactAt<polar>(with, sources, first, x, y, at, cosine, sine);
-        const HeatSums own = HeatAt<polar>(heat, at);
-        HeatSums lab = NoHeat<polar>();
-        Turn<polar>(cosine, sine, own, lab);
+        const Parts<FullKind> parts = NearAt<polar>(with, heat, sources, first, x, y);
+        const V weight = hn::LoadU(d, &sources.weight[first]);
         for (int k = 0; k < PartsOf<polar>(); ++k) {
             double* slot = slots[k] + first % heat_lanes;
-            hn::StoreU(Fma(d, weight, hn::Sub(exact.part[k], lab.part[k]), hn::LoadU(d, slot)), d, slot);
+            hn::StoreU(Fma(d, weight, parts.part[k], hn::LoadU(d, slot)), d, slot);
         }
     }
     for (int k = 0; k < PartsOf<polar>(); ++k)
@@ -284,8 +298,8 @@ void NearSources::add(const KernelSource& source, double as) {
     weight.push_back(as);
 }
 
-void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat, const NearSources& sources,
-              double x, double y, bool polar, std::span<double> sums) {
+void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat,
+              const NearSources& sources, double x, double y, bool polar, std::span<double> sums) {
     HWY_DYNAMIC_DISPATCH(AddNearEither)(medium, field, heat, sources, x, y, polar, sums);
 }
 

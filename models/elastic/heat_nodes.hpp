@@ -6,9 +6,9 @@
 //   lap Phi = g_L - g_T,   D_T = 1,   D_L = 1 + eta
 //
 // in f/mu. The trapezoidal rule in s = sqrt(t) has an error that falls off with the distance r faster than
-// exp(-(r/h)^(2/3)) of a step h, since g vanishes with all derivatives at s = 0: beyond some distance a wake is a
-// sum of Gaussians that all rods share but for place and direction. With rho =
-// r^2, a = 1/(4 t), b = a/(1 + eta),
+// exp(-(r/h)^(2/3)) of a step h, since g vanishes with all derivatives at s = 0: beyond some distance a wake
+// is a sum of Gaussians that all rods share but for place and direction. With rho = r^2, a = 1/(4 t), b =
+// a/(1 + eta),
 //
 //   Phi' = (e^(-a rho) - e^(-b rho))/(4 pi rho),   Phi'' = ((g_L - g_T)/4 - Phi')/rho,
 //   Phi''' = ((2 a g_T - 2 b g_L)/8 - 2 Phi'')/rho
@@ -40,7 +40,7 @@ void subtract_heat(const HeatNode& node, const KernelSource& source, const Kerne
 // Near pairs.
 
 /// What is taken off of pairs up to a reach: the first nodes one by one and all others as polynomials in the
-/// rod's frame, part = (y) sum c x^i y^(2 j), i + 2 j <= degree, row by row of j; x and y in reaches.
+/// rod's frame, in xi: part = (y) sum c x^i y^(2 j), i + 2 j <= degree, row by row of j; x and y in reaches.
 struct NearHeat {
     static constexpr std::size_t degree = 16, terms = (degree / 2 + 1) * (degree / 2 + 1);
 
@@ -61,8 +61,9 @@ struct NearSources {
     void add(const KernelSource& source, double weight);
 };
 
-/// Adds to sums[k] at (x, y) what the sources give, less what the heat gives.
-void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat, const NearSources& sources,
-              double x, double y, bool polar, std::span<double> sums);
+/// Adds to sums[k] at (x, y) what the sources give, less what the heat gives. Lengths in the unit of the
+/// medium's xi.
+void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat,
+              const NearSources& sources, double x, double y, bool polar, std::span<double> sums);
 
 } // namespace rodwake::elastic

@@ -153,6 +153,7 @@ Circle circle_around(std::span<const KernelSource> rods) {
 
 struct Near {
     const NearHeat& heat;
+    double reach; ///< in the rods' unit
     std::vector<Circle> blocks;
 };
 
@@ -167,9 +168,9 @@ std::vector<std::size_t> near_numbers(const Task& task, const Near& near, std::s
     const Circle circle = circle_around(group);
     std::vector<std::size_t> numbers;
     for (std::size_t other = 0; other < task.blocks(); ++other)
-        if (within(near.blocks[block], near.blocks[other], near.heat.reach))
+        if (within(near.blocks[block], near.blocks[other], near.reach))
             for (std::size_t k = other * block_rods, i = 0; i < task.block(other).size(); ++i, ++k)
-                if (within(circle, {task.rods[k].x, task.rods[k].y, 0.0}, near.heat.reach))
+                if (within(circle, {task.rods[k].x, task.rods[k].y, 0.0}, near.reach))
                     numbers.push_back(k);
     return numbers;
 }
@@ -178,7 +179,7 @@ std::vector<std::size_t> near_numbers(const Task& task, const Near& near, std::s
 std::size_t gather(const Task& task, const Near& near, std::span<const std::size_t> numbers, std::size_t rod,
                    NearSources& sources) {
     const KernelSource& at = task.rods[rod];
-    const double reach = near.heat.reach;
+    const double reach = near.reach;
     sources.clear();
     for (const std::size_t k : numbers) {
         const KernelSource& one = task.rods[k];
@@ -193,17 +194,16 @@ std::size_t gather(const Task& task, const Near& near, std::span<const std::size
 }
 
 /// Takes off what a rod got of its own heat.
-void take_own(const KernelSource& rod, const Near& near, std::span<double> sums) {
-    const auto& [trace, difference, shear, lx, ly, gx, gy] = near.heat.own;
-    const double c = rod.cosine, s = rod.sine, across = difference * (c * c - s * s);
-    sums[0] -= 0.5 * (trace + across);
+void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std::span<double> sums) {
+    const double c = rod.cosine, s = rod.sine, trace = heat.own[0] * per_xi,
+                 difference = heat.own[1] * per_xi;
+    sums[0] -= 0.5 * (trace + difference * (c * c - s * s));
     sums[1] -= difference * s * c;
-    sums[2] -= 0.5 * (trace - across);
-    if (sums.size() > strain_parts) {
-        sums[3] -= lx * c;
-        sums[4] -= lx * s;
-        sums[5] -= gx * c;
-        sums[6] -= gx * s;
+    sums[2] -= 0.5 * (trace - difference * (c * c - s * s));
+    for (std::size_t k = strain_parts; k < sums.size(); k += 2) {
+        const double along = heat.own[k] * per_xi * per_xi; // nothing points aside
+        sums[k] -= along * c;
+        sums[k + 1] -= along * s;
     }
 }
 
@@ -217,16 +217,17 @@ std::size_t add_group(const Task& task, const Near& near, std::size_t block, std
         done += gather(task, near, numbers, rod, sources);
         std::array<double, all_parts> all{};
         const auto sums = std::span(all).first(static_cast<std::size_t>(task.parts()));
-        add_near(task.medium, task.field, near.heat, sources, task.rods[rod].x, task.rods[rod].y, task.polar, sums);
-        take_own(task.rods[rod], near, sums);
+        add_near(task.medium, task.field, near.heat, sources, task.rods[rod].x, task.rods[rod].y, task.polar,
+                 sums);
+        take_own(task.rods[rod], near.heat, 1.0 / task.field.medium().xi, sums);
         for (std::size_t k = 0; k < sums.size(); ++k)
             task.sum[k][rod] += sums[k];
     }
     return done;
 }
 
-std::size_t add_near_pairs(const Task& task, const FarWakes& far, const FarWakes::Plan& plan) {
-    Near near{far.near_heat(plan), {}};
+std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
+    Near near{heat, heat.reach * task.field.medium().xi, {}};
     for (std::size_t k = 0; k < task.blocks(); ++k)
         near.blocks.push_back(circle_around(task.block(k)));
     std::atomic<std::size_t> done{0};
@@ -238,28 +239,38 @@ std::size_t add_near_pairs(const Task& task, const FarWakes& far, const FarWakes
     return done;
 }
 
-/// Sums by far wakes and near pairs, in xi and in compact order; 0: all pairs are cheaper, nothing done.
+/// Sums of the far wakes of rods in compact order.
+void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
+             std::span<const KernelSource> in_xi) {
+    const double per_xi = 1.0 / task.field.medium().xi;
+    far.add(plan, in_xi, task.team, std::span(task.sum).first(static_cast<std::size_t>(task.parts())));
+    for (int k = 0; k < task.parts(); ++k)
+        for (std::size_t i = 0; i < in_xi.size(); ++i)
+            task.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
+}
+
+/// 0: all pairs are cheaper, nothing done.
 std::size_t add_far_and_near(const Task& task, const FarWakes& far) {
-    const double xi = task.field.medium().xi;
-    std::vector<KernelSource> rods;
+    const double per_xi = 1.0 / task.field.medium().xi;
     const std::vector<std::uint32_t> order = compact_order(task.rods);
-    for (const std::uint32_t k : order)
-        rods.push_back({task.rods[k].x / xi, task.rods[k].y / xi, task.rods[k].cosine, task.rods[k].sine});
-    const FarWakes::Plan plan = far.plan(rods);
+    std::vector<KernelSource> rods, in_xi;
+    for (const std::uint32_t k : order) {
+        const KernelSource& rod = rods.emplace_back(task.rods[k]);
+        in_xi.push_back({rod.x * per_xi, rod.y * per_xi, rod.cosine, rod.sine});
+    }
+    const FarWakes::Plan plan = far.plan(in_xi);
     const auto n = static_cast<double>(rods.size());
     if (plan.cost > n * n * (task.polar ? 8.0 : 5.0)) // ns, see FarWakes::Plan
         return 0;
-    const Field unit({task.field.medium().eta, 1.0});
-    const KernelMedium medium = KernelInternals::constants(unit);
     std::vector<double> part(static_cast<std::size_t>(task.parts()) * rods.size());
-    Task sorted{medium, unit, task.options, task.team, task.polar, rods, {}};
+    Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
     for (int k = 0; k < task.parts(); ++k)
         sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * rods.size();
-    far.add(plan, rods, task.team, std::span(sorted.sum).first(static_cast<std::size_t>(task.parts())));
-    const std::size_t done = add_near_pairs(sorted, far, plan);
+    add_far(sorted, far, plan, in_xi);
+    const std::size_t done = add_near_pairs(sorted, far.near_heat(plan));
     for (int k = 0; k < task.parts(); ++k)
         for (std::size_t i = 0; i < rods.size(); ++i)
-            task.sum[k][order[i]] = sorted.sum[k][i] / (k < strain_parts ? xi : xi * xi);
+            task.sum[k][order[i]] = sorted.sum[k][i];
     return done;
 }
 
@@ -274,20 +285,25 @@ struct MutualWakes::Far {
         const std::scoped_lock lock(mutex);
         auto& one = kept[polar ? 1 : 0];
         if (!one)
-            one = std::make_unique<const FarWakes>(medium, options.strain_tolerance, options.polar_tolerance, polar);
+            one = std::make_unique<const FarWakes>(medium, options.strain_tolerance, options.polar_tolerance,
+                                                   polar);
         return *one;
     }
 };
 
 namespace {
 
+/// Fewer are faster pair by pair, and sooner than that is found out.
+constexpr std::size_t fewest_far = 500;
+
 bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool polar, std::size_t rods) {
     return options.strain_tolerance > 0.0 && (!polar || options.polar_tolerance > 0.0) && medium.eta >= 0.0 &&
-           medium.eta <= FarWakes::largest_eta && rods > block_rods;
+           medium.eta <= FarWakes::largest_eta && rods > fewest_far;
 }
 
-std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team, MutualWakes::Far& far,
-                std::span<const Source> rods, const StrainSums& strain, const PolarSums* polar) {
+std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
+                MutualWakes::Far& far, std::span<const Source> rods, const StrainSums& strain,
+                const PolarSums* polar) {
     require_lengths(rods.size(), strain);
     if (polar != nullptr)
         require_lengths(rods.size(), *polar);
@@ -309,7 +325,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
     for (int k = 0; k < task.parts(); ++k)
         std::fill_n(task.sum[k], rods.size(), 0.0);
     if (may_be_far(options, kernel.medium(), task.polar, rods.size()))
-        if (const std::size_t done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar)); done > 0)
+        if (const std::size_t done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar));
+            done > 0)
             return done;
     add_all_pairs(task);
     return rods.empty() ? 0 : rods.size() * (rods.size() - 1);

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rodwake::elastic {
+namespace rodwake::fourier {
 
 namespace {
 
@@ -74,8 +74,8 @@ SpreadKernel::SpreadKernel(std::size_t width)
         for (std::size_t k = 0; k < terms(); ++k)
             values_[k * row + i] = twice_[k * pairs + 2 * i] = twice_[k * pairs + 2 * i + 1] = c[k];
     }
-    // s = sin t has no root at the ends, and there the kernel is small, so that the trapezoidal rule converges
-    // exponentially
+    // s = sin t has no root at the ends, and there the kernel is small, so that the trapezoidal rule
+    // converges exponentially
     constexpr int panels = 60;
     constexpr double step = std::numbers::pi / panels;
     for (int k = 1; k < panels; ++k) {
@@ -106,22 +106,21 @@ std::size_t whole_vectors(std::size_t count) { return (count + 7) / 8 * 8; }
 
 std::size_t NonuniformFft::grid_of(std::size_t half, std::size_t width) {
     const auto modes = static_cast<double>(2 * half + 1);
-    return Fft::suitable(
-        std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * width + slab_rows));
+    return Fft::suitable(std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * width + slab_rows));
 }
 
 NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team, std::size_t width)
     : half_(half), side_(2 * half + 1), kernel_(width), fft_(grid_of(half, width)), team_(team),
-      modes_(side_ * side_), between_(grid() * side_),
-      places_{grid(), width, whole_vectors(width), whole_vectors(2 * width), {}, {}, {}, {}},
+      modes_(side_ * side_),
+      between_(grid() * side_), places_{grid(), width, whole_vectors(width), whole_vectors(2 * width), {}, {},
+                                        {},     {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {
     grid_.resize(grid() * line());
     const auto size = static_cast<double>(grid());
     per_length_ = size / box;
     inverse_.reserve(side_);
     for (std::size_t m = 0; m < side_; ++m)
-        inverse_.push_back(1.0 /
-                           kernel_.transform(static_cast<double>(m) - static_cast<double>(half), size));
+        inverse_.push_back(1.0 / kernel_.transform(static_cast<double>(m) - static_cast<double>(half), size));
 }
 
 void NonuniformFft::place(std::span<const double> places) {
@@ -342,4 +341,4 @@ std::size_t Fft::suitable(std::size_t least) {
     return size;
 }
 
-} // namespace rodwake::elastic
+} // namespace rodwake::fourier

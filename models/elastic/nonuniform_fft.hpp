@@ -24,7 +24,7 @@
 #include <span>
 #include <vector>
 
-namespace rodwake::elastic {
+namespace rodwake::fourier {
 
 // Discrete Fourier transforms of short lines, four side by side:
 //
@@ -156,4 +156,4 @@ void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight,
                   std::size_t end, std::size_t line, Complex* grid);
 Complex read_point(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid);
 
-} // namespace rodwake::elastic
+} // namespace rodwake::fourier

@@ -11,7 +11,10 @@
 #include <cmath>
 
 HWY_BEFORE_NAMESPACE();
-namespace rodwake::elastic::HWY_NAMESPACE {
+namespace rodwake::fourier::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using elastic::HWY_NAMESPACE::Fma;
 
 using Lanes = hn::CappedTag<double, 8>;
 
@@ -34,8 +37,8 @@ HWY_INLINE void PolynomialsOf(hn::Vec<Lanes> u, const double* c, std::size_t str
 }
 
 /// `count` polynomials, whole vectors of them.
-HWY_INLINE void PolynomialsAt(double at, const double* c, std::size_t stride, std::size_t terms, std::size_t count,
-                              double* values) {
+HWY_INLINE void PolynomialsAt(double at, const double* c, std::size_t stride, std::size_t terms,
+                              std::size_t count, double* values) {
     const Lanes d;
     const auto u = hn::Set(d, at);
     std::size_t i = 0;
@@ -69,9 +72,9 @@ void CoverPoints(const SpreadKernel& kernel, double per_length, std::span<const 
         places.first_row[a] = row.first;
         places.first_column[a] = column.first;
         PolynomialsAt(row.u, kernel.values(0), SpreadKernel::row, kernel.terms(), places.row,
-                    &places.x[a * places.row]);
+                      &places.x[a * places.row]);
         PolynomialsAt(column.u, kernel.twice(0), SpreadKernel::pairs, kernel.terms(), places.pairs,
-                    &places.y[a * places.pairs]);
+                      &places.y[a * places.pairs]);
     }
 }
 
@@ -83,11 +86,12 @@ void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, 
     for (std::size_t i = 0; i < places.width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
         if (row < begin || row >= end)
             continue;
-        const double pair[2] = {x[i] * weight.re, x[i] * weight.im};
-        const auto twice = hn::LoadDup128(d, pair);
+        const double re = x[i] * weight.re, im = x[i] * weight.im,
+                     pairs[8] = {re, im, re, im, re, im, re, im};
         double* to = &grid[row * line + places.first_column[point]].re;
         for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d))
-            hn::StoreU(Fma(d, hn::LoadU(d, y + j), twice, hn::LoadU(d, to + j)), d, to + j);
+            hn::StoreU(Fma(d, hn::LoadU(d, y + j), hn::LoadU(d, pairs + j % 8), hn::LoadU(d, to + j)), d,
+                       to + j);
     }
 }
 
@@ -110,11 +114,11 @@ Complex ReadPoint(const SpreadPlaces& places, std::size_t point, std::size_t lin
     return all;
 }
 
-} // namespace rodwake::elastic::HWY_NAMESPACE
+} // namespace rodwake::fourier::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace rodwake::elastic {
+namespace rodwake::fourier {
 
 HWY_EXPORT(CoverPoints);
 HWY_EXPORT(SpreadPoint);
@@ -134,5 +138,5 @@ Complex read_point(const SpreadPlaces& places, std::size_t point, std::size_t li
     return HWY_DYNAMIC_DISPATCH(ReadPoint)(places, point, line, grid);
 }
 
-} // namespace rodwake::elastic
+} // namespace rodwake::fourier
 #endif

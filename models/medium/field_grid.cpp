@@ -1,5 +1,5 @@
-#include "mode_displacement.hpp"
 #include "elastic/nonuniform_fft.hpp"
+#include "mode_displacement.hpp"
 #include "rodwake/medium/film.hpp"
 
 #include <vector>
@@ -22,10 +22,10 @@ private:
     /// Lines `apart` from each other, their elements `step`.
     void along(std::vector<Complex>& square, std::size_t apart, std::size_t step) {
         const std::size_t n = fft_.size();
-        for (std::size_t first = 0; first < n; first += elastic::Fft::lanes) {
-            const std::size_t count = std::min(elastic::Fft::lanes, n - first);
+        for (std::size_t first = 0; first < n; first += fourier::Fft::lanes) {
+            const std::size_t count = std::min(fourier::Fft::lanes, n - first);
             for (std::size_t j = 0; j < n; ++j)
-                for (std::size_t lane = 0; lane < elastic::Fft::lanes; ++lane) {
+                for (std::size_t lane = 0; lane < fourier::Fft::lanes; ++lane) {
                     const Complex value =
                         lane < count ? square[(first + lane) * apart + j * step] : Complex{};
                     // parts swapped before and after change the sign of the exponent
@@ -40,8 +40,8 @@ private:
         }
     }
 
-    elastic::Fft fft_;
-    std::vector<elastic::Fft::Element> data_, other_;
+    fourier::Fft fft_;
+    std::vector<fourier::Fft::Element> data_, other_;
 };
 
 /// Where a wave number -n ... n stands in a transform of `points`.
@@ -52,7 +52,7 @@ std::size_t folded(std::ptrdiff_t n, std::size_t points) {
 
 } // namespace
 
-FieldGrid::FieldGrid(std::size_t points) : points_(elastic::Fft(points).size()) {}
+FieldGrid::FieldGrid(std::size_t points) : points_(fourier::Fft(points).size()) {}
 
 void FieldGrid::evaluate(const ModalField& modes, std::span<const double> field, std::span<double> ux,
                          std::span<double> uy) const {

@@ -1,8 +1,8 @@
 #include "rodwake/medium/film.hpp"
 
 #include "coupled_step.hpp"
-#include "film_reel.hpp"
 #include "elastic/nonuniform_fft.hpp"
+#include "film_reel.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -20,16 +20,17 @@ constexpr double most_frames = 1e6;
 /// Least legal number of points a side that resolves the force.
 std::size_t points_needed(const DynamicMedium& m) {
     const auto least = static_cast<std::size_t>(std::ceil(m.box / m.force_width));
-    return elastic::Fft::suitable(std::max(least, fewest_points));
+    return fourier::Fft::suitable(std::max(least, fewest_points));
 }
 
 void check_grid(const DynamicMedium& m) {
-    if (m.film_grid < fewest_points || m.film_grid > most_points || elastic::Fft::suitable(m.film_grid) != m.film_grid)
-        throw InputError(fmt::format(
-            "film_grid = {}: must be {} to {}, even and without prime factors but "
-            "2, 3 and 5, such as {}",
-            m.film_grid, fewest_points, most_points,
-            std::min(elastic::Fft::suitable(std::max(m.film_grid, fewest_points)), elastic::Fft::suitable(most_points))));
+    if (m.film_grid < fewest_points || m.film_grid > most_points ||
+        fourier::Fft::suitable(m.film_grid) != m.film_grid)
+        throw InputError(fmt::format("film_grid = {}: must be {} to {}, even and without prime factors but "
+                                     "2, 3 and 5, such as {}",
+                                     m.film_grid, fewest_points, most_points,
+                                     std::min(fourier::Fft::suitable(std::max(m.film_grid, fewest_points)),
+                                              fourier::Fft::suitable(most_points))));
     if (const double spacing = m.box / static_cast<double>(m.film_grid); spacing > m.force_width)
         throw InputError(fmt::format("film_grid = {}: its spacing box/film_grid = {:.4g} is above "
                                      "force_width = {}, so that rods would fall between the points; take {} "

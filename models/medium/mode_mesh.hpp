@@ -36,7 +36,7 @@ public:
     /// e^(i k heading). Where |r| is near 1, at q of order alpha and below, modes are summed over rods.
     void add_steady(integrate::State poses, std::span<double> field);
 
-    const elastic::NonuniformFft& transform() const { return transform_; }
+    const fourier::NonuniformFft& transform() const { return transform_; }
 
 private:
     void place(integrate::State poses);
@@ -54,9 +54,9 @@ private:
 
     const ModalField& modes_;
     Team& team_;
-    elastic::NonuniformFft transform_;
+    fourier::NonuniformFft transform_;
     std::vector<double> placed_; ///< poses the transform knows of
-    std::vector<Complex> values_;
+    std::vector<fourier::Complex> values_;
 };
 
 } // namespace rodwake::medium

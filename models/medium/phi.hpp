@@ -11,7 +11,7 @@
 
 namespace rodwake::medium {
 
-using elastic::Complex;
+using fourier::Complex;
 
 struct Phi {
     Complex zero, one, two, three;

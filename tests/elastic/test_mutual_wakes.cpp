@@ -1,4 +1,4 @@
-// Sums over all pairs of rods: the field's numbers, bits that depend on nothing else, and what is left out.
+// Sums over all pairs of rods: the field's numbers, and bits that depend on nothing else.
 
 #include "wake_samples.hpp"
 
@@ -123,16 +123,13 @@ TEST_CASE("all pairs have the same bits for any number of threads and every inst
     rods[300] = {0.0, 0.0, 2.0};
     rods[70] = {1e-15, 0.0, 1.0}; // a pair for the field
     const Medium medium{0.5, 1.0};
-    for (const Accuracy accuracy : {Accuracy::full, Accuracy::fine, Accuracy::single})
-        for (const double tolerance : {0.0, 1e-2}) {
-            MutualWakesOptions options{accuracy, 1, tolerance, tolerance};
-            const Result first = mutual(rods, medium, options);
-            CHECK((first.done < 600 * 599) == (tolerance > 0.0)); // else one way is compared twice
-            options.threads = 3;
-            require_same_bits(mutual(rods, medium, options).sums, first.sums);
-            for_each_instruction_set(
-                [&] { require_same_bits(mutual(rods, medium, options).sums, first.sums); });
-        }
+    for (const Accuracy accuracy : {Accuracy::full, Accuracy::fine, Accuracy::single}) {
+        MutualWakesOptions options{.accuracy = accuracy};
+        const Result first = mutual(rods, medium, options);
+        options.threads = 3;
+        require_same_bits(mutual(rods, medium, options).sums, first.sums);
+        for_each_instruction_set([&] { require_same_bits(mutual(rods, medium, options).sums, first.sums); });
+    }
 }
 
 TEST_CASE("all pairs beyond the kernel's range are the field's") {
@@ -142,43 +139,6 @@ TEST_CASE("all pairs beyond the kernel's range are the field's") {
         const Sums exact = by_field(rods, {eta, 1.0});
         CHECK(strain_difference(mutual(rods, {eta, 1.0}).sums, exact) <= 1e-14 * largest(exact, 0, 2));
     }
-}
-
-TEST_CASE("what is left out of a sum is below the tolerance") {
-    RandomStream random(75);
-    for (const double tolerance : {1e-3, 1e-5}) {
-        const Medium medium{random.uniform(0.0, 2.0), random.uniform(0.5, 2.0)};
-        const std::vector<Source> rods = random_rods(random, 1500, 1000.0);
-        const Sums exact = mutual(rods, medium).sums;
-        const Result got =
-            mutual(rods, medium, {.strain_tolerance = tolerance, .polar_tolerance = tolerance});
-        CAPTURE(medium.eta, medium.xi, tolerance, got.done);
-        CHECK(got.done < 1500 * 1499 / 2);
-        CHECK(strain_difference(got.sums, exact) < tolerance);
-        CHECK(strain_difference(got.sums, exact) > 1e-12 * largest(exact, 0, 2)); // something was left out
-        CHECK(polar_difference(got.sums, exact) < tolerance);
-    }
-}
-
-TEST_CASE("the work grows more slowly than the square of the number of rods") {
-    RandomStream random(76);
-    const MutualWakesOptions options{.accuracy = Accuracy::single, .strain_tolerance = 1e-3};
-    std::vector<double> share;
-    for (const std::size_t n : {1000, 4000}) { // of one density
-        const std::vector<Source> rods = random_rods(random, n, 30.0 * std::sqrt(static_cast<double>(n)));
-        Sums sums(n);
-        const std::size_t done = MutualWakes({1.0, 1.0}, options).strain(rods, sums.strain());
-        share.push_back(static_cast<double>(done) / static_cast<double>(n * n));
-    }
-    CHECK(share[0] < 0.5);
-    CHECK(share[1] < 0.75 * share[0]); // wakes are parabolas: 4^(-1/4) = 0.71 and tiles of less weight
-}
-
-TEST_CASE("polar vectors need a tolerance of their own to be left out") {
-    RandomStream random(77);
-    const std::vector<Source> rods = random_rods(random, 400, 3000.0);
-    CHECK(mutual(rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}).done == 400 * 399);
-    CHECK(mutual(rods, {1.0, 1.0}, {.strain_tolerance = 1e-3, .polar_tolerance = 1e-3}).done < 400 * 399 / 2);
 }
 
 TEST_CASE("all pairs refuse what is none") {

@@ -7,9 +7,10 @@
 // Bits: the sums depend on the rods, their order and the options but for `threads`; not on the lanes of a
 // vector, the instruction set or the threads.
 //
-// Far wakes: with tolerances > 0 and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a time
-// that grows hardly faster than N, if that is cheaper (of some hundred rods on). Errors keep to the tolerances
-// by measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod to rod.
+// Far wakes: with tolerances > 0 and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a
+// time that grows hardly faster than N, if that is cheaper (of some hundred rods on). Errors keep to the
+// tolerances by measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod
+// to rod.
 //
 // Degenerate input:
 //   no rods; one rod                                     nothing is written; sums of 0 (both return 0)
@@ -40,8 +41,8 @@ public:
     explicit MutualWakes(const Medium& medium, const MutualWakesOptions& options = {});
 
     /// Overwrites the sums, one number a rod, lab components. Returns how many fields of a source at a rod
-    /// were worked out one by one: N (N - 1) without far wakes. Throws InputError if two rods are at one place, for
-    /// places or headings that are not finite and for spans of unlike lengths.
+    /// were worked out one by one: N (N - 1) without far wakes. Throws InputError if two rods are at one
+    /// place, for places or headings that are not finite and for spans of unlike lengths.
     std::size_t strain(std::span<const Source> rods, const StrainSums& sums) const;
     std::size_t strain_and_polar(std::span<const Source> rods, const StrainSums& strain,
                                  const PolarSums& polar) const;

@@ -1,0 +1,202 @@
+// Far wakes as drifting heat: nodes against the exact field, sums against all pairs.
+
+#include "wake_samples.hpp"
+
+#include "support/instruction_sets.hpp"
+
+#include "elastic/far_wakes.hpp"
+#include "rodwake/elastic/mutual_wakes.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+using namespace rodwake;
+using namespace rodwake::elastic;
+
+namespace {
+
+struct Crowd {
+    std::vector<Source> rods;
+    double width, height;
+};
+
+Crowd crowd(std::size_t count, double width, double height, std::uint64_t seed = 91) {
+    RandomStream random(seed);
+    Crowd all{std::vector<Source>(count), width, height};
+    for (Source& one : all.rods)
+        one = {random.uniform(0.0, width), random.uniform(0.0, height), random.uniform(-4.0, 4.0)};
+    return all;
+}
+
+struct Result {
+    Sums sums;
+    std::size_t done;
+};
+
+Result sums_of(const std::vector<Source>& rods, const Medium& medium, const MutualWakesOptions& options,
+               bool polar) {
+    Result result{Sums(rods.size()), 0};
+    const MutualWakes wakes(medium, options);
+    result.done = polar ? wakes.strain_and_polar(rods, result.sums.strain(), result.sums.polar())
+                        : wakes.strain(rods, result.sums.strain());
+    return result;
+}
+
+double largest_difference(const Sums& a, const Sums& b, int first, int last) {
+    double largest = 0.0;
+    for (int k = first; k < last; ++k)
+        for (std::size_t i = 0; i < a.part[k].size(); ++i)
+            largest = std::max(largest, std::abs(a.part[k][i] - b.part[k][i]));
+    return largest;
+}
+
+/// The wake of a rod at the origin along x, at heat_lanes places on a circle: exactly, less what `take`
+/// gives.
+template<class Take>
+double left_over(const Medium& medium, double distance, const Take& take) {
+    std::vector<double> x, y;
+    for (std::size_t i = 0; i < heat_lanes; ++i) {
+        const double angle = std::numbers::pi * static_cast<double>(i) / (heat_lanes - 1);
+        x.push_back(distance * std::cos(angle));
+        y.push_back(distance * std::sin(angle));
+    }
+    Sums sums(heat_lanes);
+    const Source source{0.0, 0.0, 0.0};
+    WakeKernel(medium).strain_and_polar({&source, 1}, {x, y}, sums.strain(), sums.polar());
+    KernelTargets targets{x.data(), y.data(), heat_lanes, {}};
+    for (int k = 0; k < all_parts; ++k)
+        targets.sum[k] = sums.part[k].data();
+    take(targets);
+    return largest_difference(sums, Sums(heat_lanes), 0, all_parts);
+}
+
+} // namespace
+
+TEST_CASE("a wake is the integral of drifting heat") {
+    // steps so short that the trapezoidal rule is exact at these distances (it converges as
+    // exp(-(r/h)^(2/3)))
+    for (const double eta : {0.0, 0.3, 1.0, 8.0, 20.0})
+        for (const double distance : {2.0, 10.0, 60.0}) {
+            const double h = std::min(0.25, 0.02 * distance / std::sqrt(1.0 + eta));
+            const double end = 3.0 * std::sqrt(distance) + 15.0 * std::sqrt(1.0 + eta); // t - r > 7 sigma
+            const auto heat = [&](const KernelTargets& targets) {
+                for (std::size_t k = 1; static_cast<double>(k) * h < end; ++k)
+                    subtract_heat(heat_node(static_cast<double>(k) * h, h, eta), {0.0, 0.0, 1.0, 0.0},
+                                  targets);
+            };
+            CAPTURE(eta, distance);
+            CHECK(left_over({eta, 1.0}, distance, heat) <
+                  1e-9); // some 1e3 nodes, in which the potentials cancel
+            CHECK(left_over({1.2 * eta + 0.2, 1.0}, distance, heat) > 1e-7); // of another medium: it can fail
+        }
+}
+
+TEST_CASE("near pairs lose what the nodes gave them") {
+    for (const double eta : {0.0, 2.0})
+        for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+            const FarWakes far({eta, 1.0}, tolerance, tolerance, true);
+            const Crowd all = crowd(4000, 150.0, 150.0);
+            std::vector<KernelSource> rods;
+            for (const Source& rod : all.rods)
+                rods.push_back({rod.x, rod.y, std::cos(rod.heading), std::sin(rod.heading)});
+            const FarWakes::Plan plan = far.plan(rods);
+            const NearHeat& heat = far.near_heat(plan);
+            // just within the reach exact field and heat are one: nothing is left of them
+            NearSources sources;
+            for (std::size_t k = 0; k < heat_lanes; ++k) {
+                const double angle = 0.7 * static_cast<double>(k), r = 0.999 * plan.reach;
+                sources.add(
+                    {r * std::cos(angle), r * std::sin(angle), std::cos(2.0 * angle), std::sin(2.0 * angle)},
+                    1.0);
+            }
+            std::array<double, all_parts> sums{};
+            const Field field({eta, 1.0});
+            add_near(KernelInternals::constants(field), field, heat, sources, 0.0, 0.0, true, sums);
+            CAPTURE(eta, tolerance, plan.reach, heat.nodes.size());
+            for (const double sum : sums)
+                CHECK(std::abs(sum) < tolerance); // of eight wakes with a tenth of it each
+            NearSources nearer = sources;
+            for (double& x : nearer.x)
+                x *= 0.3;
+            sums = {};
+            add_near(KernelInternals::constants(field), field, heat, nearer, 0.0, 0.0, true, sums);
+            CHECK(std::abs(sums[0]) > tolerance); // else nothing is looked at
+        }
+}
+
+TEST_CASE("sums with far wakes keep to their tolerances") {
+    struct Case {
+        Medium medium;
+        Crowd crowd;
+    };
+    const Case cases[] = {{{0.0, 1.0}, crowd(4000, 150.0, 150.0)}, {{1.0, 3.0}, crowd(4000, 300.0, 500.0)},
+                          {{8.0, 0.5}, crowd(4000, 200.0, 200.0)}, {{20.0, 1.0}, crowd(4000, 400.0, 400.0)},
+                          {{0.4, 1.0}, crowd(3000, 3000.0, 40.0)}, // a strip
+                          {{1.0, 2.0}, crowd(3000, 20.0, 20.0)},   // dense
+                          {{1.0, 0.1}, crowd(3000, 900.0, 900.0)}};
+    std::size_t far = 0; // ways that were not pair by pair
+    for (const Case& one : cases)
+        for (const bool polar : {false, true}) {
+            const Sums exact = sums_of(one.crowd.rods, one.medium, {}, polar).sums;
+            const std::size_t n = one.crowd.rods.size();
+            for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+                const Result got =
+                    sums_of(one.crowd.rods, one.medium,
+                            {.strain_tolerance = tolerance, .polar_tolerance = tolerance}, polar);
+                CAPTURE(one.medium.eta, one.medium.xi, one.crowd.width, tolerance, polar, got.done);
+                CHECK(largest_difference(got.sums, exact, 0, strain_parts) <= tolerance);
+                if (polar)
+                    CHECK(largest_difference(got.sums, exact, strain_parts, all_parts) <= tolerance);
+                far += got.done < n * (n - 1);
+            }
+        }
+    CHECK(far > 15); // of 42, the strip and the dense crowd go pair by pair
+}
+
+TEST_CASE("far wakes have the same bits for any number of threads and every instruction set", "[threads]") {
+    const Crowd all = crowd(3000, 200.0, 150.0);
+    MutualWakesOptions options{.strain_tolerance = 1e-4, .polar_tolerance = 1e-4};
+    const Medium medium{0.5, 1.3};
+    const Result first = sums_of(all.rods, medium, options, true);
+    REQUIRE(first.done < 3000 * 2999);
+    const auto same = [&] {
+        const Result other = sums_of(all.rods, medium, options, true);
+        for (int k = 0; k < all_parts; ++k)
+            REQUIRE(other.sums.part[k] == first.sums.part[k]);
+    };
+    for (options.threads = 2; options.threads < 4; ++options.threads)
+        same();
+    for_each_instruction_set(same);
+}
+
+TEST_CASE("a single far tolerance, few rods and media out of range go pair by pair") {
+    const Crowd all = crowd(3000, 100.0, 100.0);
+    const std::size_t pairs = 3000 * 2999;
+    CHECK(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, true).done == pairs);
+    CHECK(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done < pairs);
+    for (const double eta : {-0.3, 21.0})
+        CHECK(sums_of(all.rods, {eta, 1.0}, {.strain_tolerance = 1e-3}, false).done == pairs);
+    const Crowd few = crowd(100, 20.0, 20.0), wide = crowd(600, 1e7, 1e7);
+    CHECK(sums_of(few.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done == 100 * 99);
+    CHECK(sums_of(wide.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done == 600 * 599);
+}
+
+TEST_CASE("rods at one place are refused among near pairs, too") {
+    Crowd all = crowd(3000, 150.0, 150.0);
+    all.rods[70] = all.rods[2000];
+    CHECK_THROWS_AS(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false), InputError);
+}
+
+TEST_CASE("the work grows hardly faster than the number of rods") {
+    std::vector<double> near;
+    for (const std::size_t n : {4000, 16000}) { // of one density
+        const double side = 2.3 * std::sqrt(static_cast<double>(n));
+        const Crowd all = crowd(n, side, side);
+        near.push_back(
+            static_cast<double>(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done) /
+            static_cast<double>(n));
+    }
+    CHECK(near[1] < 1.3 * near[0]); // of all pairs 4
+}
