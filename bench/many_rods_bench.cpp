@@ -1,6 +1,6 @@
-// One right-hand side of many rods against their number, with and without far wakes left out, and what that
-// changes; finding the closest pair and the step limit. Prints the rows of docs/validation_rods.md ("Many
-// rods").
+// One right-hand side of many rods against their number, pair by pair and with far wakes on meshes, and what
+// that changes; finding the closest pair and the step limit. Prints the rows of docs/validation_rods.md
+// ("Many rods"); with a number, errors in as many crowds of 10^4 rods.
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/rods/simulate.hpp"
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <numbers>
 
@@ -19,8 +20,8 @@ namespace {
 
 constexpr double spacing = 2.3; // f/mu: N rods in a square of spacing sqrt(N), as in scenes/crowd.toml
 
-std::vector<double> random_rods(std::size_t rods) {
-    RandomStream random(1);
+std::vector<double> random_rods(std::size_t rods, std::uint64_t seed) {
+    RandomStream random(seed);
     const double side = spacing * std::sqrt(static_cast<double>(rods));
     std::vector<double> y;
     for (std::size_t a = 0; a < rods; ++a) {
@@ -33,9 +34,9 @@ std::vector<double> random_rods(std::size_t rods) {
 
 /// Milliseconds of processor time, which other programs hardly change; the shortest of some rounds.
 template<class Work>
-double time_of(const Work& work) {
+double time_of(const Work& work, int rounds = 20) {
     double best = HUGE_VAL, total = 0.0;
-    for (int round = 0; round < 20 && (round < 2 || total < 2.0); ++round) {
+    for (int round = 0; round < rounds && (round < 2 || total < 2.0); ++round) {
         const std::clock_t start = std::clock();
         work();
         const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
@@ -47,15 +48,15 @@ double time_of(const Work& work) {
 
 struct Rates {
     std::vector<double> ydot;
-    double milliseconds;
+    double milliseconds = 0.0;
 };
 
-Rates rates(const std::vector<double>& y, const rods::WakeSums& sums) {
+Rates rates(const std::vector<double>& y, const rods::WakeSums& sums, int rounds = 20) {
     const rods::Couplings couplings{.kappa = 5.0};
     const rods::RodModel model(elastic::exact_field({1.0, 1.0}, {}, rods::sum_options(couplings, sums)),
                                couplings, y.size() / 3);
     Rates found{std::vector<double>(y.size()), 0.0};
-    found.milliseconds = time_of([&] { model.rhs(y, found.ydot); });
+    found.milliseconds = time_of([&] { model.rhs(y, found.ydot); }, rounds);
     return found;
 }
 
@@ -66,22 +67,58 @@ double largest_change(const Rates& kept, const Rates& all) {
     return largest;
 }
 
+/// Largest change, and root mean square, over `crowds` crowds of 10^4 rods.
+void print_errors(int crowds) {
+    std::printf("tolerance | rods | largest change of a turning rate | root mean square\n");
+    constexpr std::size_t n = 10000;
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+        double largest = 0.0, squares = 0.0;
+        for (int seed = 1; seed <= crowds; ++seed) {
+            const auto y = random_rods(n, static_cast<std::uint64_t>(seed));
+            const Rates all = rates(y, {}, 1), far = rates(y, {.turning_tolerance = tolerance}, 1);
+            largest = std::max(largest, largest_change(far, all));
+            for (std::size_t k = 2; k < all.ydot.size(); k += 3)
+                squares += (far.ydot[k] - all.ydot[k]) * (far.ydot[k] - all.ydot[k]);
+        }
+        std::printf("%g | %zu | %.1e | %.1e\n", tolerance, n * static_cast<std::size_t>(crowds), largest,
+                    std::sqrt(squares / static_cast<double>(n * static_cast<std::size_t>(crowds))));
+    }
+}
+
+void print_row(std::size_t n) {
+    const auto y = random_rods(n, 1);
+    std::printf("%zu |", n);
+    Rates all;
+    if (n <= 30000) {
+        all = rates(y, {});
+        const Rates single = rates(y, {elastic::Accuracy::single});
+        std::printf(" %.3g | %.3g |", all.milliseconds, single.milliseconds);
+    } else {
+        std::printf(" | |");
+    }
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+        const Rates far = rates(y, {.turning_tolerance = tolerance});
+        std::printf(" %.3g", far.milliseconds);
+        if (!all.ydot.empty())
+            std::printf(" (%.0e)", largest_change(far, all));
+        std::printf(" |");
+    }
+    const double closest = time_of([&] { benchmark::DoNotOptimize(rods::closest_pair(y)); });
+    const double limit = time_of([&] { benchmark::DoNotOptimize(rods::encounter_step(y)); });
+    std::printf(" %.3g | %.3g\n", closest, limit);
+    std::fflush(stdout);
+}
+
 } // namespace
 
-int main() {
-    std::printf("N | all pairs, ms | single precision, ms | tolerance: ms, largest change of a turning rate "
-                "... | closest pair, ms | step limit, ms\n");
-    for (const std::size_t n : {100U, 300U, 1000U, 3000U, 10000U}) {
-        const auto y = random_rods(n);
-        const Rates all = rates(y, {});
-        const Rates single = rates(y, {elastic::Accuracy::single});
-        std::printf("%zu | %.3g | %.3g |", n, all.milliseconds, single.milliseconds);
-        for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
-            const Rates kept = rates(y, {.turning_tolerance = tolerance});
-            std::printf(" %g: %.3g, %.1e;", tolerance, kept.milliseconds, largest_change(kept, all));
-        }
-        const double closest = time_of([&] { benchmark::DoNotOptimize(rods::closest_pair(y)); });
-        const double limit = time_of([&] { benchmark::DoNotOptimize(rods::encounter_step(y)); });
-        std::printf(" | %.3g | %.3g\n", closest, limit);
+int main(int count, char** words) {
+    if (count > 1) {
+        print_errors(std::atoi(words[1]));
+        return 0;
     }
+    std::printf(
+        "N | all pairs, ms | single precision, ms | turning_tolerance 1e-3, ms (largest change) | 1e-6 | "
+        "1e-9 | closest pair, ms | step limit, ms\n");
+    for (const std::size_t n : {100U, 300U, 1000U, 3000U, 10000U, 30000U, 100000U})
+        print_row(n);
 }

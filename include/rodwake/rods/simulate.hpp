@@ -32,9 +32,9 @@ namespace rodwake::rods {
 /// How the wakes of 8 rods or more are added up on the plane in the exact field (elastic/mutual_wakes.hpp).
 struct WakeSums {
     elastic::Accuracy accuracy = elastic::Accuracy::full;
-    /// Far wakes are left out while what that changes in each theta' stays below, rad mu v0/f. Errors of the
-    /// rates jump as rods move, and steps get short where such a jump times a step is above the solver's
-    /// tolerance. 0: none is left out.
+    /// Far wakes are summed on meshes where that is cheaper, with errors of each theta' below this, rad mu v0/f.
+    /// Errors change at random as rods move, and steps get short where such a change times a step is above the
+    /// solver's tolerance. 0: pair by pair.
     double turning_tolerance = 0.0;
     std::size_t threads = 1; ///< the bits do not depend on it
 };
@@ -54,8 +54,8 @@ struct RodProblem {
     Rows rows = {}; ///< of a crystal that turns each rod, with or without a medium
 };
 
-/// Sums whose errors keep to sums.turning_tolerance T. With d eps the strain and d A, d B the polar vectors
-/// left out
+/// Sums whose errors keep to sums.turning_tolerance T. With d eps the error of the strain and
+/// d A, d B those of the polar vectors
 ///
 ///   |d theta'| <= |kappa| |d eps|/sqrt(2) + |gamma1| |d A| + |gamma2| |d B|
 ///
