@@ -21,70 +21,15 @@ int call_projection(double, N_Vector y, void* calls) {
     return 0;
 }
 
-/// One explicit Runge-Kutta step from a Butcher table, of any length. Used for times inside a step: a shorter
-/// step from the same point has the method's accuracy, which ARKODE's Hermite interpolant has not.
-class RungeKuttaStep {
-public:
-    RungeKuttaStep(const ARKodeButcherTableMem& table, std::size_t size);
-
-    /// y1 = the step of length h from (t, y0). Throws StepFailure when a right-hand side fails.
-    void operator()(ProblemCalls& calls, double t, State y0, double h, std::span<double> y1);
-
-private:
-    std::span<double> slope(int stage) { return {slopes_.data() + stage * size_, size_}; }
-    int used_stages() const;
-    void add(std::span<double> y, const double* coefficients, int stages, double h);
-
-    const ARKodeButcherTableMem& table_;
-    std::size_t size_;
-    std::vector<double> slopes_; ///< stage by stage
-};
-
-RungeKuttaStep::RungeKuttaStep(const ARKodeButcherTableMem& table, std::size_t size)
-    : table_(table), size_(size), slopes_(size * static_cast<std::size_t>(table.stages)) {}
-
-/// Without the last ones that serve only the error estimate or the next step.
-int RungeKuttaStep::used_stages() const {
-    int stages = table_.stages;
-    while (table_.b[stages - 1] == 0.0)
-        --stages;
-    return stages;
-}
-
-void RungeKuttaStep::operator()(ProblemCalls& calls, double t, State y0, double h, std::span<double> y1) {
-    const int stages = used_stages();
-    for (int stage = 0; stage < stages; ++stage) {
-        std::copy(y0.begin(), y0.end(), y1.begin());
-        add(y1, table_.A[stage], stage, h);
-        if (calls.rhs(t + table_.c[stage] * h, y1, slope(stage)) != ProblemCalls::fine)
-            throw StepFailure{"RHSFUNC_FAIL", calls.fault()};
-    }
-    std::copy(y0.begin(), y0.end(), y1.begin());
-    add(y1, table_.b, stages, h);
-}
-
-void RungeKuttaStep::add(std::span<double> y, const double* coefficients, int stages, double h) {
-    for (int stage = 0; stage < stages; ++stage) {
-        const double weight = h * coefficients[stage];
-        if (weight == 0.0)
-            continue;
-        const std::span<const double> k = slope(stage);
-        for (std::size_t i = 0; i < size_; ++i)
-            y[i] += weight * k[i];
-    }
-}
-
 class ErkStepper final : public SundialsStepper {
 public:
     ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
         : SundialsStepper(calls, options, end_time),
-          table_(erk_table(options.rtol > 1e-6 ? Erk::dormand_prince : Erk::verner)),
-          inner_step_(*table_, state().size()) {}
+          table_(erk_table(options.rtol > 1e-6 ? Erk::dormand_prince : Erk::verner)), dense_(table_->q) {}
 
     void start(double t, State y) override { start(t, y, initial_step(t)); }
     bool advance() override;
-    void interpolate(double t, std::span<double> y) override;
-    void sample(double t, std::span<double> y) override { quintic_(*this, calls_, t, y); }
+    void interpolate(double t, std::span<double> y) override { dense_(*this, calls_, t, y); }
     int order() const override { return table_->q; }
     std::string flag_prefix() const override { return "ARK"; }
     std::vector<double> weighted_errors() const override;
@@ -96,8 +41,7 @@ private:
     std::string flag_name() const override;
 
     sundials::ButcherTable table_;
-    RungeKuttaStep inner_step_;
-    Quintic quintic_;
+    DenseOutput dense_;
     sundials::ErkMemory memory_;
     int flag_ = ARK_SUCCESS;
 };
@@ -107,6 +51,7 @@ void ErkStepper::start(double t, State y, double first_step) {
     if (memory_)
         earlier_ = counts();
     set_start(t, y);
+    dense_.reset();
     memory_.reset(made(ERKStepCreate(rhs_callback, t, after_.get(), context_.get())));
     void* erk = memory_.get();
     require(ERKStepSetErrHandlerFn(erk, keep_text, static_cast<SundialsStepper*>(this)));
@@ -152,10 +97,6 @@ int ErkStepper::evolve(double from) {
     time_before_ = from;
     time_ = to;
     return flag;
-}
-
-void ErkStepper::interpolate(double t, std::span<double> y) {
-    inner_step_(calls_, time_before_, state_before(), t - time_before_, y);
 }
 
 std::string ErkStepper::flag_name() const {

@@ -1,7 +1,12 @@
 #include "erk_table.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 namespace rodwake::integrate {
 
@@ -36,48 +41,84 @@ sundials::ButcherTable erk_table(Erk method) {
 
 namespace {
 
-constexpr std::array<double, 6> nodes = {0.0, 0.0, 0.5, 0.5, 1.0, 1.0}; // of the step: state and rate
+/// Where rates are taken, by the number of those in the middle: with these both the polynomial's own error
+/// and its response to errors of the rates are nearly least. A quadrature rule of high order would determine
+/// nothing.
+const std::vector<double> places[] = {
+    {0.0, 1.0}, {0.0, 0.25, 1.0}, {0.0, 0.2, 0.8, 1.0}, {0.0, 0.15, 0.4, 0.85, 1.0}};
+
+/// From the mean slope of the step and the rates at the places to the powers of u.
+Eigen::MatrixXd powers_from(const std::vector<double>& at) {
+    const auto n = static_cast<Eigen::Index>(at.size()) + 1;
+    Eigen::MatrixXd conditions(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        conditions(0, k) = 1.0;
+        for (Eigen::Index i = 1; i < n; ++i)
+            conditions(i, k) = static_cast<double>(k + 1) * std::pow(at[static_cast<std::size_t>(i - 1)], k);
+    }
+    return conditions.inverse().transpose();
+}
+
+const Eigen::MatrixXd& powers_from(std::size_t inner) {
+    static const std::array<Eigen::MatrixXd, 4> all = {powers_from(places[0]), powers_from(places[1]),
+                                                       powers_from(places[2]), powers_from(places[3])};
+    return all[inner];
+}
 
 } // namespace
 
-void Quintic::operator()(Stepper& stepper, ProblemCalls& calls, double t, std::span<double> y) {
+void DenseOutput::operator()(const Stepper& stepper, ProblemCalls& calls, double t, std::span<double> y,
+                             State slope_before, State slope_after) {
     if (stepper.time_before() != from_ || stepper.time() != to_)
-        make(stepper, calls);
-    const double u = (t - from_) / (to_ - from_);
-    for (std::size_t i = 0; i < y.size(); ++i) {
-        y[i] = c_[5][i];
-        for (std::size_t k = 5; k-- > 0;)
-            y[i] = c_[k][i] + (u - nodes[k]) * y[i];
+        make(stepper, calls, slope_before, slope_after);
+    if (t == to_) // to the bit
+        std::ranges::copy(stepper.state(), y.begin());
+    else
+        evaluate((t - from_) / (to_ - from_), y);
+}
+
+void DenseOutput::evaluate(double u, std::span<double> y) const {
+    for (Eigen::Index i = 0; i < start_.size(); ++i) {
+        double sum = 0.0;
+        for (Eigen::Index k = powers_.cols(); k-- > 0;)
+            sum = (sum + powers_(i, k)) * u;
+        y[static_cast<std::size_t>(i)] = start_[i] + (to_ - from_) * sum;
     }
 }
 
-void Quintic::make(Stepper& stepper, ProblemCalls& calls) {
-    from_ = stepper.time_before();
-    to_ = stepper.time();
-    const double middle = from_ + 0.5 * (to_ - from_);
-    for (std::vector<double>& c : c_)
-        c.resize(stepper.state().size());
-    std::vector<double> inner(stepper.state().size());
-    stepper.interpolate(middle, inner);
-    const std::array<State, 3> states = {stepper.state_before(), inner, stepper.state()};
-    const std::array<double, 3> times = {from_, middle, to_};
-    for (std::size_t j = 0; j < 3; ++j)
-        if (calls.rhs(times[j], states[j], c_[2 * j + 1]) != ProblemCalls::fine) {
-            from_ = std::numeric_limits<double>::quiet_NaN();
+void DenseOutput::make(const Stepper& stepper, ProblemCalls& calls, State slope_before, State slope_after) {
+    const double from = stepper.time_before(), to = stepper.time();
+    const auto n = static_cast<Eigen::Index>(stepper.state().size());
+    const auto vector = [n](State state) { return Eigen::Map<const Eigen::VectorXd>(state.data(), n); };
+    const auto rate = [&](double t, State y, State known, Eigen::Ref<Eigen::VectorXd> slope) {
+        if (!known.empty())
+            slope = vector(known);
+        else if (calls.rhs(t, y, {slope.data(), y.size()}) != ProblemCalls::fine)
             throw StepFailure{"RHSFUNC_FAIL", calls.fault()};
+    };
+    reset(); // what a failure leaves
+    start_ = vector(stepper.state_before());
+    Eigen::MatrixXd known(n, order_); // mean slope, then rates
+    known.col(0) = (vector(stepper.state()) - start_) / (to - from);
+    Eigen::VectorXd first(n), last(n), inner(n);
+    rate(from, stepper.state_before(), slope_before, first);
+    rate(to, stepper.state(), slope_after, last);
+    for (std::size_t middle = 0; middle + 3 <= static_cast<std::size_t>(order_); ++middle) {
+        const std::vector<double>& at = places[middle];
+        known.col(1) = first;
+        for (std::size_t k = 1; k <= middle; ++k) { // by the polynomial before
+            const double t = from + at[k] * (to - from);
+            from_ = from, to_ = to;
+            evaluate(at[k], {inner.data(), static_cast<std::size_t>(n)});
+            reset();
+            rate(t, {inner.data(), static_cast<std::size_t>(n)}, {},
+                 known.col(static_cast<Eigen::Index>(k) + 1));
         }
-    for (std::size_t i = 0; i < inner.size(); ++i) {
-        std::array<double, 6> f{};
-        for (std::size_t j = 0; j < 6; ++j)
-            f[j] = states[j / 2][i];
-        for (std::size_t order = 1; order < 6; ++order)
-            for (std::size_t j = 5; j >= order; --j) {
-                const double gap = nodes[j] - nodes[j - order];
-                f[j] = gap > 0.0 ? (f[j] - f[j - 1]) / gap : (to_ - from_) * c_[j][i];
-            }
-        for (std::size_t k = 0; k < 6; ++k)
-            c_[k][i] = f[k];
+        known.col(static_cast<Eigen::Index>(middle) + 2) = last;
+        powers_ = known.leftCols(static_cast<Eigen::Index>(middle) + 3) * powers_from(middle);
     }
+    from_ = from;
+    to_ = to;
 }
 
 } // namespace rodwake::integrate

@@ -120,7 +120,7 @@ std::vector<EventSampler::Samples> EventSampler::sample(const Part& part) {
         const double t = time_of(part, fineness * j);
         const bool at_end = t >= stepper_->time();
         if (!at_end)
-            stepper_->sample(t, state_);
+            stepper_->interpolate(t, state_);
         for (std::size_t k = 0; k < all.size(); ++k)
             all[k].values.push_back(at_end ? last_[sampled_[k]] : calls_.event(sampled_[k], t, state_));
     }
@@ -172,7 +172,7 @@ bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part&
 /// By how much the rounding of the state changes an event in which it cancels; 0 if the event is random.
 double EventSampler::rounding(std::size_t k, const Samples& samples, const Part& part) try {
     const double t = time_of(part, fineness * (panels_ / 2)), value = samples.values[panels_ / 2];
-    stepper_->sample(t, state_);
+    stepper_->interpolate(t, state_);
     if (calls_.event(sampled_[k], t, state_) != value)
         return 0.0;
     for (double& y : state_)

@@ -16,26 +16,23 @@ constexpr std::size_t most_stages = 9;
 
 /// A method whose last stage is the first of the next step.
 struct Tableau {
-    std::size_t stages = 0, used = 0; ///< used: without those that serve the error or the next step only
+    std::size_t stages = 0;
     int order = 0;
     double strictness = 1.0; ///< what its error estimate is multiplied by
     std::array<std::array<double, most_stages>, most_stages> a{};
-    std::array<double, most_stages> b{}, error{}, c{};
+    std::array<double, most_stages> error{}, c{};
 };
 
 Tableau tableau_of(const ARKodeButcherTableMem& table, double strictness) {
     Tableau method;
-    method.stages = method.used = static_cast<std::size_t>(table.stages);
+    method.stages = static_cast<std::size_t>(table.stages);
     method.order = table.q;
     method.strictness = strictness;
     for (std::size_t i = 0; i < method.stages; ++i) {
         std::copy_n(table.A[i], method.stages, method.a[i].begin());
-        method.b[i] = table.b[i];
         method.error[i] = table.b[i] - table.d[i];
         method.c[i] = table.c[i];
     }
-    while (method.b[method.used - 1] == 0.0)
-        --method.used;
     return method;
 }
 
@@ -54,12 +51,11 @@ class SmallErkStepper final : public Stepper {
 public:
     SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
         : Stepper(calls, options, end_time), method_(tableau_for(options.rtol)),
-          size_of_state_(calls.problem().initial_state.size()) {}
+          size_of_state_(calls.problem().initial_state.size()), dense_(method_.order) {}
 
     void start(double t, State y) override;
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
-    void sample(double t, std::span<double> y) override { quintic_(*this, calls_, t, y); }
     int order() const override { return method_.order; }
     std::string flag_prefix() const override { return "ERK"; }
     std::vector<double> weighted_errors() const override;
@@ -73,7 +69,7 @@ private:
     bool first_slope();
     double chosen_step();
     bool attempt(double from);
-    ProblemCalls::Result stages(double from, double h, Slopes& slopes, std::size_t count, Numbers& end);
+    ProblemCalls::Result stages(double from, double h);
     double error_norm(double h);
     double factor(double error) const;
     void accept(double from, double to, double error);
@@ -89,8 +85,8 @@ private:
     const Tableau& method_;
     const std::size_t size_of_state_;
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
-    Slopes slopes_{}, inner_{};
-    Quintic quintic_;
+    Slopes slopes_{};
+    DenseOutput dense_;
     double step_ = 0.0;  ///< to try next
     bool fresh_ = true;  ///< the last stage is not the slope at state()
     bool tried_ = false; ///< errors_ are those of a step
@@ -106,6 +102,7 @@ void SmallErkStepper<fixed>::start(double t, State y) {
     step_ = initial_step(t);
     fresh_ = true;
     tried_ = false;
+    dense_.reset();
 }
 
 template<std::size_t fixed>
@@ -166,7 +163,7 @@ bool SmallErkStepper<fixed>::attempt(double from) {
     constexpr double shortening = 0.25;                 // after a fault, as CVODES
     int failures = 0, faults = 0;
     for (double h = cut(from, step_);;) {
-        const ProblemCalls::Result result = stages(from, h, slopes_, method_.stages, end_);
+        const ProblemCalls::Result result = stages(from, h);
         if (result == ProblemCalls::give_up)
             return fail("RHSFUNC_FAIL");
         if (result == ProblemCalls::try_shorter_step) {
@@ -193,15 +190,14 @@ bool SmallErkStepper<fixed>::attempt(double from) {
 }
 
 template<std::size_t fixed>
-ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h, Slopes& slopes, std::size_t count,
-                                                    Numbers& end) {
-    for (std::size_t s = 1; s < count; ++s) {
-        end = before_;
+ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h) {
+    for (std::size_t s = 1; s < method_.stages; ++s) {
+        end_ = before_;
         for (std::size_t k = 0; k < s; ++k)
             if (const double weight = h * method_.a[s][k]; weight != 0.0)
                 for (std::size_t i = 0; i < size(); ++i)
-                    end[i] += weight * slopes[k][i];
-        const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end)), of(slopes[s]));
+                    end_[i] += weight * slopes_[k][i];
+        const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end_)), of(slopes_[s]));
         if (result != ProblemCalls::fine)
             return result;
     }
@@ -245,18 +241,10 @@ void SmallErkStepper<fixed>::accept(double from, double to, double error) {
         calls_.project(of(after_));
 }
 
-/// A shorter step from the same point has the method's accuracy.
 template<std::size_t fixed>
 void SmallErkStepper<fixed>::interpolate(double t, std::span<double> y) {
-    const double h = t - time_before_;
-    inner_[0] = slopes_[0];
-    Numbers at;
-    if (stages(time_before_, h, inner_, method_.used, at) != ProblemCalls::fine)
-        throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
-    std::copy_n(before_.begin(), size(), y.begin());
-    for (std::size_t k = 0; k < method_.used; ++k)
-        for (std::size_t i = 0; i < size(); ++i)
-            y[i] += h * method_.b[k] * inner_[k][i];
+    dense_(*this, calls_, t, y, of(std::as_const(slopes_[0])),
+           fresh_ ? State{} : of(std::as_const(slopes_[method_.stages - 1])));
 }
 
 template<std::size_t fixed>

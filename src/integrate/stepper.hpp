@@ -22,8 +22,6 @@ public:
     virtual bool advance() = 0;
     /// The solution at a time within the last step, with the accuracy of the method.
     virtual void interpolate(double t, std::span<double> y) = 0;
-    /// The same, cheap for many times, and only as good as a quintic.
-    virtual void sample(double t, std::span<double> y) { interpolate(t, y); }
     /// For the step to come only. Infinity: any.
     void limit_next_step(double longest) { next_step_limit_ = longest; }
     /// dy/dp at a time within the last step, if the problem has parameters and the integrator can.

@@ -36,6 +36,43 @@ TEST_CASE("the steps do not depend on the outputs asked for", "[integrate]") {
     CHECK(a.statistics.steps == b.statistics.steps);
 }
 
+TEST_CASE("inside explicit steps the solution is as good as at their ends, and costs as much for any number "
+          "of times",
+          "[integrate]") {
+    // one dimension more than the small stepper takes goes through ARKODE
+    const std::size_t copies = GENERATE(1U, 20U);
+    OdeProblem problem = oscillator();
+    for (std::size_t k = 1; k < copies; ++k)
+        problem.initial_state.insert(problem.initial_state.end(), {1.0, 0.0});
+    problem.rhs = [copies](double, State y, std::span<double> ydot) {
+        for (std::size_t k = 0; k < copies; ++k) {
+            ydot[2 * k] = y[2 * k + 1];
+            ydot[2 * k + 1] = -y[2 * k];
+        }
+    };
+    for (const double rtol : {1e-4, 1e-6, 1e-9, 1e-12}) {
+        OdeOptions options = options_for(Method::erk, rtol);
+        double at_ends = 0.0, inside = 0.0;
+        const auto error = [](double t, State y) {
+            return std::hypot(y[0] - std::cos(t), y[1] + std::sin(t));
+        };
+        options.on_step = [&](const Step& step) {
+            at_ends = std::max(at_ends, error(step.time, step.state));
+        };
+        const std::vector<double> some = evenly(0.0, 3.0, 300), many = evenly(0.0, 3.0, 3000);
+        const Solution solution = solve(problem, options, many);
+        for (std::size_t k = 0; k < many.size(); ++k)
+            inside = std::max(inside, error(many[k], solution.states[k]));
+        CAPTURE(copies, rtol, at_ends, inside, solution.statistics.steps);
+        CHECK(inside < 2.0 * at_ends + 1e-15);
+        const long plain = solve(problem, options, std::vector{3.0}).statistics.rhs_evaluations;
+        CHECK(solution.statistics.rhs_evaluations <= plain + 8 * solution.statistics.steps);
+        if (solution.statistics.steps < 300)
+            CHECK(solve(problem, options, some).statistics.rhs_evaluations <=
+                  plain + 8 * solution.statistics.steps);
+    }
+}
+
 TEST_CASE("the right-hand side is not called beyond the last output time", "[integrate]") {
     const Method method = GENERATE(Method::bdf, Method::adams, Method::erk);
     double latest = 0.0;

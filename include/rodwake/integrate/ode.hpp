@@ -29,7 +29,7 @@ struct Step;
 /// Crossing::any does not return to its root: within a thousand roundings of the start it does not fire.
 ///
 /// Found are, on the solution as the method of order q interpolates it, all roots of an event that
-/// - is a polynomial of t of degree q or less in the step (5 or less for erk), such as a component of y;
+/// - is a polynomial of t of degree q or less in the step, such as a component of y;
 /// - or has its roots at least a third of a step apart, however rough it is.
 /// Other smooth events are sampled until a polynomial predicts them: a dip is found if a step, halved where
 /// the event varies, shows it. A pulse between samples that are flat is not: give max_step, an output time or
@@ -45,7 +45,7 @@ struct Event {
     /// there too. Called once a step.
     std::function<std::optional<double>(const Step&)> candidate_time = nullptr;
     /// False: roots hide inside a step at candidate_time alone, or where other events have theirs. Saves the
-    /// samples: q of each event in each step, and with erk a step more.
+    /// samples: q of each event in each step, and with erk three or six right-hand sides.
     bool sampled = true;
 };
 
