@@ -109,7 +109,7 @@ struct Turning {
 Turning turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
     const Eigen::Vector2d rate = contact.slip_rate(s), t(-s.y(), s.x());
     const double growth = s.dot(rate);
-    return {growth, t.dot(rate), -growth - contact.friction * t.dot(contact.tangential * t)};
+    return {growth, t.dot(rate), -growth - contact.friction * t.dot(product(contact.tangential, t))};
 }
 
 /// Onto the root of h next to the direction.
@@ -304,9 +304,9 @@ double SlipSeries::step_length() const {
     const double remainder = std::clamp(0.01 * contact_.tolerance / from_.speed, 1e-17, 1e-3);
     const auto limit = [&](int k) {
         const double size = std::max({std::abs(x_[k]), std::abs(y_[k]), std::abs(r_[k]), 1e-280});
-        return std::log2(remainder / size) / k;
+        return repeatable::log(remainder / size) / k;
     };
-    return std::exp2(std::min(limit(order), limit(order - 1)));
+    return repeatable::exp(std::min(limit(order), limit(order - 1)));
 }
 
 void SlipSeries::scale_to(double length) {
