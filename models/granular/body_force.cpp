@@ -1,9 +1,9 @@
 #include "rodwake/granular/body_force.hpp"
 
 #include "bodies.hpp"
+#include "fixed_order.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace rodwake::granular {
 
@@ -21,8 +21,9 @@ struct Push {
         if (f.kind == BodyForceKind::uniform)
             return;
         const bool given = f.place.size() == 2;
-        x = (given ? f.place[0] : 0.5 * box.x) + f.speed * time * std::cos(f.direction);
-        y = (given ? f.place[1] : 0.5 * box.y) + f.speed * time * std::sin(f.direction);
+        const Eigen::Vector2d way = direction(f.direction);
+        x = (given ? f.place[0] : 0.5 * box.x) + f.speed * time * way.x();
+        y = (given ? f.place[1] : 0.5 * box.y) + f.speed * time * way.y();
         per_square = 1.0 / (2.0 * f.width * f.width);
     }
     double at(double bead_x, double bead_y) const {
@@ -31,7 +32,7 @@ struct Push {
         const double dx = nearest_image_rounded(bead_x - x, box.x),
                      dy = nearest_image_rounded(bead_y - y, box.y),
                      exponent = (dx * dx + dy * dy) * per_square;
-        return exponent < nothing ? force.acceleration * std::exp(-exponent) : 0.0;
+        return exponent < nothing ? force.acceleration * repeatable::exp(-exponent) : 0.0;
     }
 };
 
@@ -44,13 +45,13 @@ double BodyForce::at(double place_x, double place_y, double time, const Periodic
 void kick(Bodies& bodies, const BodyForce& force, const PeriodicBox& box, double time, double duration,
           Team& team) {
     const Push push(force, time, box);
-    const double x = duration * std::cos(force.direction), y = duration * std::sin(force.direction);
+    const Eigen::Vector2d way = duration * direction(force.direction);
     team.run((bodies.beads + beads_per_block - 1) / beads_per_block, [&](std::size_t block) {
         const std::size_t end = std::min(bodies.beads, (block + 1) * beads_per_block);
         for (std::size_t i = block * beads_per_block; i < end; ++i) {
             const double b = push.at(bodies.position[4 * i], bodies.position[4 * i + 1]);
-            bodies.velocity[4 * i] += b * x;
-            bodies.velocity[4 * i + 1] += b * y;
+            bodies.velocity[4 * i] += b * way.x();
+            bodies.velocity[4 * i + 1] += b * way.y();
         }
     });
 }

@@ -1,6 +1,7 @@
 #include "bounces.hpp"
 
 #include "bodies.hpp"
+#include "rodwake/core/repeatable_math.hpp"
 
 #include <algorithm>
 #include <array>
@@ -236,15 +237,15 @@ public:
 
     /// m; negative inside the plate.
     double gap(double time) const {
-        const double phase = rate_ * time,
-                     rise = kept_ + swinging_ * std::cos(phase) + crossing_ * std::sin(phase);
+        const auto [sine, cosine] = repeatable::sin_cos(rate_ * time);
+        const double rise = kept_ + swinging_ * cosine + crossing_ * sine;
         const double height = z_ + vz_ * time - plate_.step->gravity * time * time / 2.0 + arm_ * rise;
         return plate_.side * (height - plate_.height(left_ - time)) - radius_;
     }
     /// d gap/dt.
     double opening(double time) const {
-        const double phase = rate_ * time,
-                     rise = rate_ * (crossing_ * std::cos(phase) - swinging_ * std::sin(phase));
+        const auto [sine, cosine] = repeatable::sin_cos(rate_ * time);
+        const double rise = rate_ * (crossing_ * cosine - swinging_ * sine);
         return plate_.side * (vz_ - plate_.step->gravity * time + arm_ * rise - plate_.speed(left_ - time));
     }
     /// -d^2 gap/dt^2 now: positive where the sphere is pressed against the plate.

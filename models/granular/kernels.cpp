@@ -5,6 +5,7 @@
 #include <hwy/highway.h>
 
 #include "kernels.hpp"
+#include "rodwake/core/repeatable_math.hpp"
 #include "rodwake/granular/simulation.hpp"
 
 #include <algorithm>
@@ -255,7 +256,7 @@ void Range::include(const double* row) {
 
 double Range::fastest_in_plane() const {
     const auto largest = [this](int k) { return std::max({-low[k], high[k], 0.0}); };
-    return std::hypot(largest(0), largest(1));
+    return repeatable::length(largest(0), largest(1));
 }
 
 void PairList::clear() {

@@ -1,4 +1,5 @@
 #include "checks.hpp"
+#include "fixed_order.hpp"
 #include "packing.hpp"
 
 #include <Eigen/LU>
@@ -29,14 +30,14 @@ double perfect_spacing(const PeriodicBox& box, double sites) {
 Matrix2d perfect_lattice(double spacing, double orientation) {
     const double second = orientation + M_PI / 3.0;
     Matrix2d vectors;
-    vectors << std::cos(orientation), std::cos(second), std::sin(orientation), std::sin(second);
+    vectors << direction(orientation), direction(second);
     return spacing * vectors;
 }
 
 /// Larger singular value: half of the sum s1 + s2 and of the difference s1 - s2, neither of which cancels.
 double largest_stretch(const Matrix2d& f) {
-    return 0.5 * (std::hypot(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)) +
-                  std::hypot(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1)));
+    return 0.5 * (repeatable::length(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)) +
+                  repeatable::length(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1)));
 }
 
 double shortest_vector(const Matrix2d& lattice) {
@@ -44,7 +45,7 @@ double shortest_vector(const Matrix2d& lattice) {
     for (int i = -3; i <= 3; ++i)
         for (int j = -3; j <= 3; ++j)
             if (i != 0 || j != 0)
-                shortest = std::min(shortest, (lattice * Eigen::Vector2d(i, j)).norm());
+                shortest = std::min(shortest, product(lattice, Eigen::Vector2d(i, j)).norm());
     return shortest;
 }
 
@@ -56,11 +57,11 @@ LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     lattice << n2, -m2, -n1, m1;
     lattice.row(0) *= box.x / static_cast<double>(fit.sites);
     lattice.row(1) *= box.y / static_cast<double>(fit.sites);
-    fit.orientation = std::atan2(lattice(1, 0), lattice(0, 0));
+    fit.orientation = repeatable::atan2(lattice(1, 0), lattice(0, 0));
     fit.spacing = shortest_vector(lattice);
     const Matrix2d perfect =
         perfect_lattice(perfect_spacing(box, static_cast<double>(fit.sites)), fit.orientation);
-    fit.strain = largest_stretch(lattice * perfect.inverse()) - 1.0;
+    fit.strain = largest_stretch(product(lattice, Matrix2d(perfect.inverse()))) - 1.0;
     return fit;
 }
 
@@ -160,7 +161,7 @@ LatticeBox lattice_box(double sites, long least, double orientation) {
         for (long j = std::max(pairs - 1, 1L); j <= pairs + 1; ++j) {
             const double found = static_cast<double>(i * 2 * j),
                          ratio = std::sqrt(0.75) * static_cast<double>(2 * j) / static_cast<double>(i),
-                         cost = std::abs(std::log(ratio)) + std::abs(std::log(found / sites));
+                         cost = std::abs(repeatable::log(ratio)) + std::abs(repeatable::log(found / sites));
             if (i * 2 * j < least || !(cost < best_cost - 1e-12))
                 continue;
             best.in_row = i;

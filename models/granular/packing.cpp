@@ -1,5 +1,6 @@
 #include "packing.hpp"
 
+#include "fixed_order.hpp"
 #include "rodwake/core/cell_list.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
@@ -48,8 +49,9 @@ public:
         for (std::size_t i = 0; i < places_.size(); ++i) {
             const double angle = random.uniform(0.0, 2.0 * M_PI),
                          step = kick * room_.radius * random.uniform();
-            places_.x[i] += step * std::cos(angle);
-            places_.y[i] += step * std::sin(angle);
+            const auto [sine, cosine] = repeatable::sin_cos(angle);
+            places_.x[i] += step * cosine;
+            places_.y[i] += step * sine;
             places_.z[i] = lifted(places_.z[i], kick * room_.radius * random.uniform(-1.0, 1.0));
         }
     }
@@ -167,7 +169,7 @@ private:
         const double wanted = touching(pair) * (1.0 + aim);
         if (g.distance >= wanted)
             return 0.0;
-        const double in_plane = std::hypot(g.x, g.y),
+        const double in_plane = repeatable::length(g.x, g.y),
                      missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
         Place& bead = p_[pair.bead];
         bead.x += in_plane > 0.0 ? missing * g.x / in_plane : missing;
@@ -239,9 +241,10 @@ long sites_needed(const GranularProblem& problem, const Room& room) {
 std::vector<Eigen::Vector2d> sites_inside(const Container& container, double spacing, double orientation,
                                           double radius) {
     const Eigen::Vector2d middle(0.5 * container.sides.x, 0.5 * container.sides.y),
-        along(spacing * std::cos(orientation), spacing * std::sin(orientation)),
+        along(spacing * direction(orientation)),
         up(-std::sqrt(0.75) * along.y(), std::sqrt(0.75) * along.x());
-    const int reach = static_cast<int>(std::ceil(std::hypot(container.sides.x, container.sides.y) / spacing));
+    const int reach =
+        static_cast<int>(std::ceil(repeatable::length(container.sides.x, container.sides.y) / spacing));
     std::vector<Eigen::Vector2d> sites;
     for (int j = -reach; j <= reach; ++j)
         for (int i = -reach; i <= reach; ++i) {
@@ -386,11 +389,11 @@ Neighbours neighbours(const Places& places, const Room& room, double skin) {
 }
 
 std::vector<Disc> rod_discs(const RodSpec& rod, const Clump& clump) {
-    const double c = std::cos(rod.heading), s = std::sin(rod.heading);
+    const Eigen::Vector2d ahead = direction(rod.heading);
     std::vector<Disc> discs;
     for (std::size_t k = 0; k < clump.offset.size(); ++k)
-        discs.push_back({rod.position.x() + c * clump.offset[k], rod.position.y() + s * clump.offset[k],
-                         clump.radius[k]});
+        discs.push_back({rod.position.x() + ahead.x() * clump.offset[k],
+                         rod.position.y() + ahead.y() * clump.offset[k], clump.radius[k]});
     return discs;
 }
 
@@ -400,7 +403,7 @@ double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, 
         for (const Disc& b : second) {
             const double dx = nearest_image_rounded(a.x - b.x, box.x),
                          dy = nearest_image_rounded(a.y - b.y, box.y);
-            deepest = std::max(deepest, a.radius + b.radius - std::hypot(dx, dy));
+            deepest = std::max(deepest, a.radius + b.radius - repeatable::length(dx, dy));
         }
     return deepest;
 }

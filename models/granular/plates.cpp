@@ -1,6 +1,7 @@
 #include "plates.hpp"
 
-#include <cmath>
+#include "rodwake/core/repeatable_math.hpp"
+
 #include <numbers>
 
 namespace rodwake::granular {
@@ -10,8 +11,8 @@ PlateMotion::PlateMotion(const Plates& plates, double gravity)
       gap_(plates.gap) {}
 
 PlatePath PlateMotion::floor(double time) const {
-    const double c = amplitude_ * std::cos(omega_ * time), s = amplitude_ * std::sin(omega_ * time),
-                 w = omega_;
+    const auto [sine, cosine] = repeatable::sin_cos(omega_ * time);
+    const double c = amplitude_ * cosine, s = amplitude_ * sine, w = omega_;
     // cos(w t - w b) = cos wt cos wb + sin wt sin wb
     return PlatePath({c, s * w, -c * w * w / 2.0, -s * w * w * w / 6.0, c * w * w * w * w / 24.0,
                       s * w * w * w * w * w / 120.0, -c * w * w * w * w * w * w / 720.0,

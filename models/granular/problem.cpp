@@ -1,6 +1,7 @@
 #include "rodwake/granular/problem.hpp"
 
 #include "checks.hpp"
+#include "fixed_order.hpp"
 #include "packing.hpp"
 #include "wall.hpp"
 
@@ -160,8 +161,7 @@ void check_container(const GranularProblem& problem, const std::vector<Clump>& c
                      fmt::format("rod {}: move or turn it; its start", k), checks);
         if (const double way = time * rod.imposed_speed.value_or(0.0); way != 0.0 && checks.passed())
             check_inside(
-                container, rod, clumps[k],
-                way * Eigen::Vector2d(std::cos(rod.heading), std::sin(rod.heading)),
+                container, rod, clumps[k], way * direction(rod.heading),
                 fmt::format("rod {}: shorten the duration or lower imposed_speed = {:g} m/s; its end", k,
                             *rod.imposed_speed),
                 checks);

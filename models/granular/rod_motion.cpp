@@ -1,6 +1,6 @@
 #include "rod_motion.hpp"
 
-#include <cmath>
+#include "fixed_order.hpp"
 
 namespace rodwake::granular {
 
@@ -35,8 +35,8 @@ std::vector<std::size_t> corners(const Clump& clump) {
 } // namespace
 
 MovingRod::MovingRod(const RodSpec& spec, const RodBody& body)
-    : clump_(make_clump(spec.shape)), outline_(corners(clump_)), body_(body),
-      ahead_(std::cos(spec.heading), std::sin(spec.heading)), across_(-ahead_.y(), ahead_.x(), 0.0) {
+    : clump_(make_clump(spec.shape)), outline_(corners(clump_)), body_(body), ahead_(direction(spec.heading)),
+      across_(-ahead_.y(), ahead_.x(), 0.0) {
     update();
 }
 
@@ -59,17 +59,22 @@ void MovingRod::update() {
         inverse_inertia_ =
             along / clump_.axial_inertia + (Matrix3d::Identity() - along) / clump_.transverse_inertia;
     }
-    spin_ = inverse_inertia_ * body_.angular_momentum;
+    spin_ = product(inverse_inertia_, body_.angular_momentum);
 }
 
 Matrix3d MovingRod::inverse_mass_at(const Vector3d& arm) const {
     const Matrix3d r = cross_matrix(arm);
-    return inverse_mass_ - r * inverse_inertia_ * r;
+    return inverse_mass_ - product(product(r, inverse_inertia_), r);
 }
 
 Vector3d MovingRod::axis_turning() const {
     return held_ ? Vector3d(spin_.dot(across_) * across_)
                  : Vector3d(body_.angular_momentum / clump_.transverse_inertia);
+}
+
+void MovingRod::turn_by(const Eigen::Quaterniond& turned, double roll) {
+    body_.orientation =
+        normalized(product(product(turned, body_.orientation), turn(roll, Vector3d::UnitX())));
 }
 
 void MovingRod::turn_freely(double time) {
@@ -78,17 +83,12 @@ void MovingRod::turn_freely(double time) {
     if (size == 0.0)
         return;
     const double roll = L.dot(axis_) * (1.0 / clump_.axial_inertia - 1.0 / clump_.transverse_inertia) * time;
-    const Eigen::AngleAxisd precession(size * time / clump_.transverse_inertia, L / size);
-    const Eigen::AngleAxisd rolling(roll, Vector3d::UnitX());
-    body_.orientation =
-        (Eigen::Quaterniond(precession) * body_.orientation * Eigen::Quaterniond(rolling)).normalized();
+    turn_by(turn(size * time / clump_.transverse_inertia, L / size), roll);
 }
 
 void MovingRod::turn_held(double time) {
     const double roll_rate = spin_.dot(axis_), pitch_rate = spin_.dot(across_);
-    const Eigen::AngleAxisd pitch(pitch_rate * time, across_), roll(roll_rate * time, Vector3d::UnitX());
-    body_.orientation =
-        (Eigen::Quaterniond(pitch) * body_.orientation * Eigen::Quaterniond(roll)).normalized();
+    turn_by(turn(pitch_rate * time, across_), roll_rate * time);
     body_.angular_momentum =
         clump_.axial_inertia * roll_rate * body_.axis() + clump_.transverse_inertia * pitch_rate * across_;
 }
@@ -102,12 +102,12 @@ void MovingRod::move(double time, double gravity) {
 }
 
 void MovingRod::push(const Vector3d& impulse, const Vector3d& arm) {
-    body_.velocity += inverse_mass_ * impulse;
+    body_.velocity += product(inverse_mass_, impulse);
+    const Vector3d turning = arm.cross(impulse);
     // what the bearings of a held rod do not take
     body_.angular_momentum +=
-        held_ ? Vector3d((axis_ * axis_.transpose() + across_ * across_.transpose()) * arm.cross(impulse))
-              : Vector3d(arm.cross(impulse));
-    spin_ = inverse_inertia_ * body_.angular_momentum;
+        held_ ? Vector3d(axis_.dot(turning) * axis_ + across_.dot(turning) * across_) : turning;
+    spin_ = product(inverse_inertia_, body_.angular_momentum);
 }
 
 double MovingRod::energy(double gravity) const {

@@ -46,6 +46,8 @@ public:
     double energy(double gravity) const;
 
 private:
+    /// By `turned` in the world, and about its own axis.
+    void turn_by(const Eigen::Quaterniond& turned, double roll);
     void turn_freely(double time);
     void turn_held(double time);
     void update(); ///< axis, inverse inertia and spin from the body

@@ -1,6 +1,7 @@
 #include "rodwake/granular/shape.hpp"
 
 #include "checks.hpp"
+#include "rodwake/core/repeatable_math.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,7 @@ OutlineIntegrals up_to(const OutlinePiece& piece, double x) {
     const double t = std::clamp(x - c, -piece.radius, piece.radius), t2 = t * t;
     const double m0 = t * (s - t2 / 3.0), m1 = t2 * (s / 2.0 - t2 / 4.0), m2 = t * t2 * (s / 3.0 - t2 / 5.0);
     OutlineIntegrals sum;
-    sum.r1 = 0.5 * (t * std::sqrt(s - t2) + s * std::asin(t / piece.radius));
+    sum.r1 = 0.5 * (t * std::sqrt(s - t2) + s * repeatable::asin(t / piece.radius));
     sum.r2 = m0;
     sum.x_r2 = m1 + c * m0;
     sum.x2_r2 = m2 + c * (2.0 * m1 + c * m0);

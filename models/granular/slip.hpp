@@ -9,6 +9,7 @@
 // stops (g < 0) or in which it grows (g > 0). At a root dh/dphi = -g - mu t.A t: a root with g > 0 attracts,
 // and near one that repels the slip dies faster than its deviation grows, so rounding does no harm there.
 
+#include "fixed_order.hpp"
 #include "rodwake/granular/impact.hpp"
 
 #include <Eigen/Core>
@@ -56,7 +57,7 @@ struct ContactTerms {
     double normal_rate(const Eigen::Vector2d& s) const { return 1.0 - friction * coupling.dot(s); }
     /// q - mu A s = dv_t/dp while slipping along s.
     Eigen::Vector2d slip_rate(const Eigen::Vector2d& s) const {
-        return coupling - friction * (tangential * s);
+        return coupling - friction * product(tangential, s);
     }
 };
 

@@ -1,5 +1,6 @@
 #include "rodwake/granular/start.hpp"
 
+#include "fixed_order.hpp"
 #include "packing.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
@@ -30,8 +31,8 @@ constexpr double rod_offset = 0.01;    // of a rod's free height, up or down
 
 /// Two independent normal numbers (Box and Muller).
 Eigen::Vector2d normal_pair(RandomStream& random) {
-    const double radius = std::sqrt(-2.0 * std::log(random.uniform())), angle = 2.0 * M_PI * random.uniform();
-    return {radius * std::cos(angle), radius * std::sin(angle)};
+    const double radius = std::sqrt(-2.0 * repeatable::log(random.uniform()));
+    return radius * direction(2.0 * M_PI * random.uniform());
 }
 
 /// What tells the rods of one run from those of another, even where there are no beads.
@@ -69,7 +70,7 @@ Room room_of(const GranularProblem& problem, std::uint32_t run) {
 double middle_height(const GranularProblem& problem) {
     const double time = -static_cast<double>(problem.equilibration_steps) * problem.time_step;
     const double phase = 2.0 * M_PI * std::remainder(problem.plates.frequency * time, 1.0);
-    return problem.plates.amplitude(problem.gravity) * std::cos(phase) + 0.5 * problem.plates.gap;
+    return problem.plates.amplitude(problem.gravity) * repeatable::cos(phase) + 0.5 * problem.plates.gap;
 }
 
 void remove_mean(std::vector<double>& velocity) {
@@ -97,11 +98,10 @@ void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
     for (std::size_t k = 0; k < problem.rods.size(); ++k) {
         const RodSpec& spec = problem.rods[k];
         const RodStart start = rod_start(problem, k, run);
-        const double half = 0.5 * std::remainder(spec.heading, 2.0 * M_PI);
         RodBody rod;
         rod.position = {spec.position.x(), spec.position.y(), middle + start.height};
         rod.velocity.z() = start.speed;
-        rod.orientation = Eigen::Quaterniond(std::cos(half), 0.0, 0.0, std::sin(half));
+        rod.orientation = turn(std::remainder(spec.heading, 2.0 * M_PI), Eigen::Vector3d::UnitZ());
         const Clump clump = make_clump(spec.shape);
         const Eigen::Vector3d axis = rod.axis(), across(-axis.y(), axis.x(), 0.0);
         rod.angular_momentum = clump.transverse_inertia * start.pitch_rate * across +

@@ -1,5 +1,7 @@
 #include "rodwake/granular/state.hpp"
 
+#include "rodwake/core/repeatable_math.hpp"
+
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -33,7 +35,7 @@ void Beads::resize(std::size_t count) {
 
 double RodBody::heading() const {
     const Eigen::Vector3d along = axis();
-    const double angle = std::atan2(along.y(), along.x());
+    const double angle = repeatable::atan2(along.y(), along.x());
     return angle == -M_PI ? M_PI : angle; // atan2(-0, -1)
 }
 

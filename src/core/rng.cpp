@@ -1,5 +1,7 @@
 #include "rodwake/core/rng.hpp"
 
+#include "rodwake/core/repeatable_math.hpp"
+
 #include <Random123/philox.h>
 #include <cmath>
 #include <numbers>
@@ -25,12 +27,12 @@ std::uint64_t RandomStream::bits() {
 double RandomStream::uniform() { return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52; }
 
 double RandomStream::normal() {
-    const double length = std::sqrt(-2.0 * std::log(uniform()));
-    return length * std::cos(2.0 * std::numbers::pi * uniform());
+    const double length = std::sqrt(-2.0 * repeatable::log(uniform()));
+    return length * repeatable::cos(2.0 * std::numbers::pi * uniform());
 }
 
 double RandomStream::log_uniform(double low, double high) {
-    return std::exp(uniform(std::log(low), std::log(high)));
+    return repeatable::exp(uniform(repeatable::log(low), repeatable::log(high)));
 }
 
 } // namespace rodwake
