@@ -236,8 +236,38 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
     }
 }
 
+/// Moves spheres that are deeper in each other than `deep` until they are that deep, rods where there are two
+/// of them only; velocities stay. Returns a bound of how far one was moved.
+double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) const {
+    double moved = 0.0;
+    const auto shift = [&](std::uint32_t sphere, const Vector3& way) {
+        if (bodies.is_bead(sphere)) {
+            row(bodies.position, sphere) += way;
+            return;
+        }
+        const std::uint32_t rod = bodies.rod_of[sphere - bodies.beads];
+        if (!bodies.rods[rod].held())
+            bodies.rods[rod].shift(way);
+        bodies.place_rod_spheres(rod);
+    };
+    for (const Pair& pair : pairs) {
+        const Vector3 r = apart(bodies, pair);
+        const double one = bodies.radius[pair.first], two = bodies.radius[pair.second];
+        const double excess = one + two - r.norm() - deep * std::min(one, two);
+        if (!(excess > 0.0))
+            continue;
+        const double share = bodies.is_bead(pair.first) && !bodies.is_bead(pair.second) ? 1.0 : 0.5;
+        const Vector3 way = excess * r.normalized();
+        shift(pair.first, share * way);
+        if (share < 1.0)
+            shift(pair.second, -share * way);
+        moved += excess;
+    }
+    return moved;
+}
+
 WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
-                                   Team& team) {
+                                   Team& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
     const auto first_from = [&](std::size_t bead) {
@@ -269,6 +299,8 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
         for (const RodContact& contact : rod_contacts_)
             rod_rod(bodies, contact.meeting, tallies);
     }
+    if (left.radii > deep && !settles)
+        worst.shift = move_apart(bodies, overlapping);
     tallies.max_overlap = std::max(tallies.max_overlap, worst.radii);
     return worst;
 }
