@@ -12,8 +12,7 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double deep = 0.05; // of a radius; beds that started from a lattice stay below it
-constexpr int most_sweeps = 8;
+constexpr int most_sweeps = 8; // while a pair is deeper than `deep`
 
 /// Of a point at distance `arm` from the centre along the normal.
 Matrix3d bead_inverse_mass(const Bodies& bodies, const Vector3& normal, double arm) {
@@ -236,8 +235,8 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
     }
 }
 
-/// Moves spheres that are deeper in each other than `deep` until they are that deep, rods where there are two
-/// of them only; velocities stay. Returns a bound of how far one was moved.
+/// Moves spheres that are deeper in each other than `deep` until they are that deep, by `most_moved` at most,
+/// rods where there are two of them only; velocities stay. Returns a bound of how far one was moved.
 double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) const {
     double moved = 0.0;
     const auto shift = [&](std::uint32_t sphere, const Vector3& way) {
@@ -253,7 +252,8 @@ double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) con
     for (const Pair& pair : pairs) {
         const Vector3 r = apart(bodies, pair);
         const double one = bodies.radius[pair.first], two = bodies.radius[pair.second];
-        const double excess = one + two - r.norm() - deep * std::min(one, two);
+        const double least = std::min(one, two),
+                     excess = std::min(one + two - r.norm() - deep * least, most_moved * least);
         if (!(excess > 0.0))
             continue;
         const double share = bodies.is_bead(pair.first) && !bodies.is_bead(pair.second) ? 1.0 : 0.5;
