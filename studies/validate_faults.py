@@ -2,10 +2,12 @@
 """Calls of the system that fail, one at a time, while each verb works: what docs/validation_house.md says of them.
 
     studies/validate_faults.py SHIM [--program build/release/rodwake] [--faults 5000] [--only rods,dem,...] [--csv FILE]
+    studies/validate_faults.py SHIM --allocations 1024 [--faults 5000] [--csv FILE]
 
 SHIM: libfaulty_system.so of the tests' build. Prints Markdown: by verb and call how many failed, how many of these ended with 1
 and a message, how many made no difference (exit code 0 and the results of a sound system), and what was wrong, which is to be
-nothing. --csv: a row a fault, added to the file; faults that stand there are not tried again.
+nothing. --csv: a row a fault, added to the file; faults that stand there are not tried again. --allocations: in place of these, each
+allocation of so many bytes and more by a scan of four points, or, if there are more than --faults, so many evenly among them.
 """
 
 import collections
@@ -19,10 +21,17 @@ from lab import SOURCE, keep_row, kept_rows, markdown, parser
 reader = parser(__doc__, "csv")
 reader.add_argument("shim", type=Path)
 reader.add_argument("--faults", default=5000, type=int)
+reader.add_argument("--allocations", type=int, metavar="BYTES")
 options = reader.parse_args()
 os.environ["RODWAKE_PROGRAM"] = str(options.program.resolve())
 sys.path.insert(0, str(SOURCE / "tests/support"))
 import faults  # noqa: E402 (it reads the program's name)
+from scans import CROSSING, axes  # noqa: E402
+
+if options.allocations:
+    os.environ["FAULT_LEAST"] = str(options.allocations)
+    options.only = ["scan"]
+    faults.VERBS["scan"] = (f"{CROSSING}[scan]\ntrajectories = 0\n{axes(2)}", {}, [], "rodwake")
 
 COLUMNS = ["verb", "call", "number", "error", "exit", "wrong"]
 
@@ -38,6 +47,9 @@ def wanted_of(bench, share):
 
 def all_wanted(benches):
     """Of every verb, with the smallest share with which they are as many as asked for, or all that there are."""
+    if options.allocations:
+        numbers = faults.spread(benches["scan"].counts["malloc"], options.faults)
+        return {"scan": [("malloc", *faults.ERRORS["malloc"], number) for number in numbers]}
     share, found, before = options.faults // len(benches), 0, -1
     while before < found < options.faults:
         before = found

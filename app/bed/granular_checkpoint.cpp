@@ -166,11 +166,14 @@ std::string describe_checkpoint(const std::filesystem::path& file) {
         return describe_archive(file);
     const auto loaded = load_checkpoint(file);
     const GranularCheckpoint& c = loaded->checkpoint;
+    const granular::Tallies& t = c.tallies;
     return fmt::format(
         "{}: checkpoint of a granular run by rodwake {}\n{}run {}, seed {}, step {}, {} beads, {} "
-        "rods, state {:016x}\n\n{}",
+        "rods, state {:016x}\nimpulses: bead-plate {}, rod-plate {}, bead-bead {}, bead-rod {}, rod-rod {}, "
+        "bead-wall {}, rod-wall {}\n\n{}",
         file.string(), c.build, loaded->notice.empty() ? "" : loaded->notice + "\n", c.run + 1, c.seed,
-        c.state.step, c.state.beads.size(), c.state.rods.size(), granular::state_hash(c.state), c.scene);
+        c.state.step, c.state.beads.size(), c.state.rods.size(), granular::state_hash(c.state), t.bead_plate,
+        t.rod_plate, t.bead_bead, t.bead_rod, t.rod_rod, t.bead_wall, t.rod_wall, c.scene);
 }
 
 } // namespace rodwake::app

@@ -1,11 +1,16 @@
 #include "granular_files.hpp"
 
 #include "granular_checkpoint.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/extended_xyz.hpp"
+#include "rodwake/store/generations.hpp"
 #include "rodwake/store/gsd.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 
 namespace rodwake::app {
 
@@ -244,13 +249,19 @@ void GranularFiles::finish_frames(const store::H5mdInfo& info) {
         write_trajectory("last_period", *period_, info, false);
 }
 
-void GranularFiles::remove_logs() {
-    rows_.reset();
-    frames_.reset();
-    period_.reset();
-    states_.reset();
-    for (const char* name : {"rows.log", "frames.log", "last_period.log", "archive.log"})
-        std::filesystem::remove(folder_ / name);
+void remove_progress(const std::filesystem::path& folder) {
+    const std::filesystem::path checkpoint = folder / "checkpoint.rwc";
+    constexpr std::array logs = {"rows.log", "frames.log", "last_period.log", "archive.log"};
+    const auto is_there = [&](const std::filesystem::path& name) {
+        return std::filesystem::exists(folder / name);
+    };
+    if (!is_there("checkpoint.rwc") && !is_there(store::previous_generation("checkpoint.rwc")) &&
+        std::ranges::none_of(logs, is_there))
+        return;
+    store::remove_generations(checkpoint);
+    store::sync_folder_of(checkpoint);
+    for (const char* name : logs)
+        std::filesystem::remove(folder / name);
 }
 
 } // namespace rodwake::app

@@ -41,8 +41,6 @@ public:
     /// Turns the logs into their final files; of the frames alone, the trajectory.
     void finish(const store::H5mdInfo& info);
     void finish_frames(const store::H5mdInfo& info);
-    /// No more is needed of the logs: everything final is in place.
-    void remove_logs();
 
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;
@@ -57,5 +55,9 @@ private:
     std::size_t frame_doubles_, row_doubles_;
     std::optional<store::AppendLog> rows_, frames_, period_, states_;
 };
+
+/// Removes what an unfinished run goes on from: the checkpoints and then, once these are surely gone, the
+/// logs that they need. Everything final is in place.
+void remove_progress(const std::filesystem::path& folder);
 
 } // namespace rodwake::app

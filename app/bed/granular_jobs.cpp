@@ -1,5 +1,6 @@
 #include "granular_jobs.hpp"
 
+#include "granular_files.hpp"
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/core/error.hpp"
@@ -253,6 +254,7 @@ std::optional<GranularSummary> finished_before(const GranularPlan& plan, const G
         return std::nullopt;
     if (plan.bed.measures)
         restore_records(*plan.bed.measures, task.folder / "measure.rwc", last->checkpoint);
+    remove_progress(task.folder); // of a run whose end was cut short
     auto known = read_summary(task.folder / "summary.json", plan.bed.problem, task.run);
     return known || last->checkpoint.scene != plan.scene_key ? std::move(known)
                                                              : std::optional(restore_summary(plan, task));

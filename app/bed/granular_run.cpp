@@ -96,7 +96,7 @@ public:
 
     /// Of a run that is over.
     GranularSummary restore_summary() {
-        files_.remove_logs();
+        remove_progress(task_.folder);
         GranularSummary done = summary();
         write_summary(done);
         return done;
@@ -273,8 +273,8 @@ private:
         done.cost = cost();
         write_summary(done);
         std::filesystem::rename(checkpoint_file_, task_.folder / "final.rwc");
-        store::remove_generations(checkpoint_file_);
-        files_.remove_logs();
+        store::sync_folder_of(checkpoint_file_); // before anything that made it goes
+        remove_progress(task_.folder);
         return {StageEnd::finished, {}, std::move(done)};
     }
 

@@ -130,7 +130,7 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     done.from = kept.time(steps.from);
     for (std::int64_t step = steps.from; step <= steps.to; step += steps.every) {
         if (!advance(simulation, step, context)) {
-            files.remove_logs();
+            remove_progress(folder);
             done.interrupted = true;
             return done;
         }
@@ -141,7 +141,7 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     }
     done.state_hash = granular::state_hash(simulation.state());
     files.finish_frames(h5md_info(kept.bed, kept.archive.run, context.command));
-    files.remove_logs();
+    remove_progress(folder);
     return done;
 }
 

@@ -19,6 +19,11 @@ namespace rodwake::granular {
 /// Beads of successive numbers that are worked on together: one task.
 inline constexpr std::size_t beads_per_block = 2048;
 
+/// Bodies that are deeper in each other or in a wall than `deep` radii are moved out by `most_moved` a step,
+/// once a bed has settled: faster than those sink that do not rebound, slower than a jam deepens. Beds that
+/// started from a lattice stay below it.
+inline constexpr double deep = 0.05, most_moved = 1e-4;
+
 struct Bodies {
     std::size_t beads = 0;
     double bead_radius = 0.0, bead_mass = 0.0, bead_inertia = 0.0;

@@ -12,8 +12,7 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double deep = 0.05; // of a radius; beds that started from a lattice stay below it
-constexpr int most_sweeps = 8;
+constexpr int most_sweeps = 8; // while a pair is deeper than `deep`
 
 /// Of a point at distance `arm` from the centre along the normal.
 Matrix3d bead_inverse_mass(const Bodies& bodies, const Vector3& normal, double arm) {
@@ -236,8 +235,39 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
     }
 }
 
+/// Moves spheres that are deeper in each other than `deep` until they are that deep, by `most_moved` at most,
+/// rods where there are two of them only; velocities stay. Returns a bound of how far one was moved.
+double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) const {
+    double moved = 0.0;
+    const auto shift = [&](std::uint32_t sphere, const Vector3& way) {
+        if (bodies.is_bead(sphere)) {
+            row(bodies.position, sphere) += way;
+            return;
+        }
+        const std::uint32_t rod = bodies.rod_of[sphere - bodies.beads];
+        if (!bodies.rods[rod].held())
+            bodies.rods[rod].shift(way);
+        bodies.place_rod_spheres(rod);
+    };
+    for (const Pair& pair : pairs) {
+        const Vector3 r = apart(bodies, pair);
+        const double one = bodies.radius[pair.first], two = bodies.radius[pair.second];
+        const double least = std::min(one, two),
+                     excess = std::min(one + two - r.norm() - deep * least, most_moved * least);
+        if (!(excess > 0.0))
+            continue;
+        const double share = bodies.is_bead(pair.first) && !bodies.is_bead(pair.second) ? 1.0 : 0.5;
+        const Vector3 way = excess * r.normalized();
+        shift(pair.first, share * way);
+        if (share < 1.0)
+            shift(pair.second, -share * way);
+        moved += excess;
+    }
+    return moved;
+}
+
 WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
-                                   Team& team) {
+                                   Team& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
     const auto first_from = [&](std::size_t bead) {
@@ -269,6 +299,8 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
         for (const RodContact& contact : rod_contacts_)
             rod_rod(bodies, contact.meeting, tallies);
     }
+    if (left.radii > deep && !settles)
+        worst.shift = move_apart(bodies, overlapping);
     tallies.max_overlap = std::max(tallies.max_overlap, worst.radii);
     return worst;
 }

@@ -4,7 +4,9 @@
 // Two spheres that overlap met during the step: with r their distance vector and v their relative velocity
 // (relative motion knows no gravity), |r - v back| = R1 + R2 gives how long ago. The impulse acts there and
 // then, and both fly on with their new velocities for that time. Spheres that overlapped before the step,
-// which other impulses leave behind, get theirs where they are.
+// which other impulses leave behind, get theirs where they are. Without rebound nothing takes them apart
+// again, and they would sink into each other a little with every impulse: those deeper than sweeps can mend
+// are moved.
 
 #include "bodies.hpp"
 #include "kernels.hpp"
@@ -21,6 +23,7 @@ namespace rodwake::granular {
 struct WorstOverlap {
     double radii = 0.0; ///< depth over the smaller radius
     Pair pair{0, 0};
+    double shift = 0.0; ///< no sphere was moved further, impulses aside, m
 };
 
 /// What the impulses of a step need to know of their surroundings.
@@ -36,8 +39,10 @@ public:
 
     /// Sweeps over the overlapping pairs, which come in the order (first, second); adds to the tallies.
     /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
-    /// first to touch.
-    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team);
+    /// first to touch. A bed that settles is not moved apart: what is jammed at its start gives way by
+    /// itself.
+    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
+                         bool settles = false);
 
 private:
     /// Two spheres that overlap and approach.
@@ -64,6 +69,7 @@ private:
     void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void keep_first(const Bodies& bodies, const Meeting& meeting);
+    double move_apart(Bodies& bodies, std::span<const Pair> pairs) const;
 
     PairSetting setting_;
     std::vector<Block> blocks_;

@@ -93,6 +93,7 @@ struct Simulation::Impl {
     std::int64_t step;
     std::optional<Failure> failure;
     std::vector<BlockResult> blocks;
+    double shifted = 0.0; ///< how far the step before moved spheres apart, m
 
     Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
@@ -172,13 +173,18 @@ struct Simulation::Impl {
         bodies.place_rod_spheres();
     }
 
-    WallTally hit_wall(Range& velocities) {
-        const WallTally tally = wall->act(bodies, velocities.fastest_in_plane(), velocities);
-        include_ends(velocities);
-        for (int axis = 0; axis < 2; ++axis) { // as if rods that were put back had flown there
-            velocities.low[axis] -= tally.shift / problem.time_step;
-            velocities.high[axis] += tally.shift / problem.time_step;
+    /// As if spheres that were put elsewhere had flown there.
+    void include_shift(Range& velocities, double shift) const {
+        for (int axis = 0; axis < 2; ++axis) {
+            velocities.low[axis] -= shift / problem.time_step;
+            velocities.high[axis] += shift / problem.time_step;
         }
+    }
+
+    WallTally hit_wall(Range& velocities) {
+        const WallTally tally = wall->act(bodies, velocities.fastest_in_plane(), velocities, equilibrating());
+        include_ends(velocities);
+        include_shift(velocities, tally.shift);
         tallies.wall_impulse += tally.impulse;
         tallies.bead_wall += tally.beads;
         tallies.rod_wall += tally.rods;
@@ -292,10 +298,12 @@ struct Simulation::Impl {
         guard_speeds(velocities);
         if (failure)
             return;
+        include_shift(velocities, shifted);
         const std::span<const Pair> overlapping =
             finder.find(bodies, velocities.fastest_in_plane(), problem.time_step, team);
         mark(&StepTimes::search);
-        const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team);
+        const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team, equilibrating());
+        shifted = worst.shift;
         if (pushed)
             half_kick(time());
         mark(&StepTimes::impulses);

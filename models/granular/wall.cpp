@@ -148,7 +148,17 @@ void Wall::find_near(const Bodies& bodies) {
     moved_ = 0.0;
 }
 
-WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities) {
+void Wall::move_out(Bodies& bodies) const {
+    const double a = bodies.bead_radius;
+    for (const std::uint32_t bead : near_) {
+        auto centre = row(bodies.position, bead).head<2>();
+        const WallPoint at = nearest_wall(container_, centre, a);
+        if (at.depth > deep * a)
+            centre -= std::min(at.depth - deep * a, most_moved * a) * at.normal;
+    }
+}
+
+WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, bool settles) {
     moved_ += (2.0 * fastest + fastest_) * time_step_; // by its flight, and by the impulse before
     fastest_ = fastest;
     if (!(moved_ < skin * bodies.bead_radius))
@@ -156,6 +166,10 @@ WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities) {
     WallTally tally;
     for (const std::uint32_t i : near_)
         bead(bodies, i, velocities, tally);
+    if (tally.worst > deep && !settles) {
+        move_out(bodies);
+        tally.shift = most_moved * bodies.bead_radius;
+    }
     for (std::size_t i = 0; i < bodies.rods.size(); ++i)
         rod(bodies, i, tally);
     return tally;

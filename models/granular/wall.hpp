@@ -32,7 +32,7 @@ struct WallTally {
     std::int64_t beads = 0, rods = 0;
     double worst = 0.0;      ///< how deep a body was when the step began, in radii of its sphere
     std::size_t deepest = 0; ///< that sphere
-    double shift = 0.0;      ///< the furthest that a rod was put back, m
+    double shift = 0.0;      ///< the furthest that a body was put back, m
 };
 
 class Wall {
@@ -42,10 +42,12 @@ public:
 
     /// Of all bodies that flew through the wall in this step. `fastest`: no body moved faster in it. Beads
     /// that are not near the wall are not looked at. Velocities that the beads get are added to `velocities`.
-    WallTally act(Bodies& bodies, double fastest, Range& velocities);
+    /// Beads that others pushed deep into the wall are moved out of it a little, but not while a bed settles.
+    WallTally act(Bodies& bodies, double fastest, Range& velocities, bool settles = false);
 
 private:
     void find_near(const Bodies& bodies);
+    void move_out(Bodies& bodies) const;
     void bead(Bodies& bodies, std::size_t bead, Range& velocities, WallTally& tally) const;
     void rod(Bodies& bodies, std::size_t index, WallTally& tally) const;
 

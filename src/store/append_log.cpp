@@ -89,8 +89,9 @@ AppendLog::AppendLog(std::filesystem::path path, std::size_t record_bytes, std::
     }
     file_ = ::open(path_.c_str(), O_RDWR | O_CLOEXEC);
     if (file_ < 0 && errno == ENOENT)
-        throw InputError(
-            fmt::format("{}: is missing; {} records of it are needed", path_.string(), keep_records));
+        throw InputError(fmt::format(
+            "{}: is missing; {} records of it are needed: put it back, or start anew with --force",
+            path_.string(), keep_records));
     if (file_ < 0)
         system_failure(path_, "open");
     try {

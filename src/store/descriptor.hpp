@@ -32,9 +32,8 @@ private:
 /// All of it at the descriptor's place. Throws RunError naming `path`.
 void write_all(int file, std::string_view content, const std::filesystem::path& path);
 
-/// fsync of a file or folder. Throws RunError.
+/// fsync. Throws RunError.
 void sync_file(const std::filesystem::path& path);
-void sync_folder_of(const std::filesystem::path& path);
 
 /// The whole file. Throws InputError with the system's reason.
 std::string read_file(const std::filesystem::path& path);

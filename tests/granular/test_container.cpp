@@ -232,6 +232,18 @@ TEST_CASE("a bead slides along the curved wall when its hops get short, and off 
     CHECK(velocity_of_bead(s.state()).norm() > 0.1);
 }
 
+TEST_CASE("a bead that was pushed deep into the wall comes out as it slides, once the bed has settled") {
+    GranularProblem problem = in_dish(20 * a, {frictionless, 0.0});
+    for (const bool settles : {true, false}) {
+        problem.equilibration_steps = settles ? 500 : 0;
+        Simulation run(problem, bead_at(problem, {19.08 * a, 0.0}, {0.0, 0.02, 0.0}));
+        run.advance(400);
+        CAPTURE(settles);
+        // to what one step along the curved wall changes, (v dt)^2/(2 R) = 1e-11 m = 3e-8 a, and one move
+        CHECK((from_middle(run).norm() - 19 * a) / a == Approx(settles ? 0.08 : 0.05).margin(1e-4));
+    }
+}
+
 TEST_CASE("elastic beads and rods keep their energy, and nobody gets out") {
     const bool round = GENERATE(true, false);
     GranularProblem problem = round ? in_dish(15.0 * a) : in_rectangle(30.0 * a, 26.0 * a);

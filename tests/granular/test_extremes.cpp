@@ -73,6 +73,32 @@ TEST_CASE("no rebound at all: the bed runs") {
     CHECK(run.temperatures().z > 0.0);
 }
 
+TEST_CASE("what sank into each other without rebound is moved apart, once the bed has settled") {
+    constexpr double sunk = 0.08, left = 0.05; // radii; what is left is `deep` of pair_contacts.cpp
+    GranularProblem problem = beds::still_plates(3 * a, 30 * a);
+    problem.overlap_limit = 0.1;
+    problem.beads = 2;
+    beds::set_contacts(problem, {0.2, 0.0});
+    State state;
+    state.beads.resize(2);
+    state.beads.x = {10 * a, (12 - sunk) * a};
+    state.beads.y = {10 * a, 10 * a};
+    state.beads.z = {a, a};
+    state.beads.vx = {1e-3, -1e-3};
+    for (const bool settles : {true, false}) {
+        problem.equilibration_steps = settles ? 500 : 0;
+        Simulation run(problem, state);
+        run.advance(400);
+        const Beads after = run.state().beads;
+        CAPTURE(settles);
+        CHECK_FALSE(run.failure());
+        // as deep as the first step took them, or no deeper than is left alone; to rounding
+        const double least = settles ? 2 - sunk - 2e-3 * problem.time_step / a : 2 - left;
+        CHECK(after.x[1] - after.x[0] == Approx(least * a).epsilon(1e-12));
+        CHECK(after.x[0] + after.x[1] == Approx((22 - sunk) * a).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("full rebound, shaken: the bed heats up and runs, or stops with the guard's message") {
     GranularProblem problem = bed(0.7);
     beds::set_contacts(problem, {0.0, 1.0});

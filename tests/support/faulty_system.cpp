@@ -3,7 +3,8 @@
 //   FAULT_CALL   write | fsync | rename | open | unlink | malloc
 //   FAULT_AT     the number of the call that fails, from 1; 0: none
 //   FAULT_ERRNO  what it fails with; -1: half of a write comes through, and the next one fails with ENOSPC
-//   FAULT_UNDER  folder: only calls on files in it count (malloc: 1 kB and more, after the first, not HDF5's)
+//   FAULT_UNDER  folder: only calls on files in it count (malloc: after the first, not HDF5's)
+//   FAULT_LEAST  bytes: only allocations of so many and more count; otherwise of 1 kB, which fail in practice
 //   FAULT_IN     name of the program in which calls count
 //   FAULT_COUNTS file to which, at the end, the number of calls of each kind is written
 
@@ -33,6 +34,7 @@ struct Plan {
     bool here = false;
     int call = -1, error = 0;
     long at = 0;
+    std::size_t least = 1024;
     char under[512] = {};
 };
 
@@ -52,6 +54,8 @@ __attribute__((constructor)) void read_plan() {
             plan.call = k;
     plan.at = std::atol(setting("FAULT_AT"));
     plan.error = std::atoi(setting("FAULT_ERRNO"));
+    if (*setting("FAULT_LEAST"))
+        plan.least = std::strtoul(setting("FAULT_LEAST"), nullptr, 10);
     std::snprintf(plan.under, sizeof plan.under, "%s", setting("FAULT_UNDER"));
     ready = true;
 }
@@ -208,8 +212,7 @@ std::FILE* fopen64(const char* path, const char* how) {
 std::FILE* fopen(const char* path, const char* how) { return fopen64(path, how); }
 
 void* malloc(std::size_t size) {
-    constexpr std::size_t least = 1024; // of those that fail in practice
-    if (size >= least && ready && begun && plan.here && !of_hdf5(__builtin_return_address(0)) &&
+    if (ready && size >= plan.least && begun && plan.here && !of_hdf5(__builtin_return_address(0)) &&
         fails(call_malloc)) {
         errno = ENOMEM;
         return nullptr;

@@ -33,4 +33,8 @@ private:
 /// Throws RunError naming the file and the system's reason.
 void write_atomically(const std::filesystem::path& target, std::string_view content);
 
+/// fsync of the folder that this file is in: what was renamed and removed there stays so, and comes before
+/// what follows. Throws RunError.
+void sync_folder_of(const std::filesystem::path& path);
+
 } // namespace rodwake::store
