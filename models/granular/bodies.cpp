@@ -1,5 +1,7 @@
 #include "bodies.hpp"
 
+#include "fixed_order.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -160,9 +162,10 @@ Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix
     frame.col(2) = normal;
     frame.col(1) = normal.cross(beside).normalized();
     frame.col(0) = frame.col(1).cross(normal);
-    const Impact impact = stronge_impact(frame.transpose() * inverse_mass * frame,
-                                         frame.transpose() * relative_velocity, surface);
-    return frame * impact.impulse;
+    const Eigen::Matrix3d inwards = frame.transpose();
+    const Impact impact = stronge_impact(product(product(inwards, inverse_mass), frame),
+                                         product(inwards, relative_velocity), surface);
+    return product(frame, impact.impulse);
 }
 
 } // namespace rodwake::granular

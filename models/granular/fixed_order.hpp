@@ -1,7 +1,7 @@
 #pragma once
-// Products whose bits are the same on every machine. Eigen's of 2x2 matrices are fused where the processor
-// can (arm64, x86 with -mfma), and its order of the sums in those of quaternions depends on the instruction
-// set. Sums of products of two or three numbers (dot, norm, 3x3 matrices) have one order on x86-64 and arm64.
+// Products whose bits are the same on every machine. Eigen's of matrices are fused where the processor can
+// (arm64, x86 with -mfma), and its order of the sums in those of quaternions depends on the instruction set.
+// Its sums over vectors of two or three numbers (dot, norm) have one order on x86-64 and arm64, not fused.
 
 #include "rodwake/core/repeatable_math.hpp"
 
@@ -12,8 +12,18 @@
 
 namespace rodwake::granular {
 
-inline Eigen::Vector2d product(const Eigen::Matrix2d& m, const Eigen::Vector2d& v) {
-    return {m(0, 0) * v.x() + m(0, 1) * v.y(), m(1, 0) * v.x() + m(1, 1) * v.y()};
+template<int rows, int inner, int columns>
+Eigen::Matrix<double, rows, columns> product(const Eigen::Matrix<double, rows, inner>& a,
+                                             const Eigen::Matrix<double, inner, columns>& b) {
+    Eigen::Matrix<double, rows, columns> c;
+    for (int j = 0; j < columns; ++j)
+        for (int i = 0; i < rows; ++i) {
+            double sum = a(i, 0) * b(0, j);
+            for (int k = 1; k < inner; ++k)
+                sum += a(i, k) * b(k, j);
+            c(i, j) = sum;
+        }
+    return c;
 }
 
 /// The turn by q after that by p.

@@ -11,7 +11,7 @@ namespace {
 
 Impact impact_of(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
                  const Eigen::Vector3d& impulse) {
-    return {impulse, velocity + inverse_mass * impulse};
+    return {impulse, velocity + product(inverse_mass, impulse)};
 }
 
 ContactTerms terms_of(const Eigen::Matrix3d& inverse_mass, const Surface& surface) {

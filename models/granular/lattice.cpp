@@ -61,10 +61,7 @@ LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     fit.spacing = shortest_vector(lattice);
     const Matrix2d perfect =
         perfect_lattice(perfect_spacing(box, static_cast<double>(fit.sites)), fit.orientation);
-    const Matrix2d inverse = perfect.inverse();
-    Matrix2d stretched;
-    stretched << product(lattice, inverse.col(0)), product(lattice, inverse.col(1));
-    fit.strain = largest_stretch(stretched) - 1.0;
+    fit.strain = largest_stretch(product(lattice, Matrix2d(perfect.inverse()))) - 1.0;
     return fit;
 }
 

@@ -59,12 +59,12 @@ void MovingRod::update() {
         inverse_inertia_ =
             along / clump_.axial_inertia + (Matrix3d::Identity() - along) / clump_.transverse_inertia;
     }
-    spin_ = inverse_inertia_ * body_.angular_momentum;
+    spin_ = product(inverse_inertia_, body_.angular_momentum);
 }
 
 Matrix3d MovingRod::inverse_mass_at(const Vector3d& arm) const {
     const Matrix3d r = cross_matrix(arm);
-    return inverse_mass_ - r * inverse_inertia_ * r;
+    return inverse_mass_ - product(product(r, inverse_inertia_), r);
 }
 
 Vector3d MovingRod::axis_turning() const {
@@ -102,12 +102,12 @@ void MovingRod::move(double time, double gravity) {
 }
 
 void MovingRod::push(const Vector3d& impulse, const Vector3d& arm) {
-    body_.velocity += inverse_mass_ * impulse;
+    body_.velocity += product(inverse_mass_, impulse);
+    const Vector3d turning = arm.cross(impulse);
     // what the bearings of a held rod do not take
     body_.angular_momentum +=
-        held_ ? Vector3d((axis_ * axis_.transpose() + across_ * across_.transpose()) * arm.cross(impulse))
-              : Vector3d(arm.cross(impulse));
-    spin_ = inverse_inertia_ * body_.angular_momentum;
+        held_ ? Vector3d(axis_.dot(turning) * axis_ + across_.dot(turning) * across_) : turning;
+    spin_ = product(inverse_inertia_, body_.angular_momentum);
 }
 
 double MovingRod::energy(double gravity) const {

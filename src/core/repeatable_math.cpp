@@ -70,6 +70,8 @@ constexpr std::array cos_series{0x1.5555555555555p-5,   -0x1.6c16c16c16966p-10, 
 } // namespace
 
 SinCos sin_cos(double x) {
+    if (std::abs(x) < 0x1p-27) // often exactly 0
+        return {x, 1.0};
     const double y = std::abs(x) < widest ? x : std::remainder(x, 2.0 * std::numbers::pi);
     if (!(std::abs(y) < widest))
         return {nan, nan};

@@ -1,4 +1,5 @@
-// Elementary functions with repeatable bits: their errors against 50 digits, their edges, and their bits.
+// Elementary functions with repeatable bits: their errors against 50 digits, and their edges. Their bits:
+// granular/test_fixed_bits.cpp.
 
 #include "rodwake/core/repeatable_math.hpp"
 #include "rodwake/core/rng.hpp"
@@ -7,9 +8,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -49,13 +48,9 @@ double worst(const std::vector<double>& at, const Ours& ours, const Theirs& thei
 Exact sine(const Exact& x) { return sin(x); }
 Exact cosine(const Exact& x) { return cos(x); }
 
-std::uint64_t mixed(std::uint64_t all, double value) {
-    return (all ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15u;
-}
-
 } // namespace
 
-TEST_CASE("sin and cos are right to a unit of the last place up to 1e9 rad") {
+TEST_CASE("sin and cos are right to 0.8 units of the last place up to 1e9 rad") {
     auto at = spread(6000, -40, 30);
     for (int i = 1; i < 3000; ++i) // nearest to their zeros, where the reduction has no digits to lose
         at.push_back(static_cast<double>(i * 37'171LL) * (std::numbers::pi / 2.0));
@@ -73,20 +68,20 @@ TEST_CASE("sin and cos beyond 2^30 rad are off by less than a step of the argume
     }
 }
 
-TEST_CASE("exp and log are right to a unit of the last place") {
+TEST_CASE("exp and log are right to 0.8 and 0.7 units of the last place") {
     auto at = spread(3000, -40, 9);
     for (const double x : {709.7, -708.3, -720.0, -745.1}) // results near the ends of double
         at.push_back(x);
-    CHECK(worst(at, repeatable::exp, [](const Exact& x) { return Exact(exp(x)); }) < 1.0);
+    CHECK(worst(at, repeatable::exp, [](const Exact& x) { return Exact(exp(x)); }) < 0.8);
     std::vector<double> positive;
     for (const double x : spread(4000, -1074, 1023))
         positive.push_back(std::abs(x));
     for (const double x : spread(3000, -50, -1))
         positive.push_back(1.0 + x);
-    CHECK(worst(positive, repeatable::log, [](const Exact& x) { return Exact(log(x)); }) < 1.0);
+    CHECK(worst(positive, repeatable::log, [](const Exact& x) { return Exact(log(x)); }) < 0.7);
 }
 
-TEST_CASE("atan2 is right to two units of the last place, asin to two and a half") {
+TEST_CASE("atan2 is right to 1.6 units of the last place, asin to two") {
     const auto y = spread(6000, -30, 30), x = spread(5900, -29, 28);
     double most = 0.0;
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -95,10 +90,10 @@ TEST_CASE("atan2 is right to two units of the last place, asin to two and a half
             most = std::max(
                 most, error_in_ulp(repeatable::atan2(across, along), atan2(Exact(across), Exact(along))));
         }
-    CHECK(most < 2.0);
+    CHECK(most < 1.6);
     std::vector<double> sines = spread(3000, -40, 0);
     std::erase_if(sines, [](double s) { return std::abs(s) > 1.0; });
-    CHECK(worst(sines, repeatable::asin, [](const Exact& s) { return Exact(asin(s)); }) < 2.5);
+    CHECK(worst(sines, repeatable::asin, [](const Exact& s) { return Exact(asin(s)); }) < 2.0);
 }
 
 TEST_CASE("edges of the elementary functions are those of the C library") {
@@ -119,15 +114,4 @@ TEST_CASE("edges of the elementary functions are those of the C library") {
             CHECK(std::signbit(repeatable::atan2(y, x)) == std::signbit(std::atan2(y, x)));
         }
     CHECK(repeatable::asin(-1.0) == std::asin(-1.0));
-}
-
-TEST_CASE("the bits of the elementary functions are these, in every build") {
-    std::uint64_t all = 0;
-    for (const double x : spread(20000, -30, 40)) {
-        const auto [s, c] = repeatable::sin_cos(x);
-        all = mixed(mixed(all, s), c);
-        all = mixed(mixed(all, repeatable::exp(std::remainder(x, 700.0))), repeatable::log(std::abs(x)));
-        all = mixed(mixed(all, repeatable::atan2(x, s)), repeatable::asin(c));
-    }
-    CHECK(all == 0u);
 }
