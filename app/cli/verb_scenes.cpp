@@ -142,7 +142,9 @@ fs::path shipped_folder() {
     std::error_code error;
     const fs::path program = fs::read_symlink("/proc/self/exe", error);
     const fs::path installed = program.parent_path().parent_path() / "share" / "rodwake";
-    return !error && fs::is_directory(installed, error) ? installed : fs::path(RODWAKE_UNINSTALLED);
+    return !error && fs::is_directory(installed, error)
+               ? installed
+               : (program.parent_path() / RODWAKE_UNINSTALLED).lexically_normal();
 }
 
 scene::Scene scene_of(const Options& options) {
