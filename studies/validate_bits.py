@@ -77,8 +77,10 @@ def compare(lab, kind):
                 found.append([compiler, " ".join(level), "", "", "not built", messages.count("warning:")])
                 continue
             run = subprocess.run([*(["qemu-aarch64"] if kind == "arm" else []), program], capture_output=True, text=True, check=True)
-            found += [[compiler, " ".join(level), target, of_target[-1][1], verdict(of_target), messages.count("warning:")]
-                      for target, of_target in hashes(run.stdout).items()]
+            alike = {}  # instruction sets by what came out with them
+            for target, of_target in hashes(run.stdout).items():
+                alike.setdefault((of_target[-1][1], verdict(of_target)), []).append(target)
+            found += [[compiler, " ".join(level), " ".join(targets), *outcome, messages.count("warning:")] for outcome, targets in alike.items()]
     return found
 
 
