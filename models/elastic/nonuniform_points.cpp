@@ -98,7 +98,7 @@ void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, 
 Complex ReadPoint(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
     const Lanes d;
     const double *x = &places.x[point * places.row], *y = &places.y[point * places.pairs];
-    double sums[SpreadKernel::pairs];
+    double sums[SpreadKernel::pairs] = {};
     for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d)) {
         auto sum = hn::Zero(d);
         std::size_t row = places.first_row[point];
