@@ -34,8 +34,17 @@ class Crashes(unittest.TestCase):
         checkpoint, previous = removed("/checkpoint.rwc")[-1], removed("/checkpoint.rwc.previous")[-1]
         logs = removed(".log")
         self.assertGreater(len(logs), 0)
-        self.assertLess(max(checkpoint[1].safe, previous[1].safe), logs[0][0])
-        self.assertLess(checkpoint[1].safe, previous[0])  # the last state is in place first
+        self.assertLessEqual(max(checkpoint[1].safe, previous[1].safe), logs[0][0])
+        self.assertLessEqual(checkpoint[1].safe, previous[0])  # the last state is in place first
+
+    def test_what_the_end_of_a_bed_left_behind_is_removed(self):
+        bench = self.bench("dem")
+        tree = crashes.tree_of(bench.place)
+        tree["out/checkpoint.rwc.previous"], tree["out/rows.log"] = tree["out/final.rwc"], b""
+        tree["out/provenance.json"] = tree["out/provenance.json"].replace(b'"finished"', b'"interrupted"')
+        del tree["out/manifest.json"]  # it would be written last
+        self.assertEqual(bench.judge(tree)[:2], ("resumed", ""))
+        self.assertFalse({"out/checkpoint.rwc.previous", "out/rows.log"} & crashes.tree_of(bench.place).keys())
 
     def test_what_a_crash_leaves(self):
         """Bytes without sync may be lost, in part or in whole; names that were not synced too."""
