@@ -139,6 +139,8 @@ TEST_CASE("sums with far wakes keep to their tolerances") {
     std::size_t far = 0; // ways that were not pair by pair
     for (const Case& one : cases)
         for (const bool polar : {false, true}) {
+            if (!polar && one.medium.eta > 1.0)
+                continue; // strains come with polar vectors, too
             const Sums exact = sums_of(one.crowd.rods, one.medium, {}, polar).sums;
             const std::size_t n = one.crowd.rods.size();
             for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
@@ -152,7 +154,7 @@ TEST_CASE("sums with far wakes keep to their tolerances") {
                 far += got.done < n * (n - 1);
             }
         }
-    CHECK(far > 15); // of 42, the strip and the dense crowd go pair by pair
+    CHECK(far > 13); // of 36, the strip and the dense crowd go pair by pair
 }
 
 TEST_CASE("far wakes have the same bits for any number of threads and every instruction set", "[threads]") {
@@ -172,8 +174,8 @@ TEST_CASE("far wakes have the same bits for any number of threads and every inst
 }
 
 TEST_CASE("a single far tolerance, few rods and media out of range go pair by pair") {
-    const Crowd all = crowd(3000, 100.0, 100.0);
-    const std::size_t pairs = 3000 * 2999;
+    const Crowd all = crowd(2000, 80.0, 80.0);
+    const std::size_t pairs = 2000 * 1999;
     CHECK(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, true).done == pairs);
     CHECK(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done < pairs);
     for (const double eta : {-0.3, 21.0})
