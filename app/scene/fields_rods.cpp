@@ -155,8 +155,9 @@ void solver_fields(Visitor& v, RodsRun& run) {
     v(key("turning_tolerance")
           .unit(rate)
           .within(0.0, 1e3)
-          .doc("far wakes are summed on meshes, with errors of each rod's turning rate below this; 0: pair by "
-               "pair. Of some thousand rods on the plane in the exact field, 0 <= eta <= 20")
+          .doc(
+              "far wakes are summed on meshes, with errors of each rod's turning rate below this; 0: pair by "
+              "pair. Of some thousand rods on the plane in the exact field, 0 <= eta <= 20")
           .example("1e-6"),
       run.turning_tolerance);
     v(key("precision")
