@@ -134,7 +134,7 @@ std::vector<FarWakes::Octave> FarWakes::octaves(const Nodes& nodes, std::size_t 
         const double largest = std::sqrt(cutoff_) / nodes.root_time(first);
         found.push_back({first, end,
                          static_cast<std::size_t>(std::ceil(largest * box * 0.5 * std::numbers::inv_pi)),
-                         width, box});
+                         box});
         first = end;
     }
     return found;
@@ -402,48 +402,70 @@ private:
 
 } // namespace
 
+namespace {
+
+/// Forces of a node, in the layout of poses: those of rods that are felt where rods are.
+struct Forces {
+    std::vector<double> places;
+    std::vector<fourier::Complex> weights;
+};
+
+void find_forces(std::span<const KernelSource> rods, const Extent& extent, double time, double felt,
+                 Forces& forces) {
+    forces.places.clear();
+    forces.weights.clear();
+    for (const KernelSource& rod : rods) {
+        const double x = rod.x - rod.cosine * time - extent.x, y = rod.y - rod.sine * time - extent.y;
+        if (x < -felt || x > extent.width + felt || y < -felt || y > extent.height + felt)
+            continue;
+        forces.places.insert(forces.places.end(), {x, y, 0.0});
+        forces.weights.push_back({rod.cosine, rod.sine});
+    }
+}
+
+std::vector<double> places_of(std::span<const KernelSource> rods, const Extent& extent) {
+    std::vector<double> places;
+    for (const KernelSource& rod : rods)
+        places.insert(places.end(), {rod.x - extent.x, rod.y - extent.y, 0.0});
+    return places;
+}
+
+/// Adds a mesh's fields to the sums.
+void give(Mesh& mesh, std::size_t rods, std::span<double* const> sums) {
+    std::vector<fourier::Complex> values(rods);
+    const auto add = [&](const auto& of, double* real, double* imaginary) {
+        mesh.read(of, values);
+        for (std::size_t a = 0; a < rods; ++a) {
+            real[a] += values[a].re;
+            if (imaginary != nullptr)
+                imaginary[a] += values[a].im;
+        }
+    };
+    add(normal_strains, sums[0], sums[2]);
+    add(shear_strain, sums[1], nullptr);
+    if (sums.size() > strain_parts) {
+        add(laplacian, sums[3], sums[4]);
+        add(gradient, sums[5], sums[6]);
+    }
+}
+
+} // namespace
+
 void FarWakes::add(const Plan& plan, std::span<const KernelSource> rods, Team& team,
                    std::span<double* const> sums) const {
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];
-    std::vector<double> places, here;
-    std::vector<fourier::Complex> forces, values(rods.size());
+    Forces forces;
     for (const Octave& octave :
          octaves(nodes, plan.first, std::hypot(extent.width, extent.height), extent.side())) {
         Mesh mesh(octave.box, octave.half, team, width_, unit_.medium().eta > 0.0);
         for (std::size_t k = octave.first; k < octave.last; ++k) {
-            const HeatNode at = nodes.at(k);
-            const double felt = nodes.width_at(at.time);
-            places.clear();
-            forces.clear();
-            for (const KernelSource& rod : rods) {
-                const double x = rod.x - rod.cosine * at.time - extent.x,
-                             y = rod.y - rod.sine * at.time - extent.y;
-                if (x < -felt || x > extent.width + felt || y < -felt || y > extent.height + felt)
-                    continue;
-                places.insert(places.end(), {x, y, 0.0});
-                forces.push_back({rod.cosine, rod.sine});
-            }
-            mesh.add(places, forces, at);
+            const HeatNode node = nodes.at(k);
+            find_forces(rods, extent, node.time, nodes.width_at(node.time), forces);
+            mesh.add(forces.places, forces.weights, node);
         }
-        here.clear();
-        for (const KernelSource& rod : rods)
-            here.insert(here.end(), {rod.x - extent.x, rod.y - extent.y, 0.0});
-        mesh.place(here);
-        const auto give = [&](const auto& of, double* real, double* imaginary) {
-            mesh.read(of, values);
-            for (std::size_t a = 0; a < rods.size(); ++a) {
-                real[a] += values[a].re;
-                if (imaginary != nullptr)
-                    imaginary[a] += values[a].im;
-            }
-        };
-        give(normal_strains, sums[0], sums[2]);
-        give(shear_strain, sums[1], nullptr);
-        if (polar_) {
-            give(laplacian, sums[3], sums[4]);
-            give(gradient, sums[5], sums[6]);
-        }
+        mesh.place(places_of(rods, extent));
+        give(mesh, rods.size(), sums);
     }
 }
 

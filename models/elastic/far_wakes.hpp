@@ -38,7 +38,8 @@ public:
 
     /// A way to place the nodes.
     struct Nodes {
-        double step, wider, eta, cutoff;
+        double step, wider;        ///< h and c above
+        double eta, cutoff;        ///< Gaussians below e^-cutoff are not felt
         std::vector<double> reach; ///< by the first node
 
         double root_time(std::size_t k) const;
@@ -65,8 +66,7 @@ public:
 private:
     /// Nodes from first to last in one mesh.
     struct Octave {
-        std::size_t first, last, half;
-        double width; ///< of the widest Gaussian as far as it is felt
+        std::size_t first, last, half; ///< half: largest mode
         double box;
     };
     struct Crowd {
