@@ -146,7 +146,7 @@ void add_crowd_lines(const Plan& plan, Lines& lines) {
         lines.push_back(
             {false, fmt::format("pursuit and escape of pairs: more than {} rods", rods::most_followed_rods)});
     if (problem.sums.turning_tolerance > 0.0)
-        lines.push_back({true, fmt::format("far wakes on meshes: turning rates wrong by less than {:g}",
+        lines.push_back({true, fmt::format("far wakes on meshes: turning rates right to {:g}, as measured",
                                            problem.sums.turning_tolerance)});
     if (problem.sums.accuracy != elastic::Accuracy::full)
         lines.push_back({true, problem.sums.accuracy == elastic::Accuracy::fine

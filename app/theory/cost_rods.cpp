@@ -243,7 +243,7 @@ private:
             problem_.sums.accuracy == Accuracy::full)
             add_setting("medium.field = \"exact\"",
                         rates_time(problem_, [](RodProblem& p) { p.field = nullptr; }));
-        constexpr std::size_t fewest = 8, fewest_left_out = 65; // rods for which the sums have these settings
+        constexpr std::size_t fewest = 8; // rods for which the sums have these settings
         if (problem_.field || problem_.box || problem_.rods.size() < fewest)
             return;
         if (problem_.sums.accuracy == Accuracy::full)
@@ -253,7 +253,7 @@ private:
             add_setting("rods_run.precision = \"single\"",
                         rates_time(problem_, [](RodProblem& p) { p.sums.accuracy = Accuracy::single; }));
         const double tolerance = std::max(1e-4, 100.0 * problem_.sums.turning_tolerance);
-        if (problem_.rods.size() >= fewest_left_out && tolerance <= 1e-2)
+        if (problem_.rods.size() >= elastic::fewest_far_rods && tolerance <= 1e-2)
             add_setting(fmt::format("rods_run.turning_tolerance = {:g}", tolerance),
                         rates_time(problem_, [&](RodProblem& p) { p.sums.turning_tolerance = tolerance; }));
     }

@@ -68,7 +68,8 @@ struct Sample {
     }
 };
 
-constexpr double largest_crowd = 1e5; ///< beyond it meshes never pay
+constexpr std::size_t largest_half = 2500; ///< modes of a mesh in each direction: some 2 GB
+constexpr double largest_crowd = 1e5;      ///< beyond it meshes never pay
 
 constexpr double bend = 10.0; ///< node at which steps have widened
 
@@ -103,7 +104,7 @@ std::size_t FarWakes::Nodes::last_for(double distance) const {
     const double root = std::sqrt((1.0 + eta) * cutoff), // t - 2 root sqrt(t) = distance
         end = root + std::sqrt(square(root) + distance);
     const double q = end / step + wider * bend, cc = wider * wider; // of root_time(k) = end
-    return static_cast<std::size_t>((q - wider * std::sqrt(q * q - bend * bend * (1.0 - cc))) / (1.0 - cc)) +
+    return static_cast<std::size_t>((q - wider * std::sqrt(q * q + bend * bend * (1.0 - cc))) / (1.0 - cc)) +
            2;
 }
 
@@ -146,6 +147,8 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
         std::min(crowd.count, std::numbers::pi * square(nodes.reach[first - 1]) * crowd.density);
     double sum = crowd.count * near * (polar_ ? 40.0 : 30.0);
     for (const Octave& one : octaves(nodes, first, crowd.diagonal, crowd.side)) {
+        if (one.half > largest_half)
+            return HUGE_VAL;
         const double grid = 3.0 * static_cast<double>(one.half) + 50.0,
                      count = static_cast<double>(one.last - one.first);
         const double transform = 2.0 * square(grid) * std::log2(grid) + 60.0 * crowd.count;

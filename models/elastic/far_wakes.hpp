@@ -17,7 +17,7 @@
 // it is random from rod to rod, and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost:
 // N (near pairs + nodes) + sum of the meshes, some N^(1/2) nodes of a crowd of even density.
 //
-// Bits depend neither on threads nor on the instruction set.
+// Bits depend neither on threads nor on the vectors of a machine, but on its C library.
 
 #include "heat_nodes.hpp"
 #include "nonuniform_fft.hpp"

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <string>
 
 namespace rodwake::elastic {
@@ -249,8 +250,15 @@ void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
             task.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
 }
 
-/// 0: all pairs are cheaper, nothing done.
-std::size_t add_far_and_near(const Task& task, const FarWakes& far) {
+/// ns of one core as FarWakes::Plan counts them, as measured.
+double all_pairs_cost(const Task& task) {
+    const auto n = static_cast<double>(task.rods.size());
+    const double exact = task.polar ? 8.0 : 5.0;
+    return n * n * exact * (task.options.accuracy == Accuracy::single ? 0.5 : 1.0);
+}
+
+/// How many near pairs there were; none, if all pairs are cheaper and nothing was done.
+std::optional<std::size_t> add_far_and_near(const Task& task, const FarWakes& far) {
     const double per_xi = 1.0 / task.field.medium().xi;
     const std::vector<std::uint32_t> order = compact_order(task.rods);
     std::vector<KernelSource> rods, in_xi;
@@ -259,9 +267,8 @@ std::size_t add_far_and_near(const Task& task, const FarWakes& far) {
         in_xi.push_back({rod.x * per_xi, rod.y * per_xi, rod.cosine, rod.sine});
     }
     const FarWakes::Plan plan = far.plan(in_xi);
-    const auto n = static_cast<double>(rods.size());
-    if (plan.cost > n * n * (task.polar ? 8.0 : 5.0)) // ns, see FarWakes::Plan
-        return 0;
+    if (plan.cost > all_pairs_cost(task))
+        return std::nullopt;
     std::vector<double> part(static_cast<std::size_t>(task.parts()) * rods.size());
     Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
     for (int k = 0; k < task.parts(); ++k)
@@ -293,12 +300,11 @@ struct MutualWakes::Far {
 
 namespace {
 
-/// Fewer are faster pair by pair, and sooner than that is found out.
-constexpr std::size_t fewest_far = 500;
-
 bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool polar, std::size_t rods) {
-    return options.strain_tolerance > 0.0 && (!polar || options.polar_tolerance > 0.0) && medium.eta >= 0.0 &&
-           medium.eta <= FarWakes::largest_eta && rods > fewest_far;
+    constexpr double finest = 1e-10; // in xi: transforms are good to 1e-12 of a sum's parts
+    return options.strain_tolerance * medium.xi >= finest &&
+           (!polar || options.polar_tolerance * medium.xi * medium.xi >= finest) && medium.eta >= 0.0 &&
+           medium.eta <= FarWakes::largest_eta && rods >= fewest_far_rods;
 }
 
 std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
@@ -325,9 +331,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
     for (int k = 0; k < task.parts(); ++k)
         std::fill_n(task.sum[k], rods.size(), 0.0);
     if (may_be_far(options, kernel.medium(), task.polar, rods.size()))
-        if (const std::size_t done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar));
-            done > 0)
-            return done;
+        if (const auto done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar)))
+            return *done;
     add_all_pairs(task);
     return rods.empty() ? 0 : rods.size() * (rods.size() - 1);
 }

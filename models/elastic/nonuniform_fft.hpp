@@ -11,7 +11,7 @@
 // (tests/elastic/test_nonuniform_fft.cpp).
 //
 // Bits do not depend on the threads, since each grid point adds up its points in their order, nor on the
-// instruction set. Cost: some 5 grid^2 log2(grid^2) operations and width^2 a point.
+// vectors of a machine. Cost: some 5 grid^2 log2(grid^2) operations and width^2 a point.
 
 #include "complex.hpp"
 #include "rodwake/core/parallel.hpp"

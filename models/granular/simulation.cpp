@@ -182,7 +182,8 @@ struct Simulation::Impl {
     }
 
     WallTally hit_wall(Range& velocities) {
-        const WallTally tally = wall->act(bodies, velocities.fastest_in_plane(), velocities, equilibrating());
+        const WallTally tally =
+            wall->act(bodies, velocities.fastest_in_plane(), velocities, shifted, equilibrating());
         include_ends(velocities);
         include_shift(velocities, tally.shift);
         tallies.wall_impulse += tally.impulse;

@@ -158,8 +158,8 @@ void Wall::move_out(Bodies& bodies) const {
     }
 }
 
-WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, bool settles) {
-    moved_ += (2.0 * fastest + fastest_) * time_step_; // by its flight, and by the impulse before
+WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, double shifted, bool settles) {
+    moved_ += (2.0 * fastest + fastest_) * time_step_ + shifted; // by its flight, and by the impulse before
     fastest_ = fastest;
     if (!(moved_ < skin * bodies.bead_radius))
         find_near(bodies);

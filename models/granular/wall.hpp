@@ -40,10 +40,12 @@ public:
     Wall(const Container& container, double time_step, double gravity)
         : container_(container), time_step_(time_step), gravity_(gravity) {}
 
-    /// Of all bodies that flew through the wall in this step. `fastest`: no body moved faster in it. Beads
-    /// that are not near the wall are not looked at. Velocities that the beads get are added to `velocities`.
-    /// Beads that others pushed deep into the wall are moved out of it a little, but not while a bed settles.
-    WallTally act(Bodies& bodies, double fastest, Range& velocities, bool settles = false);
+    /// Of all bodies that flew through the wall in this step. `fastest`: no body moved faster in it;
+    /// `shifted`: nor was moved further, impulses aside, since the step before. Beads that are not near the
+    /// wall are not looked at. Velocities that the beads get are added to `velocities`. Beads that others
+    /// pushed deep into the wall are moved out of it a little, but not while a bed settles.
+    WallTally act(Bodies& bodies, double fastest, Range& velocities, double shifted = 0.0,
+                  bool settles = false);
 
 private:
     void find_near(const Bodies& bodies);

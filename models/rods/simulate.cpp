@@ -38,7 +38,7 @@ elastic::MutualWakesOptions sum_options(const Couplings& c, const WakeSums& sums
     const double polar = std::abs(gamma1) + std::abs(gamma2);
     const double share = (c.apolar() && c.polar() ? 0.5 : 1.0) * sums.turning_tolerance;
     elastic::MutualWakesOptions options{sums.accuracy, sums.threads, 0.0, 0.0};
-    // a sum that no coupling reads may lose everything
+    // nobody reads that sum
     constexpr double anything = 1e30;
     options.strain_tolerance = share == 0.0 ? 0.0
                                : c.apolar() ? std::numbers::sqrt2 * share / std::abs(kappa)

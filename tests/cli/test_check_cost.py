@@ -60,8 +60,10 @@ class CostTest(ProgramTest):
 
     def test_settings_of_many_rods(self):
         rows = self.parts(rodwake.crowd(81), "rods_run.t_end=1", "rods_run.rtol=1e-3")
-        for setting in ('rods_run.precision = "fine"', 'rods_run.precision = "single"', "rods_run.turning_tolerance = 0.0001"):
+        for setting in ('rods_run.precision = "fine"', 'rods_run.precision = "single"'):
             self.assertIn(setting, rows)
+        self.assertNotIn("rods_run.turning_tolerance = 0.0001", rows)  # of so few rods far wakes are never taken
+        self.assertIn("rods_run.turning_tolerance = 0.0001", self.parts(rodwake.crowd(529), "rods_run.t_end=1", "rods_run.rtol=1e-3"))
         self.assertFalse(any("rtol" in name for name in rows))  # it is loose already
         rows = self.parts(rodwake.crowd(81), "rods_run.t_end=1", "rods_run.rtol=1e-3", "rods_run.precision=single")
         self.assertFalse(any("precision" in name for name in rows))

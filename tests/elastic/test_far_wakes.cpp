@@ -183,6 +183,17 @@ TEST_CASE("a single far tolerance, few rods and media out of range go pair by pa
     const Crowd few = crowd(100, 20.0, 20.0), wide = crowd(600, 1e7, 1e7);
     CHECK(sums_of(few.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done == 100 * 99);
     CHECK(sums_of(wide.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done == 600 * 599);
+    CHECK(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-12}, false).done == pairs);
+}
+
+TEST_CASE("rods far from each other, in a lattice, have the sums of all pairs") {
+    RandomStream random(92);
+    std::vector<Source> rods;
+    for (int k = 0; k < 4096; ++k)
+        rods.push_back({40.0 * (k % 64), 40.0 * (k / 64), random.uniform(-4.0, 4.0)});
+    const Medium medium{0.5, 1.0};
+    const Result got = sums_of(rods, medium, {.strain_tolerance = 1e-3}, false);
+    CHECK(largest_difference(got.sums, sums_of(rods, medium, {}, false).sums, 0, strain_parts) <= 1e-3);
 }
 
 TEST_CASE("rods at one place are refused among near pairs, too") {

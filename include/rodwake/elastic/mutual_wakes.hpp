@@ -5,12 +5,12 @@
 // wake_kernel.hpp, whose accuracy and range these sums have, source by source).
 //
 // Bits: the sums depend on the rods, their order and the options but for `threads`; not on the lanes of a
-// vector, the instruction set or the threads.
+// vector, the instruction set or the threads. With far wakes they depend on the C library, too.
 //
-// Far wakes: with tolerances > 0 and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a
-// time that grows hardly faster than N, if that is cheaper (of some hundred rods on). Errors keep to the
-// tolerances by measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod
-// to rod.
+// Far wakes: with tolerances and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a time
+// that grows hardly faster than N, if that is cheaper; near pairs are then summed at full accuracy.
+// Tolerances below 1e-10 f/mu/xi (polar: /xi^2) go pair by pair. Errors keep to the tolerances by
+// measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod to rod.
 //
 // Degenerate input:
 //   no rods; one rod                                     nothing is written; sums of 0 (both return 0)
@@ -25,6 +25,9 @@
 #include <memory>
 
 namespace rodwake::elastic {
+
+/// Fewer are faster pair by pair, and sooner than that is found out.
+inline constexpr std::size_t fewest_far_rods = 500;
 
 struct MutualWakesOptions {
     Accuracy accuracy = Accuracy::full;

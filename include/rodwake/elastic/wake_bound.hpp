@@ -1,5 +1,5 @@
 #pragma once
-// How large a rod's strain and polar vectors can be at a place, at most: what may be left out of a sum.
+// How large a rod's strain and polar vectors can be at a place, at most: which rods cannot turn each other.
 //
 // Lengths in 2 xi: s = r/(2 xi), w = (r + x)/(2 xi) with x along the heading; w vanishes on the axis behind
 // and is 2 s on the axis ahead. With b(z) = sqrt(pi/(2 z)) the scaled functions obey e^z K0(z) <= b and e^z

@@ -45,7 +45,7 @@ struct Event {
     /// there too. Called once a step.
     std::function<std::optional<double>(const Step&)> candidate_time = nullptr;
     /// False: roots hide inside a step at candidate_time alone, or where other events have theirs. Saves the
-    /// samples: q of each event in each step, and with erk three or six right-hand sides.
+    /// samples: q of each event in each step, and with erk three to eight right-hand sides.
     bool sampled = true;
 };
 

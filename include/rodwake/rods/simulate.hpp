@@ -32,9 +32,9 @@ namespace rodwake::rods {
 /// How the wakes of 8 rods or more are added up on the plane in the exact field (elastic/mutual_wakes.hpp).
 struct WakeSums {
     elastic::Accuracy accuracy = elastic::Accuracy::full;
-    /// Far wakes are summed on meshes where that is cheaper, with errors of each theta' below this, rad mu v0/f.
-    /// Errors change at random as rods move, and steps get short where such a change times a step is above the
-    /// solver's tolerance. 0: pair by pair.
+    /// Far wakes are summed on meshes where that is cheaper, with errors of each theta' below this, rad mu
+    /// v0/f. Errors change at random as rods move, and steps get short where such a change times a step is
+    /// above the solver's tolerance. 0: pair by pair.
     double turning_tolerance = 0.0;
     std::size_t threads = 1; ///< the bits do not depend on it
 };

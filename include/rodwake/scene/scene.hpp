@@ -141,7 +141,7 @@ struct RodsRun {
     std::optional<integrate::Method> method; ///< absent: the one that suits the problem
     rods::Form form = rods::Form::angle;
     double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
-    double turning_tolerance = 0.0;   ///< what far wakes may be left out for, mu v0/f; 0: none are
+    double turning_tolerance = 0.0;   ///< errors by far wakes on meshes, mu v0/f; 0: pair by pair
     elastic::Accuracy precision = elastic::Accuracy::full; ///< of the sums over many rods
     long max_steps = 1'000'000;
 
