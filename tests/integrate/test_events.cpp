@@ -346,7 +346,8 @@ TEST_CASE("several roots of several events in one step come in order", "[integra
     const std::size_t order[] = {1, 2, 0, 3};
     for (std::size_t k = 0; k < 4; ++k) {
         CHECK(solution.hits[k].event == order[k]);
-        CHECK(solution.hits[k].time == Approx(1.0 + static_cast<double>(k)).epsilon(1e-14)); // a rounding of the step
+        CHECK(solution.hits[k].time ==
+              Approx(1.0 + static_cast<double>(k)).epsilon(1e-14)); // a rounding of the step
     }
     CHECK(solution.times == std::vector<double>{0.5});
 }
