@@ -42,6 +42,8 @@ double* of_rod(const std::string& key, std::vector<rods::Pose>& rods) {
 
 PointProblem::PointProblem(const ScanPlan& plan)
     : plan_(plan), scene_(std::make_unique<scene::Scene>(plan.base)), problem_(rod_problem(*scene_)) {
+    if (auto& run = scene_->rods_run) // outputs that follow an end of the point's own, and are few
+        run->output_times = scene::output_grid(run->t_end / scene::default_outputs, run->t_end);
     for (const ScanPlan::VariedKey& key : plan.keys)
         direct_.push_back(place_of(key, *scene_, problem_));
     if (std::ranges::count(direct_, nullptr) > 0)
@@ -64,6 +66,7 @@ const rods::RodProblem& PointProblem::at(const scan::Point& point) {
         if (const auto wrong = set_point(plan_, *scene_, point))
             throw InputError(*wrong);
         problem_ = rod_problem(*scene_);
+        problem_.output_times.clear();
     }
     const std::span<const double> at = values_of(plan_.design, point);
     for (std::size_t k = 0; k < direct_.size(); ++k) // the axes' ends were tried, and ranges are intervals

@@ -2,6 +2,7 @@
 
 #include "pair_proof.hpp"
 #include "rodwake/rods/conclude.hpp"
+#include "straight_walkers.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -29,7 +29,4 @@ std::optional<Ending> certain_ending(const EncounterBounds& bounds, const Ending
 /// The ending of all pairs together, as conclude tells it; nothing: it may be another.
 std::optional<Ending> together(std::span<const std::optional<Ending>> pairs);
 
-/// Of rods that walk straight, by their closed form.
-std::optional<Ending> straight_ending(const RodProblem& problem, const EndingCriteria& criteria);
-
 } // namespace rodwake::rods

@@ -2,7 +2,9 @@
 
 #include "pose_track.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/rods/conclude.hpp"
+#include "straight_walkers.hpp"
 
 #include <fmt/format.h>
 
@@ -29,6 +31,20 @@ integrate::Event contact_event(double distance, Box box) {
     };
     event.sampled = false; // how the separation runs inside a step is known from the headings
     return event;
+}
+
+/// Of rods that walk straight: the places of a run have fewer digits than the closed form.
+std::vector<integrate::Event> known_contact(const RodProblem& problem) {
+    const double meeting = first_meeting(problem);
+    if (meeting == HUGE_VAL)
+        return {};
+    integrate::Event event;
+    event.name = "contact";
+    event.value = [meeting](double t, State) { return meeting - t; };
+    event.crossing = integrate::Crossing::falling;
+    event.terminal = true;
+    event.sampled = false;
+    return {event};
 }
 
 } // namespace
@@ -219,6 +235,8 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     if (auto met = contact_at_start(problem))
         return *std::move(met);
     integrate::OdeProblem ode = to_ode(problem, options.form);
+    if (!problem.box && walks_straight(problem) && problem.rods.size() <= most_followed_rods)
+        ode.events = known_contact(problem);
     const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
     return solve_equations(problem, options, {std::move(ode), rates, model.interacting(), true});

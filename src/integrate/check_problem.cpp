@@ -13,16 +13,19 @@ namespace {
 /// Below this CVODES finds its own round-off; above the other the error estimate means nothing.
 constexpr double min_rtol = 1e-13, max_rtol = 0.1;
 
-void require(bool legal, const std::string& message) {
+/// The message is put together only where it is needed: there are a dozen checks to a run, and one to an
+/// output.
+template<class... Values>
+void require(bool legal, fmt::format_string<Values...> message, Values&&... values) {
     if (!legal)
-        throw InputError("cannot integrate: " + message);
+        throw InputError("cannot integrate: " + fmt::format(message, std::forward<Values>(values)...));
 }
 
 void check_functions(const OdeProblem& problem) {
     require(static_cast<bool>(problem.rhs), "the problem has no right-hand side");
     for (std::size_t i = 0; i < problem.events.size(); ++i)
-        require(static_cast<bool>(problem.events[i].value),
-                fmt::format("event {} ('{}') has no function", i, problem.events[i].name));
+        require(static_cast<bool>(problem.events[i].value), "event {} ('{}') has no function", i,
+                problem.events[i].name);
 }
 
 void check_state(const OdeProblem& problem) {
@@ -30,49 +33,45 @@ void check_state(const OdeProblem& problem) {
     require(!y.empty(), "the initial state is empty");
     for (std::size_t i = 0; i < y.size(); ++i)
         if (!std::isfinite(y[i]))
-            require(false,
-                    fmt::format("the initial value of {} is {}; it must be finite",
-                                problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i),
-                                y[i]));
+            require(false, "the initial value of {} is {}; it must be finite",
+                    problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i), y[i]);
 }
 
 void check_constraints(const OdeProblem& problem, Method method) {
     const auto algebraic = static_cast<std::size_t>(std::ranges::count(problem.algebraic, true));
     require(problem.algebraic.empty() || problem.algebraic.size() == problem.initial_state.size(),
-            fmt::format("{} components are told to be algebraic or not; there are {}",
-                        problem.algebraic.size(), problem.initial_state.size()));
+            "{} components are told to be algebraic or not; there are {}", problem.algebraic.size(),
+            problem.initial_state.size());
     require(algebraic == 0 || algebraic < problem.initial_state.size(),
             "every component is algebraic; nothing moves");
     require(algebraic == 0 || method == Method::bdf,
-            fmt::format("components are algebraic, and method {} has none; use bdf", to_string(method)));
+            "components are algebraic, and method {} has none; use bdf", to_string(method));
     require(!problem.project || method != Method::adams,
             "the problem has a projection, and method adams takes none; use bdf or erk");
 }
 
 void check_options(const OdeOptions& options) {
-    require(options.rtol >= min_rtol && options.rtol <= max_rtol,
-            fmt::format("rtol is {}; it must lie from {} to {}", options.rtol, min_rtol, max_rtol));
-    require(options.atol > 0.0 && std::isfinite(options.atol),
-            fmt::format("atol is {}; it must be positive and finite", options.atol));
-    require(options.max_steps > 0, fmt::format("max_steps is {}; it must be at least 1", options.max_steps));
-    require(options.segment_steps > 0,
-            fmt::format("segment_steps is {}; it must be at least 1", options.segment_steps));
+    require(options.rtol >= min_rtol && options.rtol <= max_rtol, "rtol is {}; it must lie from {} to {}",
+            options.rtol, min_rtol, max_rtol);
+    require(options.atol > 0.0 && std::isfinite(options.atol), "atol is {}; it must be positive and finite",
+            options.atol);
+    require(options.max_steps > 0, "max_steps is {}; it must be at least 1", options.max_steps);
+    require(options.segment_steps > 0, "segment_steps is {}; it must be at least 1", options.segment_steps);
     require(options.initial_step >= 0.0 && std::isfinite(options.initial_step),
-            fmt::format("initial_step is {}; it must be positive, or 0 for automatic", options.initial_step));
+            "initial_step is {}; it must be positive, or 0 for automatic", options.initial_step);
     require(options.max_step >= 0.0 && std::isfinite(options.max_step),
-            fmt::format("max_step is {}; it must be positive, or 0 for none", options.max_step));
+            "max_step is {}; it must be positive, or 0 for none", options.max_step);
 }
 
 void check_times(double start, std::span<const double> times) {
-    require(std::isfinite(start), fmt::format("the start time is {}; it must be finite", start));
+    require(std::isfinite(start), "the start time is {}; it must be finite", start);
     require(!times.empty(), "there are no output times");
-    require(times.front() >= start,
-            fmt::format("output time 0 is {}, before the start time {}", times.front(), start));
+    require(times.front() >= start, "output time 0 is {}, before the start time {}", times.front(), start);
     for (std::size_t i = 0; i < times.size(); ++i) {
-        require(std::isfinite(times[i]), fmt::format("output time {} is {}; it must be finite", i, times[i]));
+        require(std::isfinite(times[i]), "output time {} is {}; it must be finite", i, times[i]);
         if (i > 0 && !(times[i] > times[i - 1]))
-            require(false, fmt::format("output time {} is {}, not after the one before it, {}", i, times[i],
-                                       times[i - 1]));
+            require(false, "output time {} is {}, not after the one before it, {}", i, times[i],
+                    times[i - 1]);
     }
 }
 

@@ -7,6 +7,7 @@
 #include "rodwake/rods/certificate.hpp"
 
 #include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <catch2/catch.hpp>
 #include <numbers>
 
@@ -68,6 +69,20 @@ RodProblem passing(RandomStream& random, double nearest, double ahead) {
     problem.t_end = 1.5 * ahead;
     problem.contact_distance = 1.0;
     return problem;
+}
+
+using Exact = boost::multiprecision::cpp_bin_float_50;
+
+/// Of two straight walkers.
+Exact smallest_separation(const RodProblem& problem) {
+    const Pose &a = problem.rods[0], &b = problem.rods[1];
+    const Exact x = Exact(a.x) - b.x, y = Exact(a.y) - b.y,
+                vx = cos(Exact(a.heading)) - cos(Exact(b.heading)),
+                vy = sin(Exact(a.heading)) - sin(Exact(b.heading));
+    const Exact nearest = -(x * vx + y * vy) / (vx * vx + vy * vy), end = problem.t_end;
+    const Exact t = nearest < 0 ? Exact(0) : nearest < end ? nearest : end;
+    const Exact dx = x + vx * t, dy = y + vy * t;
+    return sqrt(dx * dx + dy * dy);
 }
 
 } // namespace
@@ -145,23 +160,43 @@ TEST_CASE("An outcome at its very limit is open") {
     }
 }
 
-TEST_CASE("Straight walkers that graze, near and far: the proof is never wrong") {
+TEST_CASE("Straight walkers that graze, near and far, are all proved, and end as 50 digits say") {
     RandomStream random(13);
-    int proved = 0, wrong = 0;
+    int proved = 0, wrong = 0, in_doubt = 0;
     for (int k = 0; k < 2000; ++k) {
-        const double margin = random.log_uniform(1e-12, 0.1) * (k % 2 == 0 ? -1.0 : 1.0);
-        const double ahead = random.log_uniform(3.0, 1e6);
-        const RodOutcome outcome = simulate_certified(passing(random, 1.0 + margin, ahead), {}).outcome;
-        const bool sure = std::abs(margin) > 1e-15 * ahead; // of the places, which are double
-        const bool meets = outcome.ending == Ending::contact;
+        const bool hard = k % 20 < 2; // beyond extended precision
+        const double margin = random.log_uniform(1e-13, hard ? 1e-11 : 0.1) * (k % 2 == 0 ? -1.0 : 1.0);
+        const RodProblem problem = passing(random, 1.0 + margin, hard ? 1e6 : random.log_uniform(3.0, 1e6));
+        const RodOutcome outcome = simulate_certified(problem, {}).outcome;
+        const Exact gap = smallest_separation(problem) - 1;
         proved += outcome.certificate == Certificate::proved;
-        wrong += outcome.certificate == Certificate::proved && sure && meets != (margin < 0.0);
+        wrong += (outcome.ending == Ending::contact) != (gap < 0);
+        in_doubt += abs(gap) < 5e-18 * problem.t_end; // of extended precision
     }
     CHECK(wrong == 0);
-    CHECK(proved > 1800);
+    CHECK(proved == 2000);
+    CHECK(in_doubt > 10);
 }
 
-TEST_CASE("Rods that walk straight are proved but at rounding") {
+TEST_CASE("A straight run stops where its rods meet, whatever the form") {
+    RandomStream random(14);
+    for (const Form form : {Form::angle, Form::director, Form::dae}) {
+        RodOptions options;
+        options.form = form;
+        options.ode.method = integrate::Method::bdf;
+        const RodProblem problem = passing(random, 0.6, 10.0); // 0.8 before the closest place
+        const RodResult run = simulate(problem, options);
+        CHECK(run.outcome.ending == Ending::contact);
+        CHECK(run.outcome.pair.distance == Approx(1.0).epsilon(1e-12));
+        RodProblem late = problem;
+        late.t_end = run.outcome.time * (1.0 - 1e-12);
+        CHECK(simulate(late, options).outcome.ending != Ending::contact);
+        late.t_end = run.outcome.time * (1.0 + 1e-12);
+        CHECK(simulate(late, options).outcome.ending == Ending::contact);
+    }
+}
+
+TEST_CASE("Rods that walk straight are proved, an ulp from contact too") {
     RodProblem problem;
     problem.t_end = 30.0;
     problem.contact_distance = 1.0;
@@ -175,7 +210,8 @@ TEST_CASE("Rods that walk straight are proved but at rounding") {
     CHECK(pass(1.0 - 1e-9).certificate == Certificate::proved);
     problem.rods = {Pose{}, Pose{0.0, std::nextafter(1.0, 2.0), 0.0}}; // abreast, an ulp from contact
     problem.t_end = 300.0;
-    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::open);
+    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::proved);
+    CHECK(simulate_certified(problem, {}).outcome.ending != Ending::contact);
     problem.t_end = 30.0;
     pass(2.0);
     problem.rods.push_back({500.0, 0.0, 1.0});
