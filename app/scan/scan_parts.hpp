@@ -52,6 +52,11 @@ scan::Evaluate evaluate_beds(const ScanPlan& plan, std::filesystem::path folder,
 /// in output units. With noise a point is an ensemble.
 scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop);
 
+/// Design::side of two rods of an undecided end: the angle between their headings, signed. A pursuit so
+/// narrow that it lies within a cell has rods that turn one way on its one side and the other way on the
+/// other. The plan must outlive it; empty where nothing is known.
+std::function<double(const scan::Result&)> side_of_pursuit(const ScanPlan& plan);
+
 /// The encounter of a point with `times` output times spread over [0, end], as run for its result; with
 /// noise another run of its ensemble's law.
 rods::RodResult trajectory_of(const ScanPlan& plan, const scan::Result& result, std::size_t times);

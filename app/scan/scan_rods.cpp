@@ -15,6 +15,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 namespace rodwake::app {
 
@@ -309,6 +310,22 @@ scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop) {
     return [&plan, units = output_units(plan.base),
             stop = std::move(stop)](std::span<const scan::Point> points, std::span<scan::Result> results) {
         PointsOfRods(plan, units, stop).evaluate(points, results);
+    };
+}
+
+std::function<double(const scan::Result&)> side_of_pursuit(const ScanPlan& plan) {
+    const auto& names = plan.columns.observables;
+    const auto turn = static_cast<std::size_t>(std::ranges::find(names, "turn0") - names.begin());
+    if (plan.base.rods.size() != 2 || plan.base.noise || turn + 1 >= names.size())
+        return nullptr;
+    return [turn, problem = std::make_shared<PointProblem>(plan)](const scan::Result& result) {
+        if (result.outcome != static_cast<std::int32_t>(Ending::undecided))
+            return std::nan("");
+        const std::vector<rods::Pose>& start = problem->at(result.point).rods;
+        const double angle = std::remainder(start[1].heading + result.values[turn + 1] - start[0].heading -
+                                                result.values[turn],
+                                            2.0 * std::numbers::pi);
+        return std::abs(angle) < 0.5 * std::numbers::pi ? angle : std::nan("");
     };
 }
 

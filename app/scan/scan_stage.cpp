@@ -154,7 +154,9 @@ StageEnd run_scan(Session& session) {
     options.on_progress = [&](std::int64_t done, std::int64_t total) {
         progress.update(static_cast<double>(done), static_cast<double>(total));
     };
-    const scan::Summary summary = scan::run(plan.design, ledger, executor_of(session, plan), options);
+    scan::Design design = plan.design;
+    design.side = side_of_pursuit(plan);
+    const scan::Summary summary = scan::run(design, ledger, executor_of(session, plan), options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     ledger.settle();
     const scan::Counts counts = ledger.counts();

@@ -196,7 +196,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
     integrate::SensitivityProblem result;
     result.ode = to_ode(problem);
     if (problem.rods.size() > 1)
-        result.ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
+        result.ode.step_limit = step_limit(problem);
     result.parameters = parameters.size() + headings.size() + places.size();
     // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the
     // problem's

@@ -160,6 +160,23 @@ double encounter_step(State y, Box box) {
     return limit;
 }
 
+double wake_step(State y, const elastic::Medium& medium, Box box) {
+    double limit = std::numeric_limits<double>::infinity();
+    for (std::size_t a = 0; a < y.size(); a += 3)
+        for (std::size_t b = 0; b < y.size(); b += 3) {
+            const Offset d = offset(y, a / 3, b / 3, box);
+            const double c = std::cos(y[b + 2]), s = std::sin(y[b + 2]);
+            const double behind = -(d.x * c + d.y * s), across = std::abs(d.y * c - d.x * s);
+            if (!(behind > 0.0)) // itself, too
+                continue;
+            const double width = std::sqrt(4.0 * behind * medium.xi / medium.nu());
+            limit = std::min(limit, (across + width) / (3.0 * std::abs(std::sin(y[a + 2] - y[b + 2]))));
+        }
+    return limit;
+}
+
+bool has_wide_wakes(const elastic::Medium& medium) { return medium.nu() <= 10.0; }
+
 // Which pairs need no look. On the cubic of a pair the weights of its end slopes g0, g1 are at most 4/27, and
 // |g| <= h d(r^2)/dt <= 4 h r. With m the smaller and M the larger separation at the ends it stays above
 //

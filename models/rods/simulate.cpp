@@ -49,6 +49,14 @@ std::vector<integrate::Event> known_contact(const RodProblem& problem) {
 
 } // namespace
 
+std::function<double(double, State)> step_limit(const RodProblem& problem) {
+    if (!problem.medium || has_wide_wakes(*problem.medium))
+        return [box = problem.box](double, State y) { return encounter_step(y, box); };
+    return [box = problem.box, medium = *problem.medium](double, State y) {
+        return std::min(encounter_step(y, box), wake_step(y, medium, box));
+    };
+}
+
 elastic::MutualWakesOptions sum_options(const Couplings& c, const WakeSums& sums) {
     const auto& [kappa, gamma1, gamma2] = c;
     const double polar = std::abs(gamma1) + std::abs(gamma2);
@@ -96,7 +104,7 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     ode.component_name = RodModel::component_name;
     // in a box straight courses meet many images in one step
     if (model->rods() > 1 && (model->interacting() || (problem.box && problem.contact_distance)))
-        ode.step_limit = [box = problem.box](double, State y) { return encounter_step(y, box); };
+        ode.step_limit = step_limit(problem);
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)
         ode.events.push_back(contact_event(*problem.contact_distance, problem.box));

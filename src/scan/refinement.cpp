@@ -11,8 +11,8 @@
 namespace rodwake::scan {
 
 Refinement::Refinement(const Design& design)
-    : lattice_(design), drivers_(design.drivers), cells_(static_cast<std::size_t>(lattice_.levels()) + 1),
-      divided_(cells_.size()) {
+    : lattice_(design), drivers_(design.drivers), side_(design.side),
+      cells_(static_cast<std::size_t>(lattice_.levels()) + 1), divided_(cells_.size()) {
     const std::int64_t side = lattice_.stride(0);
     const auto count = [&](std::size_t k) { return k < lattice_.axes() ? lattice_.steps(k) / side : 1; };
     for (std::int64_t i = 0; i < count(0); ++i)
@@ -25,7 +25,8 @@ void Refinement::learn(const Result& result) {
     const auto row = static_cast<std::uint32_t>(drivers_.empty() ? 0 : rows_.size() / drivers_.size());
     for (const Driver& driver : drivers_)
         rows_.push_back(result.ok() ? result.values[driver.observable] : std::nan(""));
-    known_[result.point.id] = {result.ok() ? result.outcome : -1, row};
+    const double side = side_ && result.ok() ? side_(result) : 0.0;
+    known_[result.point.id] = {result.ok() ? result.outcome : -1, row, (side > 0.0) - (side < 0.0)};
 }
 
 std::int32_t Refinement::outcome(const Place& place) const {
@@ -112,7 +113,7 @@ Refinement::Place Refinement::low_of(const Place& place, int level) const {
 }
 
 bool Refinement::differ(const Known& a, const Known& b) const {
-    if (a.outcome != b.outcome)
+    if (a.outcome != b.outcome || a.side * b.side < 0)
         return true;
     for (std::size_t d = 0; d < drivers_.size(); ++d)
         if (std::abs(rows_[a.row * drivers_.size() + d] - rows_[b.row * drivers_.size() + d]) >

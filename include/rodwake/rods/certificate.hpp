@@ -7,7 +7,8 @@
 //             one at a tolerance a hundred times tighter. Rounding in the bound itself is allowed for, not
 //             enclosed. And rods that start well within the contact distance, and a single one, which has
 //             nothing to decide
-//   checked   other rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision is
+//   checked   other rods that turn: a run at a tolerance a hundred times tighter ends so, and each decision
+//   is
 //             farther from its limit than ten times what the two differ by. Evidence, not a proof
 //   open      neither
 //

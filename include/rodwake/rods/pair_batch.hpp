@@ -44,7 +44,7 @@ struct PairProblem {
 };
 
 /// The problem as a pair for the batch; nothing if it is none: not two rods, a periodic box, a field of
-/// its own, no medium or no coupling.
+/// its own, no medium or no coupling, wakes so narrow that steps are limited by wake_step.
 std::optional<PairProblem> to_pair_problem(const RodProblem& problem);
 RodProblem to_rod_problem(const PairProblem& pair);
 

@@ -10,6 +10,7 @@
 // has an infinite encounter_step.
 
 #include "rodwake/core/periodic.hpp"
+#include "rodwake/elastic/medium.hpp"
 #include "rodwake/integrate/ode.hpp"
 
 #include <cstddef>
@@ -41,6 +42,14 @@ Offset offset(integrate::State y, std::size_t a, std::size_t b, Box box = {});
 /// most a third of the separation is closed in it, two thirds if the limit is one step old; rods that walk
 /// abreast close in only by turning, which error control sees.
 double encounter_step(integrate::State y, Box box = {});
+
+/// Longest step in which no rod crosses a narrow wake of another unseen: the smallest of
+/// (|d| + w)/(3 v) over the pairs, d being the distance from the other's track behind it, v the speed across,
+/// and w = sqrt(4 b xi/nu) the width of the longitudinal wake at b behind (docs/physics.md, Eq. 16). For
+/// nu >> 1, where w << b; for nu of order 1 it says no more than encounter_step. Looks at all pairs.
+double wake_step(integrate::State y, const elastic::Medium& medium, Box box = {});
+/// Whether wakes are wide enough for encounter_step alone: nu <= 10.
+bool has_wide_wakes(const elastic::Medium& medium);
 
 /// Closest approach at or below which two rods pass through each other as far as a solve can tell: the side
 /// on which they pass, and with it their turning in fields that are singular there, is within `tolerance` of

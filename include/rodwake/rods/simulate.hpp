@@ -111,8 +111,11 @@ struct RodResult {
 /// order. Deterministic; thread-safe.
 RodResult simulate(const RodProblem& problem, const RodOptions& options);
 
+/// OdeProblem::step_limit of rods that interact: encounter_step, and near eta = -1 wake_step.
+std::function<double(double t, integrate::State y)> step_limit(const RodProblem& problem);
+
 /// The initial-value problem by itself, for those who want to integrate it their own way. Steps are limited
-/// by encounter_step, so that no encounter is stepped over however quiet the field before it. Refuses rods
+/// by step_limit, so that no encounter is stepped over however quiet the field before it. Refuses rods
 /// that start in contact, which the event could not find.
 integrate::OdeProblem to_ode(const RodProblem& problem);
 /// In another form. Director: with Jacobian and projection, for bdf and erk; dae: for bdf (IDAS), Jacobian by

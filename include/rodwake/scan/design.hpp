@@ -5,6 +5,7 @@
 #include "rodwake/scan/point.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 namespace rodwake::scan {
@@ -43,7 +44,10 @@ struct Design {
     long resolution = 0;                   ///< adaptive: cells a side at the finest
     long audit = 0;                        ///< adaptive: points tried at random where nothing was refined
     std::vector<Driver> drivers;           ///< adaptive
-    double boundary_tolerance = 0.0;       ///< adaptive, of the axis; 0: boundaries are not bisected
+    /// Adaptive, beside the outcome: where a result stands to a thin region that may lie alone, by sign; NaN:
+    /// far from any. Cells over which it changes sign are halved. Empty: no such region is known.
+    std::function<double(const Result&)> side;
+    double boundary_tolerance = 0.0; ///< adaptive, of the axis; 0: boundaries are not bisected
     /// Not adaptive: each place is evaluated so many times, as runs that differ in their random numbers
     /// (point.hpp has their ids); 0: once, and the id of a point is its place.
     long runs = 0;

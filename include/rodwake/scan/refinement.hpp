@@ -1,9 +1,9 @@
 #pragma once
 // Adaptive placement: a tree of cells (quadtree, octree) whose corners are the points. Cells over which the
-// outcome changes, or an observable by more than its step, are halved until the resolution is reached, and so
-// are the cells around them: a boundary leaves no cell unseen, and strips thinner than a cell of the start
-// are found where they come near anything else. What is thinner and lies alone, the audit finds at the rate
-// it prints. Sides of cells that touch differ by a factor of two at most.
+// outcome changes, or an observable by more than its step, or Design::side its sign, are halved until the
+// resolution is reached, and so are the cells around them: a boundary leaves no cell unseen, and strips
+// thinner than a cell of the start are found where they come near anything else. What is thinner and lies
+// alone, the audit finds at the rate it prints. Sides of cells that touch differ by a factor of two at most.
 //
 // Which points are asked for follows from results alone, so a scan that is taken up with the results in its
 // ledger asks for the same ones.
@@ -50,6 +50,7 @@ private:
     struct Known {
         std::int32_t outcome;
         std::uint32_t row; ///< of driver values
+        int side;          ///< sign; 0: none
     };
 
     std::size_t corners() const { return std::size_t{1} << lattice_.axes(); }
@@ -68,6 +69,7 @@ private:
 
     Lattice lattice_;
     std::vector<Driver> drivers_;
+    std::function<double(const Result&)> side_;
     std::unordered_map<std::int64_t, Known> known_;
     std::vector<double> rows_;
     std::vector<Cells> cells_, divided_;       ///< of each level
