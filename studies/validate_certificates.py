@@ -8,7 +8,7 @@ straight  encounters of rods that walk straight and miss contact, or make it, by
           2000 by SciPy's solve_ivp with an event too, the first 20 000 by CVODES and odeint (`--peers build/release/bench/bench_grazing`).
 turning   pairs at rtol 1e-4, 1e-6 and 1e-8 against rtol 1e-12. Half of them with a contact distance that they miss or make by 1e-9 to 0.1
           of it; kappa from 0.1 to 1000, gammas, alpha from 0.01 to 10, eta from -0.999 to 10, contact distances down to 1e-6. Points that
-          take more than a second, rods that circle each other closely, are left out.
+          take more than a fifth of a second, rods that circle each other closely, are left out.
 diagrams  the shipped phase diagrams: shares of points and of area, and what certificates cost.
 """
 
@@ -42,7 +42,7 @@ rtol = {rtol}
 design = "list"
 file = "{points}"
 trajectories = 0
-time_limit = 1.0
+time_limit = 0.2
 certificates = {certificates}
 """
 WITH_MEDIUM = "[medium]\neta = 1.0\nalpha = 1.0\n[coupling]\nkappa = 1.0\n"
