@@ -268,14 +268,10 @@ HWY_INLINE void StepLanes(PairQueue* const (&queues)[n], double rtol, double ato
         Settle(*queues[v], bounds[v], trial[v]);
 }
 
-/// How much larger the error estimate may be than the tolerance, for the errors that Dormand-Prince's steps
-/// have at this tolerance (docs/validation_rods.md).
-double Leniency(double rtol) { return std::min(4.0 + 10.0 * std::sqrt(1e6 * rtol), 14.0); }
-
 template<bool polar>
 HWY_INLINE void Run(PairQueue& first, PairQueue& second) {
     const PairOptions& options = first.options();
-    const double lenient = Leniency(options.rtol), rtol = lenient * options.rtol,
+    const double lenient = tableau::leniency(options.rtol, 14.0), rtol = lenient * options.rtol,
                  atol = lenient * std::min(options.atol, 0.1 * options.rtol); // as rods::simulate
     while (!first.done() && !second.done())
         StepLanes<polar, 2>({&first, &second}, rtol, atol);

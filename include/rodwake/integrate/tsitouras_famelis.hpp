@@ -4,11 +4,25 @@
 // without phase fitting). Pairs of rods take 0.71 (rtol 1e-6) to 0.6 (1e-9) of the right-hand sides of
 // Dormand-Prince 5(4) at equal error; six other pairs of orders 6(5) take more.
 
+#include <cmath>
 #include <cstddef>
 
 namespace rodwake::integrate::tsitouras_famelis {
 
 inline constexpr std::size_t stages = 9;
+inline constexpr int order = 6;
+
+/// How much larger than the tolerance the estimate of a step's error may be, for the errors over rtol of
+/// Dormand-Prince's steps (pairs of rods, docs/validation_rods.md). `most`: of loose tolerances.
+inline double leniency(double rtol, double most) {
+    const double more = 4.0 + 10.0 * std::sqrt(1e6 * rtol);
+    return more < most ? more : most;
+}
+
+/// Where the stages are in the step.
+inline constexpr double nodes[stages] = {
+    0.0, 0.09289617486338798, 0.14457831325301204, 0.21686746987951808, 0.568, 0.711864406779661, 0.995, 1.0,
+    1.0};
 
 /// Of the rates of earlier stages; the last stage is the step's end, of order 6.
 inline constexpr double stage_weights[stages][stages - 1] = {

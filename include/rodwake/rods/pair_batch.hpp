@@ -4,8 +4,8 @@
 //
 // Method: Tsitouras-Famelis 6(5) (integrate/tsitouras_famelis.hpp), each lane with its own step, error, step
 // limit (encounter_step) and end; a lane whose pair has ended takes the next one. Contact is located by
-// shortening the step that passes it until its end lies on it. Tolerances, endings and the record of separations are those of rods::simulate,
-// which remains the reference.
+// shortening the step that passes it until its end lies on it. Tolerances, endings and the record of
+// separations are those of rods::simulate, which remains the reference.
 //
 // Bits: a pair's result depends on this pair and the options, on nothing else: not on the other pairs, the
 // lanes of a vector or the instruction set.
