@@ -14,7 +14,7 @@ namespace {
 
 constexpr double tighter_by = 0.01, tightest = 1e-13;
 /// Proofs want shorter steps than the runs': they know a solution by the ends of its steps alone.
-constexpr double for_proof = 0.025;
+constexpr double for_proof = 0.007;
 constexpr double times_the_difference = 10.0;
 
 /// A run's end as far as decisions need it.
