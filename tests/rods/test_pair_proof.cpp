@@ -94,7 +94,7 @@ PairTrack track_of(const PairProblem& pair, const PairOptions& options, PairResu
 double share_of_bound(const PairProblem& pair, double shrunk, int& bounded) {
     PairResult run, exact;
     ProofSpace space;
-    PairOptions options{3e-10, 3e-12};
+    PairOptions options{2e-10, 2e-12};
     const PairTrack track = track_of(pair, options, run);
     track_of(pair, {1e-13, 1e-15, {}, 1'000'000}, exact);
     if (run.handed_over() || exact.handed_over() || run.ending == Ending::contact)
