@@ -6,6 +6,7 @@
 //   build/release/bench/bench_kernel --benchmark_min_time=0.5
 
 #include "elastic/geometry.hpp"
+#include "instruction_set.hpp"
 #include "plain_field.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"

@@ -3,6 +3,7 @@
 // with a look for contact after each step, all in one run. Counters: trajectories a second; the median error
 // of the final state against a run at 1e-12, where both end alike.
 
+#include "instruction_set.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 

@@ -4,7 +4,7 @@
 // (wasm.cpp); built into the program's library too, where it is tested.
 //
 // Two rods go through the kernels of rods/pair_batch.hpp. Another number of rods, and pairs that these hand
-// over, are integrated by the same method (Dormand-Prince 5(4), the same tolerances, step limit, endings)
+// over, are integrated by Dormand-Prince 5(4) (the same tolerances, step limit, endings)
 // from the equations of rods/model.hpp. Reduced units, infinite plane.
 //
 // Error: of states at most 1e-6 from rods::simulate at rtol 1e-8, but for rods that nearly meet

@@ -22,34 +22,36 @@ struct Rows {
     hn::Vec<D> c[shape.stride()];
 };
 
-#if HWY_MAX_BYTES >= 32
-/// Rows of eight doubles; of six the last two columns are never used.
-template<class D, TableShape shape>
-HWY_INLINE void TransposeFour(D d, const double* table, const std::int64_t (&at)[4], Rows<D, shape>& rows) {
-    static_assert(shape.stride() == 8);
-    RODWAKE_UNROLL
-    for (int half = 0; half < 2; ++half) {
-        const double* const from = table + 4 * half;
-        const auto r0 = hn::LoadU(d, from + at[0]), r1 = hn::LoadU(d, from + at[1]),
-                   r2 = hn::LoadU(d, from + at[2]), r3 = hn::LoadU(d, from + at[3]);
-        const auto even01 = hn::InterleaveLower(d, r0, r1), even23 = hn::InterleaveLower(d, r2, r3),
-                   odd01 = hn::InterleaveUpper(d, r0, r1), odd23 = hn::InterleaveUpper(d, r2, r3);
-        rows.c[4 * half] = hn::ConcatLowerLower(d, even23, even01);
-        rows.c[4 * half + 1] = hn::ConcatLowerLower(d, odd23, odd01);
-        rows.c[4 * half + 2] = hn::ConcatUpperUpper(d, even23, even01);
-        rows.c[4 * half + 3] = hn::ConcatUpperUpper(d, odd23, odd01);
+#if HWY_TARGET != HWY_SCALAR && !HWY_HAVE_SCALABLE
+/// Blocks of 128 bits, one of each row at at[0], at[block], at[2 block] ...: loads that put them in place
+/// spare the shuffles of a transposition.
+template<class D, class Index>
+HWY_INLINE hn::Vec<D> RowBlocks(D d, const hn::TFromD<D>* from, const Index* at) {
+    constexpr std::size_t lanes = hn::MaxLanes(D());
+    if constexpr (lanes * sizeof(hn::TFromD<D>) == 16) {
+        return hn::LoadU(d, from + at[0]);
+    } else {
+        const hn::Half<D> half;
+        return hn::Combine(d, RowBlocks(half, from, at + lanes / 2), RowBlocks(half, from, at));
     }
 }
 
-/// Rows of four floats, a row half a vector.
-template<class D, TableShape shape>
-HWY_INLINE void TransposeEight(D d, const float* table, const std::int32_t (&at)[8], Rows<D, shape>& rows) {
+template<TableShape shape, class D, class Index>
+HWY_INLINE void TransposeRows(D d, const double* table, const Index* at, Rows<D, shape>& rows) {
+    RODWAKE_UNROLL
+    for (int k = 0; k < shape.terms; k += 2) {
+        const auto even = RowBlocks(d, table + k, at), odd = RowBlocks(d, table + k, at + 1);
+        rows.c[k] = hn::InterleaveLower(d, even, odd);
+        rows.c[k + 1] = hn::InterleaveUpper(d, even, odd);
+    }
+}
+
+/// A row of floats is one block.
+template<TableShape shape, class D, class Index>
+HWY_INLINE void TransposeRows(D d, const float* table, const Index* at, Rows<D, shape>& rows) {
     static_assert(shape.stride() == 4);
-    const hn::Half<D> half;
-    const auto both = [&](int k) HWY_ATTR {
-        return hn::Combine(d, hn::LoadU(half, table + at[k + 4]), hn::LoadU(half, table + at[k]));
-    };
-    const auto r0 = both(0), r1 = both(1), r2 = both(2), r3 = both(3);
+    const auto r0 = RowBlocks(d, table, at), r1 = RowBlocks(d, table, at + 1),
+               r2 = RowBlocks(d, table, at + 2), r3 = RowBlocks(d, table, at + 3);
     const hn::RepartitionToWide<D> w; // two neighbours as one
     const auto low01 = hn::BitCast(w, hn::InterleaveLower(d, r0, r1)),
                low23 = hn::BitCast(w, hn::InterleaveLower(d, r2, r3)),
@@ -73,28 +75,17 @@ HWY_INLINE Rows<D, shape> LoadRows(D d, const hn::TFromD<D>* table, Index index)
             rows.c[k] = hn::Set(d, row[k]);
         return rows;
     }
-#if HWY_TARGET != HWY_SCALAR
-    if constexpr (hn::MaxLanes(D()) == 2 && sizeof(hn::TFromD<D>) == 8) {
-        const hn::TFromD<D>*const first = table + hn::GetLane(index), *const second =
-                                                                          table + hn::ExtractLane(index, 1);
-        RODWAKE_UNROLL
-        for (int k = 0; k < shape.terms; k += 2) {
-            const auto r0 = hn::LoadU(d, first + k), r1 = hn::LoadU(d, second + k);
-            rows.c[k] = hn::InterleaveLower(d, r0, r1);
-            rows.c[k + 1] = hn::InterleaveUpper(d, r0, r1);
+#if HWY_TARGET != HWY_SCALAR && !HWY_HAVE_SCALABLE
+    if constexpr (hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) >= 16) {
+        using Index1 = hwy::MakeSigned<hn::TFromD<D>>;
+        HWY_ALIGN Index1 at[hn::MaxLanes(D())];
+        if constexpr (hn::MaxLanes(D()) == 2) { // not through memory
+            at[0] = hn::GetLane(index);
+            at[1] = hn::ExtractLane(index, 1);
+        } else {
+            hn::Store(index, hn::RebindToSigned<D>(), at);
         }
-        return rows;
-    }
-#endif
-#if HWY_MAX_BYTES >= 32
-    constexpr bool single = sizeof(hn::TFromD<D>) == 4;
-    if constexpr (hn::MaxLanes(D()) == (single ? 8 : 4)) {
-        HWY_ALIGN hwy::MakeSigned<hn::TFromD<D>> at[hn::MaxLanes(D())];
-        hn::Store(index, hn::RebindToSigned<D>(), at);
-        if constexpr (single)
-            TransposeEight(d, table, at, rows);
-        else
-            TransposeFour(d, table, at, rows);
+        TransposeRows(d, table, at, rows);
         return rows;
     }
 #endif

@@ -14,6 +14,8 @@ namespace {
 // How two runs of rods that turn differ
 
 constexpr double tighter_by = 0.01, tightest = 1e-13;
+/// Proofs want shorter steps than the runs': they know a solution by the ends of its steps alone.
+constexpr double for_proof = 0.007;
 constexpr double times_the_difference = 10.0;
 
 /// A run's end as far as decisions need it.
@@ -123,39 +125,29 @@ bool done(const RodResult& run) {
            run.solution.status.termination == integrate::Termination::stopped_at_event;
 }
 
-/// A run, and its steps where a proof may follow.
+double tighter(double rtol, double by) { return std::max(by * rtol, tightest); }
+
+/// A second run and its steps.
 struct FollowedRun {
     RodResult run;
     PairTrack track;
 };
 
-FollowedRun follow(const RodProblem& problem, RodOptions options, bool kept) {
+FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double by) {
     FollowedRun followed;
-    PairTrack& track = followed.track;
-    if (kept) {
-        track.add(0.0, to_state(problem.rods));
-        options.ode.on_step = [&track, also = options.ode.on_step](const integrate::Step& step) {
-            track.add(step.time, step.state);
-            if (also)
-                also(step);
-        };
-    }
-    followed.run = simulate(problem, options);
-    return followed;
-}
-
-FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, bool kept) {
     RodProblem again = problem;
     again.output_times.clear();
     integrate::OdeOptions& ode = options.ode;
-    ode.rtol *= tighter_by;
-    ode.atol *= tighter_by;
+    ode.rtol = tighter(ode.rtol, by);
+    ode.atol *= by;
     ode.max_steps *= 10;
-    ode.on_step = nullptr;
+    followed.track.add(0.0, to_state(problem.rods));
+    ode.on_step = [&](const integrate::Step& step) { followed.track.add(step.time, step.state); };
     ode.on_segment = nullptr;
     options.on_checkpoint = nullptr;
     options.resume_from.reset();
-    return follow(again, options, kept);
+    followed.run = simulate(again, options);
+    return followed;
 }
 
 bool proved(const PairProblem& pair, const PairTrack& track, Ending ending, const EndingCriteria& criteria,
@@ -239,24 +231,25 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
     return std::nullopt;
 }
 
-Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const FollowedRun& first,
+Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const RodResult& first,
                            bool thorough) {
-    const RodOutcome& outcome = first.run.outcome;
+    const RodOutcome& outcome = first.outcome;
     if (const auto told = certificate_at_once(problem, outcome, options.criteria))
         return *told;
     const auto pair = provable(problem, options);
     ProofSpace space;
-    const auto proves = [&](const PairTrack& track) {
-        return pair && proved(*pair, track, outcome.ending, options.criteria, space);
+    const auto proves = [&](const FollowedRun& second) {
+        return done(second.run) && second.run.outcome.ending == outcome.ending &&
+               proved(*pair, second.track, outcome.ending, options.criteria, space);
     };
-    if (proves(first.track))
+    if (pair && proves(follow_tighter(problem, options, for_proof)))
         return Certificate::proved;
-    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first.run)))
+    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first)))
         return Certificate::open;
-    const FollowedRun tight = follow_tighter(problem, options, pair.has_value());
-    if (done(tight.run) && proves(tight.track))
+    const FollowedRun tight = follow_tighter(problem, options, pair ? for_proof * tighter_by : tighter_by);
+    if (pair && proves(tight))
         return Certificate::proved;
-    return checked(problem, options, first.run, tight.run) ? Certificate::checked : Certificate::open;
+    return checked(problem, options, first, tight.run) ? Certificate::checked : Certificate::open;
 }
 
 // Batches
@@ -287,20 +280,27 @@ std::optional<Certificate> certificate_at_once(const PairProblem& pair, const Pa
                  : certificate_at_once(to_rod_problem(pair), outcome_of(run), options.criteria);
 }
 
-/// Runs the pairs and keeps their steps.
-std::vector<PairTrack> follow(std::span<const PairProblem> pairs, const PairOptions& options,
-                              std::span<PairResult> results) {
+/// Runs the pairs at a tighter tolerance and keeps their steps.
+std::vector<PairTrack> follow_tighter(std::span<const PairProblem> pairs, PairOptions options, double by,
+                                      std::span<PairResult> results) {
     std::vector<PairTrack> tracks(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
         tracks[i].add(0.0, to_state(pairs[i].rods));
-    PairOptions followed = options;
-    followed.on_step = [&](std::size_t pair, const PairStep& step) {
+    options.rtol = tighter(options.rtol, by);
+    options.atol *= by;
+    options.max_attempts *= 10;
+    options.on_step = [&](std::size_t pair, const PairStep& step) {
         tracks[pair].add(step.time, step.state);
-        if (options.on_step)
-            options.on_step(pair, step);
     };
-    simulate_pairs(pairs, followed, results);
+    simulate_pairs(pairs, options, results);
     return tracks;
+}
+
+/// Whether the steps of a second run, which ends so, prove the outcome of the first.
+bool proved(const PairProblem& pair, const PairResult& run, const PairResult& second, const PairTrack& track,
+            const PairOptions& options, ProofSpace& space) {
+    return !second.handed_over() && second.ending == run.ending &&
+           proved(pair, track, run.ending, options.criteria, space);
 }
 
 /// Those of the pairs whose outcomes the first run did not prove, once more.
@@ -310,16 +310,11 @@ void look_again(std::span<const PairProblem> pairs, const PairOptions& options, 
     again.reserve(rest.size());
     for (const std::size_t i : rest)
         again.push_back(pairs[i]);
-    PairOptions tight = options;
-    tight.rtol *= tighter_by;
-    tight.atol *= tighter_by;
-    tight.max_attempts *= 10;
-    tight.on_step = nullptr;
     std::vector<PairResult> ends(rest.size());
-    const std::vector<PairTrack> tracks = follow(again, tight, ends);
+    const std::vector<PairTrack> tracks = follow_tighter(again, options, for_proof * tighter_by, ends);
     for (std::size_t k = 0; k < rest.size(); ++k) {
         PairResult& result = results[rest[k]];
-        if (!ends[k].handed_over() && proved(again[k], tracks[k], result.ending, options.criteria, space))
+        if (proved(again[k], result, ends[k], tracks[k], options, space))
             result.certificate = Certificate::proved;
         else if (checked(again[k], result, ends[k], options))
             result.certificate = Certificate::checked;
@@ -341,15 +336,17 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
 }
 
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough) {
-    FollowedRun first = follow(problem, options, provable(problem, options).has_value());
-    if (done(first.run))
-        first.run.outcome.certificate = certificate_of(problem, options, first, thorough);
-    return std::move(first.run);
+    RodResult first = simulate(problem, options);
+    if (done(first))
+        first.outcome.certificate = certificate_of(problem, options, first, thorough);
+    return first;
 }
 
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results) {
-    const std::vector<PairTrack> tracks = follow(pairs, options, results);
+    simulate_pairs(pairs, options, results);
+    std::vector<PairResult> ends(pairs.size());
+    const std::vector<PairTrack> tracks = follow_tighter(pairs, options, for_proof, ends);
     const bool again = tighter_by * options.rtol >= tightest;
     std::vector<std::size_t> rest;
     ProofSpace space;
@@ -357,7 +354,7 @@ void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& o
         PairResult& result = results[i];
         const auto told = certificate_at_once(pairs[i], result, options);
         result.certificate = told.value_or(Certificate::open);
-        if (!told && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
+        if (!told && proved(pairs[i], result, ends[i], tracks[i], options, space))
             result.certificate = Certificate::proved;
         else if (!told && again)
             rest.push_back(i);
@@ -424,7 +421,8 @@ bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOpti
         return false;
     const PairBox box = box_of(corners);
     std::vector<PairResult> result(1);
-    const std::vector<PairTrack> track = follow(std::span(&box.middle, 1), options, result);
+    const std::vector<PairTrack> track =
+        follow_tighter(std::span(&box.middle, 1), options, for_proof, result);
     if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
         return false;
     ProofSpace space;

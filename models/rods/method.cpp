@@ -1,4 +1,5 @@
-#include "rodwake/rods/simulate.hpp"
+#include "interaction.hpp"
+#include "rodwake/rods/pair_batch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +29,26 @@ Eigen::MatrixXd difference_jacobian(const RodModel& model, std::vector<double> y
     return jacobian;
 }
 
+/// As by the Jacobian, of which it takes no more than it needs: every point of a scan asks.
+double pair_stiffness(const PairProblem& pair) {
+    const elastic::Field field(pair.medium);
+    const std::vector<double> y = to_state(pair.rods);
+    double fastest = 0.0;
+    for (const std::size_t a : {0, 1}) {
+        const View at = view(y, a, 1 - a, direction(y, a), direction(y, 1 - a));
+        const TurningRate rate = turning_rate_derivatives(
+            field.at(at.x, at.y, request_of(pair.couplings, true)), pair.couplings, at.heading);
+        fastest = std::max(
+            {fastest, std::abs(rate.by_phi), std::abs(at.y * rate.by_x - at.x * rate.by_y - rate.by_phi)});
+    }
+    return fastest * closest_pair(y, {}).distance;
+}
+
 } // namespace
 
 double stiffness(const RodProblem& problem) {
+    if (const auto pair = to_pair_problem(problem))
+        return closest_pair(to_state(pair->rods), {}).distance == 0.0 ? 0.0 : pair_stiffness(*pair);
     const RodModel model = model_of(problem);
     if (!model.interacting())
         return 0.0;

@@ -89,9 +89,12 @@ void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& optio
     for (const bool polar : {false, true}) {
         if (order[polar].empty())
             continue;
-        PairQueue queue(pairs, order[polar], options, results);
-        queue.fill(pair_lane_count());
-        run_pairs(queue, polar);
+        std::size_t next = 0;
+        PairQueue first(pairs, order[polar], next, options, results),
+            second(pairs, order[polar], next, options, results);
+        first.fill(pair_lane_count());
+        second.fill(pair_lane_count());
+        run_pairs(first, second, polar);
     }
 }
 

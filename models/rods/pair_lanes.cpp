@@ -1,6 +1,7 @@
 #include "pair_lanes.hpp"
 
 #include "elastic/wake_kernel.hpp"
+#include "rodwake/integrate/tsitouras_famelis.hpp"
 #include "rodwake/rods/conclude.hpp"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace {
 
 using State6 = std::array<double, 6>;
 
-constexpr double lane_first_step = 0.01; // f/(mu v0), as rods::simulate takes
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
 State6 numbers(const LaneNumbers (&of)[6], std::size_t lane) {
@@ -25,7 +25,11 @@ State6 numbers(const LaneNumbers (&of)[6], std::size_t lane) {
     return all;
 }
 
-double separation(const State6& y) { return std::hypot(y[0] - y[3], y[1] - y[4]); }
+/// Not std::hypot, which takes several times as long: what overflows a square is beyond the kernels.
+double separation(const State6& y) {
+    const double x = y[0] - y[3], across = y[1] - y[4];
+    return std::sqrt(x * x + across * across);
+}
 
 /// dr/dt
 double separation_rate(const State6& y, const State6& rate) {
@@ -43,8 +47,8 @@ double lane_resolution(const State6& y) {
 } // namespace
 
 PairQueue::PairQueue(std::span<const PairProblem> pairs, std::span<const std::size_t> order,
-                     const PairOptions& options, std::span<PairResult> results)
-    : pairs_(pairs), order_(order), options_(options), results_(results) {}
+                     std::size_t& next, const PairOptions& options, std::span<PairResult> results)
+    : pairs_(pairs), order_(order), next_(next), options_(options), results_(results) {}
 
 void PairQueue::fill(std::size_t count) {
     for (std::size_t lane = 0; lane < count; ++lane) {
@@ -90,7 +94,6 @@ void PairQueue::load(std::size_t lane, const PairProblem& pair) {
     l.gamma1[lane] = unit * medium.c_shear * gamma1;
     l.gamma2[lane] = unit * medium.c_shear * gamma2;
     l.time[lane] = 0.0;
-    l.step[lane] = lane_first_step;
     l.t_end[lane] = pair.t_end;
     l.forced[lane] = 0.0;
     const double contact = pair.contact_distance;
@@ -165,11 +168,11 @@ bool PairQueue::approach_contact(std::size_t lane, double gap, double rate) {
 /// Whether the rods of a lane without contact distance came so close that nothing holds behind that.
 bool PairQueue::passes_through(std::size_t lane, const PairResult& result) const {
     const PairProblem& pair = pairs_[pair_[lane]];
-    const double first = separation(numbers(lanes.start, lane));
-    return pair.contact_distance == 0.0 && pair.couplings.any() &&
-           result.min_separation <=
-               passing_resolution(result.state, first,
-                                  options_.rtol + std::min(options_.atol, 0.1 * options_.rtol));
+    if (pair.contact_distance != 0.0 || !pair.couplings.any())
+        return false;
+    const double first = separation(numbers(lanes.start, lane)),
+                 tolerance = options_.rtol + std::min(options_.atol, 0.1 * options_.rtol);
+    return result.min_separation <= passing_resolution(result.state, first, tolerance);
 }
 
 void PairQueue::finish(std::size_t lane, PairEnding end) {
@@ -187,7 +190,8 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
     result.ahead_x = l.ahead_x[lane];
     result.ahead_y = l.ahead_y[lane];
     result.steps = static_cast<long>(l.steps[lane]);
-    result.rhs_evaluations = 1 + 6 * static_cast<long>(l.attempts[lane]);
+    result.rhs_evaluations =
+        1 + static_cast<long>(integrate::tsitouras_famelis::stages - 1) * static_cast<long>(l.attempts[lane]);
     if (contact_[lane])
         result.ending = Ending::contact;
     else if (end == PairEnding::finished && passes_through(lane, result))

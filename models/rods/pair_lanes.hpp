@@ -47,10 +47,11 @@ struct LaneSearch {
     int tries = 0;
 };
 
-/// The pairs still to do and the lanes that do them.
+/// A vector of lanes and the pairs that it does.
 class PairQueue {
 public:
-    PairQueue(std::span<const PairProblem> pairs, std::span<const std::size_t> order,
+    /// `next`: which pair of the order is the next to be taken up, for all vectors that share them.
+    PairQueue(std::span<const PairProblem> pairs, std::span<const std::size_t> order, std::size_t& next,
               const PairOptions& options, std::span<PairResult> results);
 
     /// Gives the first `count` lanes their first pairs.
@@ -81,18 +82,19 @@ private:
     bool approach_contact(std::size_t lane, double gap, double rate);
 
     std::span<const PairProblem> pairs_;
-    std::span<const std::size_t> order_; ///< the pairs of this queue
+    std::span<const std::size_t> order_;
+    std::size_t& next_;
     const PairOptions& options_;
     std::span<PairResult> results_;
-    std::size_t next_ = 0, working_ = 0;
+    std::size_t working_ = 0;
     bool fresh_ = false;
     std::size_t pair_[most_lanes] = {};
     bool contact_[most_lanes] = {};
     LaneSearch search_[most_lanes];
 };
 
-/// Advances the lanes until the queue is empty.
-void run_pairs(PairQueue& queue, bool polar);
+/// Advances the lanes of both vectors until no pair is left.
+void run_pairs(PairQueue& first, PairQueue& second, bool polar);
 
 /// Number of lanes of the instruction set in use.
 std::size_t pair_lane_count();

@@ -44,19 +44,29 @@ struct Relative {
 /// Derivatives of the six coordinates.
 struct Rates {
     V of[6];
+    V apart[2]; ///< of R_0 - R_1
     M in_range;
 };
 
-/// Rate of turn in a wake, at the angle of this cosine and sine to its rod.
+/// Cosine and sine of an angle and of its double.
+struct Angle {
+    V cosine, sine, cos2, sin2;
+};
+
+HWY_INLINE Angle Negative(const Angle& angle) {
+    return {angle.cosine, hn::Neg(angle.sine), angle.cos2, hn::Neg(angle.sin2)};
+}
+
+/// Rate of turn in a wake, at this angle to its rod.
 template<bool polar>
-HWY_INLINE V Torque(const Wake<Lanes>& wake, V cosine, V sine, const Constants& c) {
+HWY_INLINE V Torque(const Wake<Lanes>& wake, const Angle& angle, const Constants& c) {
     const Lanes d;
-    const V cos2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), sin2 = hn::Mul(hn::Add(sine, sine), cosine);
-    V rate = hn::Mul(c.kappa, Fma(d, wake.shear, cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), sin2)));
+    V rate =
+        hn::Mul(c.kappa, Fma(d, wake.shear, angle.cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), angle.sin2)));
     if constexpr (polar) {
         const V x = Fma(d, c.gamma1, wake.laplacian_x, hn::Mul(c.gamma2, wake.gradient_x));
         const V y = Fma(d, c.gamma1, wake.laplacian_y, hn::Mul(c.gamma2, wake.gradient_y));
-        rate = hn::Add(rate, Fms(d, cosine, y, hn::Mul(sine, x)));
+        rate = hn::Add(rate, Fms(d, angle.cosine, y, hn::Mul(angle.sine, x)));
     }
     return rate;
 }
@@ -97,9 +107,12 @@ HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
     const Sight s = SightOf(at, c);
     Wake<Lanes> wake[2];
     WakeAt<polar>(d, s.X, s.Y, {&s.radial[0], &s.radial[0]}, c.medium, wake);
-    const V turn0 = Torque<polar>(wake[0], s.cosine, s.sine, c);
-    const V turn1 = Torque<polar>(wake[1], s.cosine, hn::Neg(s.sine), c);
-    return {{s.n[0].cosine, s.n[0].sine, turn0, s.n[1].cosine, s.n[1].sine, turn1}, s.good};
+    const Angle angle{s.cosine, s.sine, Fms(d, s.cosine, s.cosine, hn::Mul(s.sine, s.sine)),
+                      hn::Mul(hn::Add(s.sine, s.sine), s.cosine)};
+    const V turn0 = Torque<polar>(wake[0], angle, c), turn1 = Torque<polar>(wake[1], Negative(angle), c);
+    return {{s.n[0].cosine, s.n[0].sine, turn0, s.n[1].cosine, s.n[1].sine, turn1},
+            {hn::Sub(s.n[0].cosine, s.n[1].cosine), hn::Sub(s.n[0].sine, s.n[1].sine)},
+            s.good};
 }
 
 } // namespace rodwake::rods::HWY_NAMESPACE

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
@@ -33,7 +34,7 @@ Constants LoadConstants(const PairLanes& l) {
             Load(l.gamma2)};
 }
 
-/// Factor for the next step: 0.8 error^(-1/5), between 1/5 and 5. The logarithm is good to 1e-3.
+/// Factor for the next step: 0.8 error^(-1/6), between 1/5 and 5. The logarithm is good to 1e-3.
 HWY_INLINE V StepFactor(V error_square) {
     const Lanes d;
     const hn::RebindToUnsigned<Lanes> u;
@@ -47,8 +48,9 @@ HWY_INLINE V StepFactor(V error_square) {
     V log[1];
     elastic::HWY_NAMESPACE::Polynomials(d, {m}, log_of_mantissa, log);
     log[0] = Fma(d, exponent, hn::Set(d, 0.69314718), log[0]);
-    // ln(5/0.8) + ln(error)/5
-    const V below = hn::Max(Fma(d, log[0], hn::Set(d, 0.1), hn::Set(d, 1.8325814637483101)), hn::Zero(d));
+    // ln(5/0.8) + ln(error)/6
+    const V below =
+        hn::Max(Fma(d, log[0], hn::Set(d, 1.0 / 12), hn::Set(d, 1.8325814637483101)), hn::Zero(d));
     elastic::HWY_NAMESPACE::Exponential<Lanes> fall[1];
     ExpMinus(d, {below}, fall);
     const V factor = hn::Max(hn::Mul(hn::Set(d, 5.0), fall[0].value), hn::Set(d, 0.2));
@@ -95,9 +97,13 @@ HWY_INLINE void Record(PairLanes& l, M taken, V time, const V (&end)[6], const R
     StoreIf(most, moved(1), l.ahead_y);
 }
 
-/// Rates of pairs that have just been taken up.
+/// By how much the headings may turn in a first step.
+double FirstTurn(double rtol) { return 0.3 * std::sqrt(std::sqrt(std::sqrt(rtol))); }
+
+/// Rates and first steps of pairs that have just been taken up.
 template<bool polar>
-HWY_NOINLINE void StartRates(PairLanes& l) {
+HWY_NOINLINE void StartRates(PairLanes& l, double rtol) {
+    const Lanes d;
     V y[6];
     for (std::size_t i = 0; i < 6; ++i)
         y[i] = Load(l.state[i]);
@@ -105,6 +111,8 @@ HWY_NOINLINE void StartRates(PairLanes& l) {
         RatesAt<polar>({hn::Sub(y[0], y[3]), hn::Sub(y[1], y[4]), {y[2], y[5]}}, LoadConstants(l));
     const V known = Load(l.rate[0]);
     const M fresh = hn::Not(hn::Eq(known, known)); // not a number
+    const V turn = hn::Set(d, FirstTurn(rtol)), turning = hn::Max(hn::Abs(rates.of[2]), hn::Abs(rates.of[5]));
+    StoreIf(fresh, hn::Div(turn, hn::Max(turning, turn)), l.step); // at most 1
     for (std::size_t i = 0; i < 6; ++i)
         StoreIf(fresh, rates.of[i], l.rate[i]);
 }
@@ -143,15 +151,14 @@ HWY_INLINE V StepOf(const Bounds& bounds, const V (&y)[6], const Rates& rate) {
 }
 
 /// Lanes whose step is taken, of those that passed: the others go back for a step that lands on a meeting.
-HWY_INLINE M InspectLanes(PairQueue& queue, M passed, std::uint32_t look, V h, const Attempt& attempt,
-                          const Rates& end_rate) {
+HWY_INLINE M InspectLanes(PairQueue& queue, M passed, std::uint32_t look, const Trial& trial) {
     PairLanes& l = queue.lanes;
     if (HWY_LIKELY(look == 0))
         return passed;
-    Store(h, l.tried);
+    Store(trial.h, l.tried);
     for (std::size_t i = 0; i < 6; ++i) {
-        Store(attempt.end[i], l.end_state[i]);
-        Store(end_rate.of[i], l.end_rate[i]);
+        Store(trial.end[i], l.end_state[i]);
+        Store(trial.end_rate().of[i], l.end_rate[i]);
     }
     std::uint32_t taken = Bits(passed);
     for (; look != 0; look &= look - 1) {
@@ -183,11 +190,10 @@ HWY_INLINE void FinishLanes(PairQueue& queue, const Ended& ended) {
 
 /// Lanes that may have met or passed each other in the step: in contact, or closer in between than at both
 /// ends.
-HWY_INLINE M MayMeet(const PairLanes& l, const V (&y)[6], const Rates& rate, const Attempt& attempt,
-                     const Rates& end_rate, V square) {
+HWY_INLINE M MayMeet(const PairLanes& l, const Trial& trial, V square) {
     const V zero = hn::Zero(Lanes());
-    const M turns =
-        hn::And(hn::Lt(SquareRate(y, rate), zero), hn::Gt(SquareRate(attempt.end, end_rate), zero));
+    const M turns = hn::And(hn::Lt(SquareRate(trial.y, trial.k[0]), zero),
+                            hn::Gt(SquareRate(trial.end, trial.end_rate()), zero));
     return hn::Or(turns, hn::Le(square, Load(l.contact_square)));
 }
 
@@ -207,57 +213,75 @@ HWY_INLINE V Advance(PairLanes& l, M taken, M active, const Bounds& bounds, V h,
     return time;
 }
 
-/// One step of every lane that has a pair, and what follows from it.
-template<bool polar>
-HWY_INLINE void StepLanes(PairQueue& queue, double rtol, double atol) {
+HWY_INLINE void Begin(const PairLanes& l, const Bounds& bounds, Trial& trial) {
+    for (std::size_t i = 0; i < 6; ++i) {
+        trial.y[i] = Load(l.state[i]);
+        trial.k[0].of[i] = Load(l.rate[i]);
+    }
+    for (std::size_t i = 0; i < 2; ++i)
+        trial.k[0].apart[i] = hn::Sub(trial.k[0].of[i], trial.k[0].of[i + 3]);
+    trial.h = StepOf(bounds, trial.y, trial.k[0]);
+}
+
+/// What follows from a step.
+HWY_INLINE void Settle(PairQueue& queue, const Bounds& bounds, const Trial& trial) {
     const Lanes d;
     PairLanes& l = queue.lanes;
-    const Bounds bounds = BoundsOf(l);
-    V y[6];
-    Rates k[7];
-    for (std::size_t i = 0; i < 6; ++i) {
-        y[i] = Load(l.state[i]);
-        k[0].of[i] = Load(l.rate[i]);
-    }
-    const V h = StepOf(bounds, y, k[0]);
-    const Attempt attempt = TryStep<polar>(y, h, k, LoadConstants(l), rtol, atol);
-
     const M active = hn::Gt(Load(l.active), hn::Zero(d)), forced = hn::Gt(bounds.forced, hn::Zero(d));
-    const M good = hn::Or(forced, hn::Le(attempt.error_square, hn::Set(d, 1.0)));
-    const M passed = hn::And(active, hn::And(attempt.in_range, good));
-    const V x = hn::Sub(attempt.end[0], attempt.end[3]), across = hn::Sub(attempt.end[1], attempt.end[4]);
+    const M good = hn::Or(forced, hn::Le(trial.error_square, hn::Set(d, 1.0)));
+    const M passed = hn::And(active, hn::And(trial.in_range, good));
+    const V x = hn::Sub(trial.end[0], trial.end[3]), across = hn::Sub(trial.end[1], trial.end[4]);
     const V square = Fma(d, x, x, hn::Mul(across, across));
-    const M near = hn::Or(forced, MayMeet(l, y, k[0], attempt, k[6], square));
-    const std::uint32_t look = Bits(hn::And(passed, near));
-    const M taken = InspectLanes(queue, passed, look, h, attempt, k[6]);
+    const std::uint32_t look = Bits(hn::And(passed, hn::Or(forced, MayMeet(l, trial, square))));
+    const M taken = InspectLanes(queue, passed, look, trial);
 
-    const V time = Advance(l, taken, active, bounds, h, attempt.error_square);
-    Record(l, taken, time, attempt.end, k[6], square);
+    const V time = Advance(l, taken, active, bounds, trial.h, trial.error_square);
+    Record(l, taken, time, trial.end, trial.end_rate(), square);
     for (std::size_t i = 0; i < 6; ++i) {
-        StoreIf(taken, attempt.end[i], l.state[i]);
-        StoreIf(taken, k[6].of[i], l.rate[i]);
+        StoreIf(taken, trial.end[i], l.state[i]);
+        StoreIf(taken, trial.end_rate().of[i], l.rate[i]);
     }
     if (HWY_UNLIKELY(static_cast<bool>(queue.options().on_step)))
         queue.report(Bits(taken));
     const V most = hn::Set(d, static_cast<double>(queue.options().max_attempts));
-    const M lost = hn::Or(hn::Not(attempt.in_range), hn::Le(hn::Add(bounds.time, h), bounds.time));
+    const M lost = hn::Or(hn::Not(trial.in_range), hn::Le(hn::Add(bounds.time, trial.h), bounds.time));
     FinishLanes(queue, {Bits(hn::And(taken, hn::Ge(time, Load(l.t_end)))), Bits(hn::And(active, lost)),
                         Bits(hn::And(active, hn::Ge(Load(l.attempts), most))), look & Bits(taken)});
 }
 
-template<bool polar>
-HWY_INLINE void Run(PairQueue& queue) {
-    const double rtol = queue.options().rtol,
-                 atol = std::min(queue.options().atol, 0.1 * rtol); // as rods::simulate
-    while (!queue.done()) {
-        if (queue.take_fresh())
-            StartRates<polar>(queue.lanes);
-        StepLanes<polar>(queue, rtol, atol);
+/// One step of every lane that has a pair.
+template<bool polar, std::size_t n>
+HWY_INLINE void StepLanes(PairQueue* const (&queues)[n], double rtol, double atol) {
+    Trial trial[n];
+    Bounds bounds[n];
+    Constants constants[n];
+    for (std::size_t v = 0; v < n; ++v) {
+        PairLanes& l = queues[v]->lanes;
+        if (queues[v]->take_fresh())
+            StartRates<polar>(l, rtol);
+        bounds[v] = BoundsOf(l);
+        constants[v] = LoadConstants(l);
+        Begin(l, bounds[v], trial[v]);
     }
+    TrySteps<polar>(trial, constants, rtol, atol);
+    for (std::size_t v = 0; v < n; ++v)
+        Settle(*queues[v], bounds[v], trial[v]);
 }
 
-void RunApolar(PairQueue& queue) { Run<false>(queue); }
-void RunPolar(PairQueue& queue) { Run<true>(queue); }
+template<bool polar>
+HWY_INLINE void Run(PairQueue& first, PairQueue& second) {
+    const PairOptions& options = first.options();
+    const double lenient = tableau::leniency(options.rtol, 14.0), rtol = lenient * options.rtol,
+                 atol = lenient * std::min(options.atol, 0.1 * options.rtol); // as rods::simulate
+    while (!first.done() && !second.done())
+        StepLanes<polar, 2>({&first, &second}, rtol, atol);
+    for (PairQueue* const left : {&first, &second})
+        while (!left->done())
+            StepLanes<polar, 1>({left}, rtol, atol);
+}
+
+void RunApolar(PairQueue& first, PairQueue& second) { Run<false>(first, second); }
+void RunPolar(PairQueue& first, PairQueue& second) { Run<true>(first, second); }
 
 } // namespace rodwake::rods::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -271,11 +295,11 @@ HWY_EXPORT(RunPolar);
 
 std::size_t pair_lane_count() { return HWY_DYNAMIC_DISPATCH(LaneCount)(); }
 
-void run_pairs(PairQueue& queue, bool polar) {
+void run_pairs(PairQueue& first, PairQueue& second, bool polar) {
     if (polar)
-        HWY_DYNAMIC_DISPATCH(RunPolar)(queue);
+        HWY_DYNAMIC_DISPATCH(RunPolar)(first, second);
     else
-        HWY_DYNAMIC_DISPATCH(RunApolar)(queue);
+        HWY_DYNAMIC_DISPATCH(RunApolar)(first, second);
 }
 
 } // namespace rodwake::rods

@@ -1,6 +1,7 @@
 // Explicit Runge-Kutta steps of a few components, with nothing between the method and the right-hand side.
 
 #include "erk_table.hpp"
+#include "rodwake/integrate/tsitouras_famelis.hpp"
 #include "stepper.hpp"
 
 #include <algorithm>
@@ -12,51 +13,20 @@ namespace rodwake::integrate {
 
 namespace {
 
-constexpr std::size_t most_stages = 9;
-
-/// A method whose last stage is the first of the next step.
-struct Tableau {
-    std::size_t stages = 0;
-    int order = 0;
-    double strictness = 1.0; ///< what its error estimate is multiplied by
-    std::array<std::array<double, most_stages>, most_stages> a{};
-    std::array<double, most_stages> error{}, c{};
-};
-
-Tableau tableau_of(const ARKodeButcherTableMem& table, double strictness) {
-    Tableau method;
-    method.stages = static_cast<std::size_t>(table.stages);
-    method.order = table.q;
-    method.strictness = strictness;
-    for (std::size_t i = 0; i < method.stages; ++i) {
-        std::copy_n(table.A[i], method.stages, method.a[i].begin());
-        method.error[i] = table.b[i] - table.d[i];
-        method.c[i] = table.c[i];
-    }
-    return method;
-}
-
-/// Where both do, the lower order is the better one down to 1e-7: it has fewer stages between two looks at
-/// the step limit. With Verner's estimate times 2 both methods have errors of like size over rtol (pairs of
-/// bench/pair_bench.cpp). Made once: the tables are many small allocations.
-const Tableau& tableau_for(double rtol) {
-    static const Tableau loose = tableau_of(*erk_table(Erk::dormand_prince), 1.0),
-                         tight = tableau_of(*erk_table(Erk::verner), 2.0);
-    return rtol > 1e-7 ? loose : tight;
-}
+namespace tableau = tsitouras_famelis;
 
 /// `fixed`: the number of components, known to the compiler, or 0.
 template<std::size_t fixed>
 class SmallErkStepper final : public Stepper {
 public:
     SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
-        : Stepper(calls, options, end_time), method_(tableau_for(options.rtol)),
-          size_of_state_(calls.problem().initial_state.size()), dense_(method_.order) {}
+        : Stepper(calls, options, end_time), strictness_(1.0 / tableau::leniency(options.rtol, 8.0)),
+          size_of_state_(calls.problem().initial_state.size()), dense_(tableau::order) {}
 
     void start(double t, State y) override;
     bool advance() override;
     void interpolate(double t, std::span<double> y) override;
-    int order() const override { return method_.order; }
+    int order() const override { return tableau::order; }
     std::string flag_prefix() const override { return "ERK"; }
     std::vector<double> weighted_errors() const override;
     State state_before() const override { return {before_.data(), size()}; }
@@ -64,7 +34,7 @@ public:
 
 private:
     using Numbers = std::array<double, fixed == 0 ? most_small : fixed>;
-    using Slopes = std::array<Numbers, most_stages>;
+    using Slopes = std::array<Numbers, tableau::stages>;
 
     bool first_slope();
     double chosen_step();
@@ -82,7 +52,7 @@ private:
     Statistics segment_counts() const override { return counts_; }
     std::string flag_name() const override { return std::string("ERK_") + flag_; }
 
-    const Tableau& method_;
+    const double strictness_;
     const std::size_t size_of_state_;
     Numbers before_{}, after_{}, end_{}, weights_{}, errors_{};
     Slopes slopes_{};
@@ -148,7 +118,7 @@ double SmallErkStepper<fixed>::cut(double from, double h) const {
 template<std::size_t fixed>
 bool SmallErkStepper<fixed>::advance() {
     if (!fresh_)
-        slopes_[0] = slopes_[method_.stages - 1];
+        slopes_[0] = slopes_[tableau::stages - 1];
     else if (!first_slope())
         return false;
     before_ = after_;
@@ -191,13 +161,13 @@ bool SmallErkStepper<fixed>::attempt(double from) {
 
 template<std::size_t fixed>
 ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h) {
-    for (std::size_t s = 1; s < method_.stages; ++s) {
+    for (std::size_t s = 1; s < tableau::stages; ++s) {
         end_ = before_;
         for (std::size_t k = 0; k < s; ++k)
-            if (const double weight = h * method_.a[s][k]; weight != 0.0)
+            if (const double weight = h * tableau::stage_weights[s][k]; weight != 0.0)
                 for (std::size_t i = 0; i < size(); ++i)
                     end_[i] += weight * slopes_[k][i];
-        const auto result = calls_.rhs(from + method_.c[s] * h, of(std::as_const(end_)), of(slopes_[s]));
+        const auto result = calls_.rhs(from + tableau::nodes[s] * h, of(std::as_const(end_)), of(slopes_[s]));
         if (result != ProblemCalls::fine)
             return result;
     }
@@ -209,22 +179,23 @@ double SmallErkStepper<fixed>::error_norm(double h) {
     double square = 0.0;
     for (std::size_t i = 0; i < size(); ++i) {
         double error = 0.0;
-        for (std::size_t k = 0; k < method_.stages; ++k)
-            error += method_.error[k] * slopes_[k][i];
+        for (std::size_t k = 0; k < tableau::stages; ++k)
+            error += tableau::error_weights[k] * slopes_[k][i];
         errors_[i] = h * error * weights_[i];
         square += errors_[i] * errors_[i];
     }
-    return method_.strictness * std::sqrt(square / static_cast<double>(size()));
+    return strictness_ * std::sqrt(square / static_cast<double>(size()));
 }
 
 /// From the length of a step to that of the next: the standard controller. On pairs a PI controller needed
-/// more steps, since many are cut short and have errors that tell little.
+/// more steps, since many are cut short and have errors that tell little; a safety of 0.9 a third more in
+/// stiff pursuits, where every other step was rejected.
 template<std::size_t fixed>
 double SmallErkStepper<fixed>::factor(double error) const {
-    constexpr double safety = 0.9, least = 0.2, most = 5.0;
+    constexpr double safety = 0.8, least = 0.2, most = 5.0;
     if (!std::isfinite(error))
         return least;
-    return std::clamp(safety * std::pow(error, -1.0 / static_cast<double>(method_.order)), least, most);
+    return std::clamp(safety * std::pow(error, -1.0 / tableau::order), least, most);
 }
 
 /// One that was cut short tells nothing against the length wanted.
@@ -244,7 +215,7 @@ void SmallErkStepper<fixed>::accept(double from, double to, double error) {
 template<std::size_t fixed>
 void SmallErkStepper<fixed>::interpolate(double t, std::span<double> y) {
     dense_(*this, calls_, t, y, of(std::as_const(slopes_[0])),
-           fresh_ ? State{} : of(std::as_const(slopes_[method_.stages - 1])));
+           fresh_ ? State{} : of(std::as_const(slopes_[tableau::stages - 1])));
 }
 
 template<std::size_t fixed>

@@ -6,7 +6,9 @@
 #include <mpi.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <future>
+#include <string_view>
 #include <thread>
 
 namespace rodwake::scan {
@@ -40,6 +42,14 @@ std::vector<T> receive(const MPI_Status& status) {
 template<class T>
 void send(std::span<const T> items, int to, Tag tag) {
     MPI_Send(items.data(), static_cast<int>(items.size_bytes()), MPI_BYTE, to, tag, MPI_COMM_WORLD);
+}
+
+/// Open MPI's libraries for networks with matching hardware wait 0.2 s for devices that are not there; ranks
+/// on one machine share memory. What the user has set stays.
+void look_for_no_network() {
+    const char *all = std::getenv("OMPI_COMM_WORLD_SIZE"), *here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+    if (all && here && std::string_view(all) == here)
+        setenv("OMPI_MCA_pml", "^cm", 0);
 }
 
 } // namespace
@@ -93,6 +103,7 @@ std::unique_ptr<MpiJob> MpiJob::join() {
 }
 
 MpiJob::MpiJob() {
+    look_for_no_network();
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);

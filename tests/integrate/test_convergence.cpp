@@ -62,7 +62,7 @@ TEST_CASE("a polynomial of the method's order is integrated to round-off", "[int
     // y' = p'(t): the error of an order-p step vanishes for degree p, and fixed order 1 start-up steps of the
     // multistep methods are exact for degree 1.
     const auto [method, rtol, degree] = GENERATE(table<Method, double, int>(
-        {{Method::erk, 1e-4, 5}, {Method::erk, 1e-8, 6}, {Method::adams, 1e-6, 1}, {Method::bdf, 1e-6, 1}}));
+        {{Method::erk, 1e-4, 6}, {Method::erk, 1e-8, 6}, {Method::adams, 1e-6, 1}, {Method::bdf, 1e-6, 1}}));
     OdeProblem problem;
     problem.initial_state = {1.0};
     problem.rhs = [degree = degree](double t, State, std::span<double> ydot) {
@@ -73,16 +73,16 @@ TEST_CASE("a polynomial of the method's order is integrated to round-off", "[int
     INFO(to_string(method) << " degree " << degree);
     for (std::size_t k = 0; k < solution.times.size(); ++k) {
         const double exact = 1.0 + std::pow(solution.times[k], degree);
-        CHECK(std::abs(solution.states[k][0] - exact) <
-              1e-13 * exact); // round-off of a few dozen steps, 500 epsilon
+        // round-off of a few dozen steps, 500 epsilon of what is largest in the step
+        CHECK(std::abs(solution.states[k][0] - exact) < 1e-13 * (1.0 + std::pow(2.0, degree)));
     }
 }
 
 TEST_CASE("one degree more is not exact", "[integrate]") {
     OdeProblem problem;
     problem.initial_state = {0.0};
-    problem.rhs = [](double t, State, std::span<double> ydot) { ydot[0] = 6.0 * std::pow(t, 5); };
+    problem.rhs = [](double t, State, std::span<double> ydot) { ydot[0] = 7.0 * std::pow(t, 6); };
     const std::vector<double> end{2.0};
-    const Solution solution = solve(problem, options_for(Method::erk, 1e-4), end); // order 5
-    CHECK(std::abs(solution.final_state[0] - 64.0) > 1e-10); // far above round-off, 1e-14 x 64
+    const Solution solution = solve(problem, options_for(Method::erk, 1e-4), end); // order 6
+    CHECK(std::abs(solution.final_state[0] - 128.0) > 1e-10); // far above round-off, 1e-14 x 128
 }

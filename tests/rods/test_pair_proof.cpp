@@ -94,7 +94,7 @@ PairTrack track_of(const PairProblem& pair, const PairOptions& options, PairResu
 double share_of_bound(const PairProblem& pair, double shrunk, int& bounded) {
     PairResult run, exact;
     ProofSpace space;
-    PairOptions options{1e-9, 1e-11};
+    PairOptions options{3e-10, 3e-12};
     const PairTrack track = track_of(pair, options, run);
     track_of(pair, {1e-13, 1e-15, {}, 1'000'000}, exact);
     if (run.handed_over() || exact.handed_over() || run.ending == Ending::contact)
@@ -147,7 +147,7 @@ TEST_CASE("The error of a run is below its bound, and above a millionth of it") 
     int bounded = 0, again = 0;
     double worst = 0.0, worst_of_little = 0.0;
     for (const bool polar : {false, true})
-        for (const PairProblem& pair : random_pairs(30, 6, polar)) {
+        for (const PairProblem& pair : random_pairs(40, 6, polar)) {
             worst = std::max(worst, share_of_bound(pair, 1.0, bounded));
             worst_of_little = std::max(worst_of_little, share_of_bound(pair, 1e-6, again));
         }

@@ -7,7 +7,8 @@ enum class Method {
            ///< components are algebraic
     adams, ///< CVODES, Adams-Moulton, order 1 to 12, fixed-point iteration; fewest right-hand sides when not
            ///< stiff
-    erk    ///< ARKODE, explicit Runge-Kutta: Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5)
+    erk    ///< explicit Runge-Kutta: Tsitouras-Famelis 6(5) up to 27 components; beyond by ARKODE,
+           ///< Dormand-Prince 5(4) for rtol > 1e-6, from there down Verner 6(5)
 };
 
 } // namespace rodwake::integrate
