@@ -1,8 +1,9 @@
-// Time of the granular simulator: a step of the whole bed, with and without two rods, and its vector loops
-// for each instruction set of this machine. The bed: 1549 beads in a box of 78 radii, shaken at Gamma = 7 for
-// 0.1 s before.
+// Time of the granular simulator: a step of the whole bed, with and without two rods, what the parts of a
+// step of larger beds take a bead, and its vector loops for each instruction set of this machine. The bed:
+// 1549 beads in a box of 78 radii, shaken at Gamma = 7 for 0.1 s before; larger ones as dense.
 //
 //   build/release/bench/bench_dem --benchmark_min_time=0.5
+//   build/release/bench/bench_dem --benchmark_filter=bed
 
 #include "granular/bodies.hpp"
 #include "granular/kernels.hpp"
@@ -13,9 +14,11 @@
 #include <benchmark/benchmark.h>
 #include <hwy/highway.h>
 
+#include <cmath>
 #include <cstdint>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -58,6 +61,24 @@ void step(benchmark::State& state, std::size_t rods) {
     state.counters["s_per_step"] = seconds_per(static_cast<double>(period));
     state.counters["inner_pairs"] = static_cast<double>(simulation.cost().inner_pairs);
     state.counters["outer_pairs"] = static_cast<double>(simulation.cost().outer_pairs);
+}
+
+/// Parts of a step, s a bead.
+void parts(benchmark::State& state, std::size_t beads) {
+    GranularProblem problem = bed(0);
+    problem.box = problem.box.x * std::sqrt(static_cast<double>(beads) / static_cast<double>(problem.beads));
+    problem.beads = beads;
+    Simulation simulation = shaken(problem);
+    StepTimes times;
+    for (auto _ : state)
+        times += simulation.advance_timed(period);
+    if (simulation.failure())
+        state.SkipWithError(simulation.failure()->message.c_str());
+    const double bead_steps = static_cast<double>(times.steps) * static_cast<double>(beads);
+    for (const auto& [name, part] :
+         {std::pair{"flight", times.flight}, {"search", times.search}, {"impulses", times.impulses}})
+        state.counters[name] = part / bead_steps;
+    state.counters["all"] = (times.flight + times.rods + times.search + times.impulses) / bead_steps;
 }
 
 /// The instruction set that the vector loops use while this lives.
@@ -152,6 +173,8 @@ std::string name_of(std::int64_t target) {
 void register_all() {
     benchmark::RegisterBenchmark("step/no rods", step, 0);
     benchmark::RegisterBenchmark("step/two rods", step, 2);
+    for (const std::size_t beads : {1549, 15'000, 100'000, 1'000'000})
+        benchmark::RegisterBenchmark(("bed/" + std::to_string(beads)).c_str(), parts, beads);
     std::set<std::string> names;
     const std::int64_t all = hwy::SupportedTargets();
     for (std::int64_t left = all; left != 0; left &= left - 1) {

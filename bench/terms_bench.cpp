@@ -166,8 +166,7 @@ public:
             granular::drift(bodies_.position.data(), bodies_.velocity.data(), begin,
                             std::min(bodies_.beads, begin + granular::beads_per_block),
                             {dt, problem_.gravity, floor + a, floor + plate.gap - a}, velocities, hits_);
-            for (const std::uint32_t bead : hits_)
-                granular::bounce_bead(bodies_, bead, plate, problem_.contacts.bead_plate, velocities, tally_);
+            granular::bounce_beads(bodies_, hits_, plate, problem_.contacts.bead_plate, velocities, tally_);
             all.include(velocities);
         }
         ++step_;

@@ -11,6 +11,8 @@
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/granular/state.hpp"
 
+#include <hwy/cache_control.h>
+
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +20,9 @@ namespace rodwake::granular {
 
 /// Beads of successive numbers that are worked on together: one task.
 inline constexpr std::size_t beads_per_block = 2048;
+
+/// How many impulses before its own a bead is fetched from memory.
+inline constexpr std::size_t fetched_ahead = 8;
 
 /// Bodies that are deeper in each other or in a wall than `deep` radii are moved out by `most_moved` a step,
 /// once a bed has settled: faster than those sink that do not rebound, slower than a jam deepens. Beds that
@@ -48,6 +53,13 @@ struct Bodies {
     Vector3 arm_of(std::size_t sphere) const;
     /// Of a sphere's centre, m/s.
     Vector3 velocity_of(std::size_t sphere) const;
+    /// Asks for what an impulse on a bead needs to be brought into the cache; rods are there.
+    void fetch(std::size_t sphere) const {
+        if (!is_bead(sphere))
+            return;
+        for (const Rows* rows : {&position, &velocity, &spin})
+            hwy::Prefetch(&(*rows)[4 * sphere]);
+    }
 };
 
 Bodies make_bodies(const GranularProblem& problem, const State& state);

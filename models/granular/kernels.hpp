@@ -13,21 +13,40 @@
 #include <new>
 #include <vector>
 
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
+
 namespace rodwake::granular {
 
-// Storage of packed rows x, y, z, 0. It starts on a cache line, so that no row and no vector of two rows
-// straddles one: measured, this makes the flight of the beads 1.6 times faster.
+// Storage of packed rows x, y, z, 0 and of what else every step goes through. It starts on a cache line, so
+// that no row and no vector of two rows straddles one: measured, this makes the flight of the beads 1.6 times
+// faster. What is large is asked for in large pages: a processor knows the places of some 3000 pages, which
+// at 4 kB each are those of 40 000 beads.
 
 template<class T>
 struct LineAligned {
     using value_type = T;
+    static constexpr std::size_t line = 64, large_page = std::size_t{1} << 21;
     LineAligned() = default;
     template<class U>
     LineAligned(const LineAligned<U>&) {}
-    T* allocate(std::size_t n) {
-        return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64}));
+    static std::align_val_t alignment(std::size_t n) {
+        return std::align_val_t{n * sizeof(T) < large_page ? line : large_page};
     }
-    void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
+    T* allocate(std::size_t n) {
+        std::size_t bytes = n * sizeof(T);
+        const bool large = bytes >= large_page;
+        if (large) // whole pages
+            bytes = (bytes + large_page - 1) / large_page * large_page;
+        void* p = ::operator new(bytes, alignment(n));
+#ifdef MADV_HUGEPAGE
+        if (large)
+            madvise(p, bytes, MADV_HUGEPAGE); // a wish: no harm if it is not granted
+#endif
+        return static_cast<T*>(p);
+    }
+    void deallocate(T* p, std::size_t n) { ::operator delete(p, alignment(n)); }
     bool operator==(const LineAligned&) const = default;
 };
 
@@ -63,8 +82,8 @@ void drift(double* position, double* velocity, std::size_t begin, std::size_t en
            Range& velocities, std::vector<std::uint32_t>& out);
 
 struct PairList {
-    std::vector<Pair> pairs;
-    std::vector<double> reach; ///< of each pair: sum of the radii, m
+    std::vector<Pair, LineAligned<Pair>> pairs;
+    Rows reach; ///< of each pair: sum of the radii, m
 
     std::size_t size() const { return pairs.size(); }
     void clear();

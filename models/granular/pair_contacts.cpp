@@ -66,6 +66,12 @@ void add_virial(PlaneTensor& virial, const Vector3& r, const Vector3& P) {
     virial[2] += r.y() * P.y();
 }
 
+void fetch_ahead(const Bodies& bodies, std::span<const Pair> pairs, std::size_t k) {
+    const Pair& later = pairs[std::min(k + fetched_ahead, pairs.size() - 1)];
+    bodies.fetch(later.first);
+    bodies.fetch(later.second);
+}
+
 /// Earlier, or as early and deeper.
 bool first(double back, double length, double other_back, double other_length) {
     return back > other_back || (back == other_back && length < other_length);
@@ -193,7 +199,9 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
     block.worst = {};
     block.impulses = 0;
     block.virial = {};
-    for (const Pair& pair : pairs) {
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const Pair pair = pairs[k];
+        fetch_ahead(bodies, pairs, k);
         if (pair.second >= end) {
             block.left.push_back(pair);
             continue;
@@ -209,6 +217,7 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
                               Tallies& tallies) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const Pair pair = pairs[k];
+        fetch_ahead(bodies, pairs, k);
         std::optional<Meeting> found = meeting(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
             if (found) {

@@ -132,11 +132,10 @@ struct Simulation::Impl {
                               end = std::min(bodies.beads, begin + beads_per_block);
             drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities,
                   mine.hits);
-            for (const std::uint32_t bead : mine.hits) {
-                bounce_bead(bodies, bead, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
+            bounce_beads(bodies, mine.hits, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
+            for (const std::uint32_t bead : mine.hits)
                 if (!row(bodies.position, bead).allFinite()) // minima and maxima pass over NaN, hits do not
                     mine.velocities.high[0] = std::numeric_limits<double>::infinity();
-            }
         });
     }
 
