@@ -65,8 +65,7 @@ struct Bodies {
 Bodies make_bodies(const GranularProblem& problem, const State& state);
 State to_state(const Bodies& bodies, std::int64_t step);
 
-Temperatures bead_temperatures(const Bodies& bodies);
-PlaneTensor momentum_flux_of(const Bodies& bodies);
+Agitation agitation_of(const Bodies& bodies);
 Energy total_energy(const Bodies& bodies, double gravity);
 
 /// The impulse on body 1 of Stronge's law about `normal` (unit, from body 2 to body 1); everything in world

@@ -81,13 +81,21 @@ struct Drift {
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& drift,
            Range& velocities, std::vector<std::uint32_t>& out);
 
+/// Where all radii are equal a pair has no number of its own: a step reads half as much.
 struct PairList {
     std::vector<Pair, LineAligned<Pair>> pairs;
-    Rows reach; ///< of each pair: sum of the radii, m
+    double common = 0.0; ///< sum of the radii of every pair, m; 0: they differ
+    Rows reach;          ///< that of each, m; empty if it is common
 
     std::size_t size() const { return pairs.size(); }
+    double reach_of(std::size_t k) const { return reach.empty() ? common : reach[k]; }
     void clear();
     void resize(std::size_t count);
+    void copy(std::size_t to, const PairList& other, std::size_t from) {
+        pairs[to] = other.pairs[from];
+        if (!reach.empty())
+            reach[to] = other.reach[from];
+    }
 };
 
 /// One list of all, in their order.

@@ -67,12 +67,11 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
     std::vector<std::size_t> begin(chunks + 1, 0);
     for (std::size_t c = 0; c < chunks; ++c)
         begin[c + 1] = begin[c] + found_[c].count;
+    inner_.common = outer_.common;
     inner_.resize(begin[chunks]);
     team.run(chunks, [&](std::size_t c) {
-        for (std::size_t k = 0; k < found_[c].count; ++k) {
-            inner_.pairs[begin[c] + k] = outer_.pairs[found_[c].index[k]];
-            inner_.reach[begin[c] + k] = outer_.reach[found_[c].index[k]];
-        }
+        for (std::size_t k = 0; k < found_[c].count; ++k)
+            inner_.copy(begin[c] + k, outer_, found_[c].index[k]);
     });
     drawn_ = bodies.position;
     furthest_ = 0.0;
@@ -134,29 +133,45 @@ std::vector<double> column(const Rows& position, std::size_t count, std::size_t 
     return out;
 }
 
+/// The spheres with higher numbers than i nearer than their radii and the skin in the plane: how many.
+/// Without branches on the answer, which nobody can predict.
+std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cells, const PeriodicBox& box,
+                        double skin, std::vector<std::uint32_t>& partners) {
+    const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1], radius = bodies.radius[i] + skin;
+    const double* const radii = bodies.radius.data();
+    std::size_t count = 0;
+    cells.cells_around(cells.column(x), cells.row(y), [&](std::size_t begin, std::size_t end) {
+        partners.resize(std::max(partners.size(), count + end - begin));
+        std::uint32_t* out = partners.data() + count;
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t j = cells.member()[k];
+            const double dx = nearest_image_rounded(x - cells.x()[k], box.x),
+                         dy = nearest_image_rounded(y - cells.y()[k], box.y), reach = radius + radii[j];
+            *out = j;
+            out += (j > i) & (dx * dx + dy * dy < reach * reach);
+        }
+        count = static_cast<std::size_t>(out - partners.data());
+    });
+    if (!bodies.is_bead(i))
+        count =
+            static_cast<std::size_t>(std::remove_if(partners.data(), partners.data() + count,
+                                                    [&](std::uint32_t j) { return bodies.same_rod(i, j); }) -
+                                     partners.data());
+    return count;
+}
+
 /// The pairs whose first sphere is one of [begin, end).
 void pairs_of(const Bodies& bodies, const CellList& cells, const PeriodicBox& box, double skin,
               std::size_t begin, std::size_t end, PairList& found) {
-    found.clear();
     std::vector<std::uint32_t> partners;
     for (std::size_t i = begin; i < end; ++i) {
-        const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1],
-                     radius = bodies.radius[i] + skin;
-        partners.clear();
-        cells.around(cells.column(x), cells.row(y), [&](std::size_t k) {
-            const std::uint32_t j = cells.member()[k];
-            if (j <= i)
-                return;
-            const double dx = nearest_image_rounded(x - cells.x()[k], box.x),
-                         dy = nearest_image_rounded(y - cells.y()[k], box.y),
-                         reach = radius + bodies.radius[j];
-            if (dx * dx + dy * dy < reach * reach && !bodies.same_rod(i, j))
-                partners.push_back(j);
-        });
-        std::sort(partners.begin(), partners.end());
-        for (const std::uint32_t j : partners) {
+        const std::size_t count = partners_of(i, bodies, cells, box, skin, partners);
+        std::sort(partners.data(), partners.data() + count);
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::uint32_t j = partners[k];
             found.pairs.push_back({static_cast<std::uint32_t>(i), j});
-            found.reach.push_back(bodies.radius[i] + bodies.radius[j]);
+            if (!(found.common > 0.0))
+                found.reach.push_back(bodies.radius[i] + bodies.radius[j]);
         }
     }
 }
@@ -169,10 +184,11 @@ void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team&
     if (count < 2)
         return;
     // The two largest may meet; most pairs are of beads, so cells fit the pair of the largest kinds present.
-    const double widest = *std::max_element(bodies.radius.begin(), bodies.radius.end());
+    const auto [least, most] = std::ranges::minmax(bodies.radius);
     const std::vector<double> x = column(bodies.position, count, 0), y = column(bodies.position, count, 1);
-    const CellList cells(x, y, box, 2.0 * widest + skin);
-    std::vector<PairList> found((count + spheres_a_task - 1) / spheres_a_task);
+    const CellList cells(x, y, box, 2.0 * most + skin);
+    list.common = least == most ? least + most : 0.0;
+    std::vector<PairList> found((count + spheres_a_task - 1) / spheres_a_task, list);
     team.run(found.size(), [&](std::size_t c) {
         pairs_of(bodies, cells, box, skin, c * spheres_a_task, std::min(count, (c + 1) * spheres_a_task),
                  found[c]);

@@ -370,8 +370,7 @@ const std::optional<Failure>& Simulation::failure() const { return impl_->failur
 const GranularProblem& Simulation::problem() const { return impl_->problem; }
 const Tallies& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
-Temperatures Simulation::temperatures() const { return bead_temperatures(impl_->bodies); }
-PlaneTensor Simulation::momentum_flux() const { return momentum_flux_of(impl_->bodies); }
+Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
 Energy Simulation::energy() const { return total_energy(impl_->bodies, impl_->problem.gravity); }
 
 double Simulation::psi6(double cutoff) const {
