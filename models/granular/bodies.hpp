@@ -53,8 +53,9 @@ struct Bodies {
     Vector3 arm_of(std::size_t sphere) const;
     /// Of a sphere's centre, m/s.
     Vector3 velocity_of(std::size_t sphere) const;
-    /// Asks for what an impulse on a bead needs to be brought into the cache; rods are there.
-    void fetch(std::size_t sphere) const {
+    /// Asks for what an impulse on a bead needs to be brought into the cache; rods are there. Inline, or GCC
+    /// 12 takes it for a function without effect and leaves it out.
+    HWY_INLINE void fetch(std::size_t sphere) const {
         if (!is_bead(sphere))
             return;
         for (const Rows* rows : {&position, &velocity, &spin})

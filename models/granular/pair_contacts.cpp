@@ -66,7 +66,7 @@ void add_virial(PlaneTensor& virial, const Vector3& r, const Vector3& P) {
     virial[2] += r.y() * P.y();
 }
 
-void fetch_ahead(const Bodies& bodies, std::span<const Pair> pairs, std::size_t k) {
+HWY_INLINE void fetch_ahead(const Bodies& bodies, std::span<const Pair> pairs, std::size_t k) {
     const Pair& later = pairs[std::min(k + fetched_ahead, pairs.size() - 1)];
     bodies.fetch(later.first);
     bodies.fetch(later.second);
