@@ -42,6 +42,8 @@ struct Bodies {
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }
+    /// Of beads without a look into memory.
+    double radius_of(std::size_t sphere) const { return is_bead(sphere) ? bead_radius : radius[sphere]; }
     bool same_rod(std::size_t one, std::size_t two) const {
         return one >= beads && two >= beads && rod_of[one - beads] == rod_of[two - beads];
     }

@@ -89,10 +89,11 @@ Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
 std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
                                                            WorstOverlap& worst) const {
     const Vector3 r = apart(bodies, pair);
-    const double reach = bodies.radius[pair.first] + bodies.radius[pair.second], distance = r.norm();
+    const double one = bodies.radius_of(pair.first), two = bodies.radius_of(pair.second), reach = one + two,
+                 distance = r.norm();
     if (!(distance < reach)) // an impulse before took them apart
         return {};
-    const double radii = (reach - distance) / std::min(bodies.radius[pair.first], bodies.radius[pair.second]);
+    const double radii = (reach - distance) / std::min(one, two);
     if (radii > worst.radii)
         worst = {radii, pair};
     const Vector3 v = bodies.velocity_of(pair.first) - bodies.velocity_of(pair.second);

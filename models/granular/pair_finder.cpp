@@ -137,8 +137,8 @@ std::vector<double> column(const Rows& position, std::size_t count, std::size_t 
 /// Without branches on the answer, which nobody can predict.
 std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cells, const PeriodicBox& box,
                         double skin, std::vector<std::uint32_t>& partners) {
-    const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1], radius = bodies.radius[i] + skin;
-    const double* const radii = bodies.radius.data();
+    const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1],
+                 radius = bodies.radius_of(i) + skin;
     std::size_t count = 0;
     cells.cells_around(cells.column(x), cells.row(y), [&](std::size_t begin, std::size_t end) {
         partners.resize(std::max(partners.size(), count + end - begin));
@@ -146,7 +146,8 @@ std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cel
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t j = cells.member()[k];
             const double dx = nearest_image_rounded(x - cells.x()[k], box.x),
-                         dy = nearest_image_rounded(y - cells.y()[k], box.y), reach = radius + radii[j];
+                         dy = nearest_image_rounded(y - cells.y()[k], box.y),
+                         reach = radius + bodies.radius_of(j);
             *out = j;
             out += (j > i) & (dx * dx + dy * dy < reach * reach);
         }
