@@ -298,7 +298,7 @@ void PairList::resize(std::size_t count) {
     reach.resize(common > 0.0 ? 0 : count);
 }
 
-void gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
     std::vector<std::size_t> begin(parts.size() + 1, 0);
     for (std::size_t c = 0; c < parts.size(); ++c)
         begin[c + 1] = begin[c] + parts[c].size();
@@ -308,6 +308,7 @@ void gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
         std::ranges::copy(parts[c].pairs, list.pairs.begin() + at);
         std::ranges::copy(parts[c].reach, list.reach.begin() + at);
     });
+    return begin;
 }
 
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,

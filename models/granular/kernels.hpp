@@ -98,8 +98,8 @@ struct PairList {
     }
 };
 
-/// One list of all, in their order.
-void gather(const std::vector<PairList>& parts, Team& team, PairList& list);
+/// One list of all, in their order; where each begins, and the end.
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list);
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
 /// for end - begin + 8.

@@ -9,14 +9,11 @@ namespace rodwake::granular {
 
 namespace {
 
-constexpr std::size_t pairs_a_task = 4096; // pairs a task; does not change results
 constexpr double window = 12.0; // steps an inner list should last; half or twice as much costs a few per cent
 constexpr double first_skin = 0.5; // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.5;
 constexpr double most_allowance = 0.5;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
-
-std::size_t chunks_of(std::size_t count) { return (count + pairs_a_task - 1) / pairs_a_task; }
 
 } // namespace
 
@@ -27,7 +24,7 @@ PairFinder::PairFinder(const Bodies& bodies, const PeriodicBox& box)
       skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
 void PairFinder::rebuild(const Bodies& bodies, Team& team) {
-    near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
+    outer_parts_ = near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
     origin_ = bodies.position;
     outer_allowance_ = allowance_;
     steps_since_rebuild_ = 0;
@@ -48,35 +45,47 @@ void PairFinder::adapt_allowance(double furthest) {
     allowance_ = (std::clamp(wanted, 1e-9 * length_, most_allowance * length_) + allowance_) / 2.0;
 }
 
-template<class Test>
-void PairFinder::collect(std::size_t pairs, Team& team, const Test& test) {
-    const std::size_t chunks = chunks_of(pairs);
-    while (found_.size() < chunks)
-        found_.push_back({std::vector<std::uint32_t>(pairs_a_task + 8), 0});
-    team.run(chunks, [&](std::size_t c) {
-        found_[c].count =
-            test(c * pairs_a_task, std::min(pairs, (c + 1) * pairs_a_task), found_[c].index.data());
-    });
-}
-
 void PairFinder::draw(const Bodies& bodies, Team& team) {
-    collect(outer_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return within_reach(bodies.position.data(), outer_, begin, end, box_, allowance_, found);
+    const std::size_t parts = outer_parts_.size() - 1;
+    found_.resize(parts);
+    blocks_.resize(parts);
+    team.run(parts, [&](std::size_t c) {
+        const std::size_t begin = outer_parts_[c], end = outer_parts_[c + 1];
+        found_[c].index.resize(end - begin + 8);
+        found_[c].count = within_reach(bodies.position.data(), outer_, begin, end, box_, allowance_,
+                                       found_[c].index.data());
     });
-    const std::size_t chunks = chunks_of(outer_.size());
-    std::vector<std::size_t> begin(chunks + 1, 0);
-    for (std::size_t c = 0; c < chunks; ++c)
-        begin[c + 1] = begin[c] + found_[c].count;
+    inner_parts_.assign(1, 0);
+    for (const Found& found : found_)
+        inner_parts_.push_back(inner_parts_.back() + found.count);
     inner_.common = outer_.common;
-    inner_.resize(begin[chunks]);
-    team.run(chunks, [&](std::size_t c) {
+    inner_.resize(inner_parts_.back());
+    team.run(parts, [&](std::size_t c) {
         for (std::size_t k = 0; k < found_[c].count; ++k)
-            inner_.copy(begin[c] + k, outer_, found_[c].index[k]);
+            inner_.copy(inner_parts_[c] + k, outer_, found_[c].index[k]);
+        note_blocks(c, bodies);
     });
     drawn_ = bodies.position;
     furthest_ = 0.0;
     steps_since_draw_ = 0;
     ++refreshes_;
+}
+
+void PairFinder::note_blocks(std::size_t part, const Bodies& bodies) {
+    std::vector<std::uint32_t>& blocks = blocks_[part];
+    blocks.clear();
+    const auto note = [&](std::size_t sphere) {
+        const auto block = static_cast<std::uint32_t>(sphere / beads_per_block);
+        if (bodies.is_bead(sphere) && std::ranges::find(blocks, block) == blocks.end())
+            blocks.push_back(block);
+    };
+    note(part * beads_per_block);
+    std::size_t last = part;
+    for (std::size_t k = inner_parts_[part]; k < inner_parts_[part + 1]; ++k)
+        if (const std::size_t second = inner_.pairs[k].second; second / beads_per_block != last) {
+            last = second / beads_per_block;
+            note(second);
+        }
 }
 
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
@@ -104,26 +113,34 @@ bool PairFinder::stale(const Bodies& bodies, double moved, Team& team) {
     return 2.0 * furthest_ > allowance_;
 }
 
-std::span<const Pair> PairFinder::find(const Bodies& bodies, double fastest, double time_step, Team& team) {
+bool PairFinder::likely_to_hold(double time_step) const {
+    return !drawn_.empty() && 2.0 * (furthest_ + fastest_ * time_step) <= allowance_;
+}
+
+void PairFinder::test(std::size_t part, const Bodies& bodies) {
+    found_[part].count = overlapping(bodies.position.data(), inner_, inner_parts_[part],
+                                     inner_parts_[part + 1], box_, found_[part].index.data());
+}
+
+std::span<const Pair> PairFinder::find(const Bodies& bodies, double fastest, double time_step, Team& team,
+                                       bool tested) {
     const double moved = (2.0 * fastest + fastest_) * time_step; // by its flight, and by the impulse before
     fastest_ = fastest;
     if (stale(bodies, moved, team)) {
         adapt_allowance(furthest_);
         refresh(bodies, team);
+        tested = false;
     }
-    collect(inner_.size(), team, [&](std::size_t begin, std::size_t end, std::uint32_t* found) {
-        return overlapping(bodies.position.data(), inner_, begin, end, box_, found);
-    });
+    if (!tested)
+        team.run(parts(), [&](std::size_t part) { test(part, bodies); });
     overlapping_.clear();
-    for (std::size_t c = 0; c < chunks_of(inner_.size()); ++c)
-        for (std::size_t k = 0; k < found_[c].count; ++k)
-            overlapping_.push_back(inner_.pairs[found_[c].index[k]]);
+    for (const Found& found : found_)
+        for (std::size_t k = 0; k < found.count; ++k)
+            overlapping_.push_back(inner_.pairs[found.index[k]]);
     return overlapping_;
 }
 
 namespace {
-
-constexpr std::size_t spheres_a_task = 2048; // spheres a task; does not change results
 
 /// Columns of the packed rows.
 std::vector<double> column(const Rows& position, std::size_t count, std::size_t k) {
@@ -179,22 +196,23 @@ void pairs_of(const Bodies& bodies, const CellList& cells, const PeriodicBox& bo
 
 } // namespace
 
-void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team, PairList& list) {
+std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team,
+                                    PairList& list) {
     list.clear();
     const std::size_t count = bodies.spheres();
     if (count < 2)
-        return;
+        return {0};
     // The two largest may meet; most pairs are of beads, so cells fit the pair of the largest kinds present.
     const auto [least, most] = std::ranges::minmax(bodies.radius);
     const std::vector<double> x = column(bodies.position, count, 0), y = column(bodies.position, count, 1);
     const CellList cells(x, y, box, 2.0 * most + skin);
     list.common = least == most ? least + most : 0.0;
-    std::vector<PairList> found((count + spheres_a_task - 1) / spheres_a_task, list);
+    std::vector<PairList> found((count + beads_per_block - 1) / beads_per_block, list);
     team.run(found.size(), [&](std::size_t c) {
-        pairs_of(bodies, cells, box, skin, c * spheres_a_task, std::min(count, (c + 1) * spheres_a_task),
+        pairs_of(bodies, cells, box, skin, c * beads_per_block, std::min(count, (c + 1) * beads_per_block),
                  found[c]);
     });
-    gather(found, team, list);
+    return gather(found, team, list);
 }
 
 } // namespace rodwake::granular

@@ -22,8 +22,20 @@ public:
 
     /// The pairs that overlap in space after a step in which no sphere was faster than `fastest` in the
     /// plane, m/s. Impulses since the last call may have moved spheres besides, by what they changed
-    /// velocities for less than a step (pair_contacts.hpp). Valid until the next call.
-    std::span<const Pair> find(const Bodies& bodies, double fastest, double time_step, Team& team);
+    /// velocities for less than a step (pair_contacts.hpp). `tested`: all parts were, after the flight, which
+    /// counts if the lists turn out to hold. Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, double fastest, double time_step, Team& team,
+                               bool tested = false);
+
+    // Tests while the beads that have just flown are still in the cache. A part are the pairs whose first
+    // sphere is in one block of beads.
+
+    /// Whether the lists will probably hold after the next step.
+    bool likely_to_hold(double time_step) const;
+    std::size_t parts() const { return found_.size(); }
+    /// The blocks that must have flown before the test.
+    std::span<const std::uint32_t> blocks_of(std::size_t part) const { return blocks_[part]; }
+    void test(std::size_t part, const Bodies& bodies);
 
     std::size_t rebuilds() const { return rebuilds_; }
     std::size_t refreshes() const { return refreshes_; }
@@ -38,8 +50,7 @@ private:
     void adapt_skin();
     void adapt_allowance(double furthest);
     bool stale(const Bodies& bodies, double moved, Team& team);
-    template<class Test>
-    void collect(std::size_t pairs, Team& team, const Test& test);
+    void note_blocks(std::size_t part, const Bodies& bodies);
 
     PeriodicBox box_;
     double length_;    ///< scale for limits, a bead radius, m
@@ -49,6 +60,8 @@ private:
     double fastest_ = 0.0;  ///< of the step before, m/s
     double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m
     PairList outer_, inner_;
+    std::vector<std::size_t> outer_parts_, inner_parts_; ///< where each part begins, and the end
+    std::vector<std::vector<std::uint32_t>> blocks_;     ///< of each part of the inner list
     Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn
     std::int64_t steps_since_rebuild_ = 0, steps_since_draw_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
@@ -56,14 +69,16 @@ private:
         std::vector<std::uint32_t> index;
         std::size_t count = 0;
     };
-    std::vector<Found> found_; ///< one a chunk of pairs
+    std::vector<Found> found_; ///< one a part
     std::vector<Pair> overlapping_;
 };
 
 // Neighbours in the periodic plane by cells.
 
 /// All pairs of spheres nearer in the plane than the sum of their radii plus `skin`, nearest images, ordered
-/// (first, second); pairs of the same rod are left out.
-void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team, PairList& list);
+/// (first, second); pairs of the same rod are left out. Returns where the pairs begin whose first sphere is
+/// in each block, and the end.
+std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team,
+                                    PairList& list);
 
 } // namespace rodwake::granular
