@@ -16,6 +16,7 @@
 #include "rodwake/scene/read.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -170,7 +171,8 @@ public:
             all.include(velocities);
         }
         ++step_;
-        contacts_.resolve(bodies_, finder_.find(bodies_, all.fastest_in_plane(), dt, team_), tallies_, team_);
+        contacts_.resolve(bodies_, finder_.find(bodies_, std::array{all.fastest_in_plane()}, dt, team_),
+                          tallies_, team_);
     }
 
     granular::State state() const { return to_state(bodies_, step_); }

@@ -326,16 +326,9 @@ std::size_t within_reach(const double* position, const PairList& list, std::size
     return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, allowance, found);
 }
 
-double furthest_moved(const Rows& position, const Rows& before, Team& team) {
-    constexpr std::size_t chunk = 8192; // rows a task; a maximum does not depend on it
-    const std::size_t rows = position.size() / 4;
-    std::vector<double> furthest((rows + chunk - 1) / chunk);
-    team.run(furthest.size(), [&](std::size_t c) {
-        const std::size_t begin = c * chunk, count = std::min(rows - begin, chunk);
-        furthest[c] = HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
-                                                            before.data() + 4 * begin, count);
-    });
-    return furthest.empty() ? 0.0 : std::sqrt(*std::ranges::max_element(furthest));
+double furthest_moved(const Rows& position, const Rows& before, std::size_t begin, std::size_t end) {
+    return std::sqrt(HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
+                                                           before.data() + 4 * begin, end - begin));
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

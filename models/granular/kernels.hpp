@@ -110,7 +110,7 @@ std::size_t overlapping(const double* position, const PairList& list, std::size_
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                          const PeriodicBox& box, double allowance, std::uint32_t* found);
 
-/// The largest distance in the plane between the same rows of two arrays.
-double furthest_moved(const Rows& position, const Rows& before, Team& team);
+/// The largest distance in the plane between the same rows [begin, end) of two arrays.
+double furthest_moved(const Rows& position, const Rows& before, std::size_t begin, std::size_t end);
 
 } // namespace rodwake::granular

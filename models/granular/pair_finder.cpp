@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace rodwake::granular {
 
@@ -14,6 +15,10 @@ constexpr double first_skin = 0.5; // of a radius, as are the limits
 constexpr double least_skin = 0.2, most_skin = 1.5;
 constexpr double most_allowance = 0.5;
 constexpr std::int64_t short_life = 400, long_life = 4000; // steps of an outer list
+
+std::size_t blocks_in(const Bodies& bodies) {
+    return (bodies.spheres() + beads_per_block - 1) / beads_per_block;
+}
 
 } // namespace
 
@@ -26,6 +31,7 @@ PairFinder::PairFinder(const Bodies& bodies, const PeriodicBox& box)
 void PairFinder::rebuild(const Bodies& bodies, Team& team) {
     outer_parts_ = near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
     origin_ = bodies.position;
+    furthest_from_origin_ = 0.0;
     outer_allowance_ = allowance_;
     steps_since_rebuild_ = 0;
     ++rebuilds_;
@@ -66,7 +72,7 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
         note_blocks(c, bodies);
     });
     drawn_ = bodies.position;
-    furthest_ = 0.0;
+    furthest_.assign(blocks_in(bodies), 0.0);
     steps_since_draw_ = 0;
     ++refreshes_;
 }
@@ -91,30 +97,60 @@ void PairFinder::note_blocks(std::size_t part, const Bodies& bodies) {
 void PairFinder::refresh(const Bodies& bodies, Team& team) {
     // A pair outside the outer list is at least the skin away beside the allowance, and approaches by twice
     // what a sphere moved.
-    if (origin_.empty() || 2.0 * furthest_moved(bodies.position, origin_, team) > skin_) {
-        if (!origin_.empty())
+    furthest_from_origin_ += furthest();
+    if (!origin_.empty() && 2.0 * furthest_from_origin_ > skin_) {
+        std::vector<std::size_t> all(blocks_in(bodies));
+        std::iota(all.begin(), all.end(), std::size_t{0});
+        measure(bodies, origin_, all, team);
+        furthest_from_origin_ = furthest();
+        if (2.0 * furthest_from_origin_ > skin_) {
             adapt_skin();
-        rebuild(bodies, team);
+            origin_.clear();
+        }
     }
+    if (origin_.empty())
+        rebuild(bodies, team);
     allowance_ = std::min(allowance_, outer_allowance_);
     draw(bodies, team);
 }
 
+double PairFinder::furthest() const { return furthest_.empty() ? 0.0 : *std::ranges::max_element(furthest_); }
+
+/// How far the spheres of some blocks are from where they were before.
+void PairFinder::measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks,
+                         Team& team) {
+    team.run(blocks.size(), [&](std::size_t k) {
+        const std::size_t begin = blocks[k] * beads_per_block,
+                          end = std::min(bodies.spheres(), begin + beads_per_block);
+        furthest_[blocks[k]] = furthest_moved(bodies.position, before, begin, end);
+    });
+}
+
 /// Whether pairs outside the inner list may touch.
-bool PairFinder::stale(const Bodies& bodies, double moved, Team& team) {
-    furthest_ += moved;
+bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team) {
     ++steps_since_draw_;
     ++steps_since_rebuild_;
+    fastest_.resize(blocks_in(bodies), 0.0);
+    furthest_.resize(blocks_in(bodies), 0.0);
+    std::vector<std::size_t> far;
+    for (std::size_t b = 0; b < furthest_.size(); ++b) {
+        const double now = fastest[std::min(b, fastest.size() - 1)];
+        furthest_[b] += (2.0 * now + fastest_[b]) * time_step; // by its flight, and by the impulse before
+        fastest_[b] = now;
+        if (2.0 * furthest_[b] > allowance_)
+            far.push_back(b);
+    }
     if (drawn_.empty())
         return true;
-    if (2.0 * furthest_ <= allowance_)
-        return false;
-    furthest_ = furthest_moved(bodies.position, drawn_, team);
-    return 2.0 * furthest_ > allowance_;
+    measure(bodies, drawn_, far, team);
+    return 2.0 * furthest() > allowance_;
 }
 
 bool PairFinder::likely_to_hold(double time_step) const {
-    return !drawn_.empty() && 2.0 * (furthest_ + fastest_ * time_step) <= allowance_;
+    for (std::size_t b = 0; b < furthest_.size(); ++b)
+        if (2.0 * (furthest_[b] + fastest_[b] * time_step) > allowance_)
+            return false;
+    return !drawn_.empty();
 }
 
 void PairFinder::test(std::size_t part, const Bodies& bodies) {
@@ -122,12 +158,10 @@ void PairFinder::test(std::size_t part, const Bodies& bodies) {
                                      inner_parts_[part + 1], box_, found_[part].index.data());
 }
 
-std::span<const Pair> PairFinder::find(const Bodies& bodies, double fastest, double time_step, Team& team,
-                                       bool tested) {
-    const double moved = (2.0 * fastest + fastest_) * time_step; // by its flight, and by the impulse before
-    fastest_ = fastest;
-    if (stale(bodies, moved, team)) {
-        adapt_allowance(furthest_);
+std::span<const Pair> PairFinder::find(const Bodies& bodies, std::span<const double> fastest,
+                                       double time_step, Team& team, bool tested) {
+    if (stale(bodies, fastest, time_step, team)) {
+        adapt_allowance(furthest());
         refresh(bodies, team);
         tested = false;
     }
@@ -207,7 +241,7 @@ std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box
     const std::vector<double> x = column(bodies.position, count, 0), y = column(bodies.position, count, 1);
     const CellList cells(x, y, box, 2.0 * most + skin);
     list.common = least == most ? least + most : 0.0;
-    std::vector<PairList> found((count + beads_per_block - 1) / beads_per_block, list);
+    std::vector<PairList> found(blocks_in(bodies), list);
     team.run(found.size(), [&](std::size_t c) {
         pairs_of(bodies, cells, box, skin, c * beads_per_block, std::min(count, (c + 1) * beads_per_block),
                  found[c]);

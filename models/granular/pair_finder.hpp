@@ -20,12 +20,13 @@ class PairFinder {
 public:
     PairFinder(const Bodies& bodies, const PeriodicBox& box);
 
-    /// The pairs that overlap in space after a step in which no sphere was faster than `fastest` in the
-    /// plane, m/s. Impulses since the last call may have moved spheres besides, by what they changed
-    /// velocities for less than a step (pair_contacts.hpp). `tested`: all parts were, after the flight, which
-    /// counts if the lists turn out to hold. Valid until the next call.
-    std::span<const Pair> find(const Bodies& bodies, double fastest, double time_step, Team& team,
-                               bool tested = false);
+    /// The pairs that overlap in space after a step in which no sphere of a block was faster than its
+    /// `fastest` in the plane, m/s; the last counts for all blocks from it on. Impulses since the last call
+    /// may have moved spheres besides, by what they changed velocities for less than a step
+    /// (pair_contacts.hpp). `tested`: all parts were, after the flight, which counts if the lists turn out to
+    /// hold. Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, std::span<const double> fastest, double time_step,
+                               Team& team, bool tested = false);
 
     // Tests while the beads that have just flown are still in the cache. A part are the pairs whose first
     // sphere is in one block of beads.
@@ -49,7 +50,9 @@ private:
     void draw(const Bodies& bodies, Team& team);
     void adapt_skin();
     void adapt_allowance(double furthest);
-    bool stale(const Bodies& bodies, double moved, Team& team);
+    bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team);
+    void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks, Team& team);
+    double furthest() const;
     void note_blocks(std::size_t part, const Bodies& bodies);
 
     PeriodicBox box_;
@@ -57,8 +60,10 @@ private:
     double skin_;      ///< of the outer list, beside the allowance it was built for, m
     double allowance_; ///< pairs nearer than that in the plane are in the inner list, m
     double outer_allowance_ = 0.0;
-    double fastest_ = 0.0;  ///< of the step before, m/s
-    double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m
+    std::vector<double> fastest_; ///< of each block in the step before, m/s
+    std::vector<double>
+        furthest_; ///< no sphere of a block has moved further since the inner list was drawn, m
+    double furthest_from_origin_ = 0.0; ///< the same of all since the outer list was built
     PairList outer_, inner_;
     std::vector<std::size_t> outer_parts_, inner_parts_; ///< where each part begins, and the end
     std::vector<std::vector<std::uint32_t>> blocks_;     ///< of each part of the inner list

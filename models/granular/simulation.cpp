@@ -96,6 +96,7 @@ struct Simulation::Impl {
     std::optional<Failure> failure;
     std::vector<BlockResult> blocks;
     std::vector<std::atomic<std::uint8_t>> flights; ///< of the blocks in this step
+    std::vector<double> fastest;                    ///< of the blocks in this step
     double shifted = 0.0;                           ///< how far the step before moved spheres apart, m
 
     Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
@@ -197,6 +198,19 @@ struct Simulation::Impl {
         }
         include_ends(velocities);
         bodies.place_rod_spheres();
+    }
+
+    /// In the plane; others: what may be faster than a block's own beads.
+    std::span<const double> fastest_of_blocks(const Range& others) {
+        fastest.resize(std::max<std::size_t>(blocks.size(), 1));
+        for (std::size_t b = 0; b < fastest.size(); ++b) {
+            Range all = others;
+            if (b < blocks.size())
+                all.include(blocks[b].velocities);
+            include_shift(all, shifted);
+            fastest[b] = all.fastest_in_plane();
+        }
+        return fastest;
     }
 
     /// As if spheres that were put elsewhere had flown there.
@@ -314,14 +328,15 @@ struct Simulation::Impl {
         if (pushed)
             half_kick(time());
         PlateTally rods;
-        Range velocities = Range::empty();
-        fly_rods(plate, velocities, rods);
+        Range of_rods = Range::empty();
+        fly_rods(plate, of_rods, rods);
         mark(&StepTimes::rods);
         const bool together = !apart && !wall && finder.likely_to_hold(problem.time_step);
         if (together)
             fly_and_test(plate);
         else
             team.run(blocks.size(), [&](std::size_t b) { fly_block(b, plate); });
+        Range velocities = of_rods;
         const PlateTally beads = gather_blocks(velocities);
         add(rods, tallies.rod_plate);
         mark(&StepTimes::flight);
@@ -331,9 +346,8 @@ struct Simulation::Impl {
         guard_speeds(velocities);
         if (failure)
             return;
-        include_shift(velocities, shifted);
-        const std::span<const Pair> overlapping =
-            finder.find(bodies, velocities.fastest_in_plane(), problem.time_step, team, together);
+        const std::span<const Pair> overlapping = finder.find(
+            bodies, fastest_of_blocks(wall ? velocities : of_rods), problem.time_step, team, together);
         mark(&StepTimes::search);
         const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team, equilibrating());
         shifted = worst.shift;
