@@ -192,6 +192,8 @@ std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cel
                  radius = bodies.radius_of(i) + skin;
     std::size_t count = 0;
     cells.cells_around(cells.column(x), cells.row(y), [&](std::size_t begin, std::size_t end) {
+        if (begin == end || cells.member()[end - 1] <= i)
+            return; // numbers rise within a cell
         partners.resize(std::max(partners.size(), count + end - begin));
         std::uint32_t* out = partners.data() + count;
         for (std::size_t k = begin; k < end; ++k) {

@@ -22,6 +22,7 @@ V All(double value) { return hn::Set(Lanes(), value); }
 /// Distances of beads in free flight from their plates as polynomials in the time before the end of the step.
 struct Approach {
     V c[8]; ///< of before^n
+    V d[8]; ///< of before^(n - 1) in the derivative
 
     // In pairs of terms, which do not wait for each other.
     HWY_INLINE V Gap(V b) const {
@@ -33,10 +34,9 @@ struct Approach {
     /// -d gap/d before: negative when approaching.
     HWY_INLINE V Opening(V b) const {
         const V b2 = hn::Mul(b, b), b4 = hn::Mul(b2, b2);
-        const auto term = [&](int n) HWY_ATTR { return n == 1 ? c[1] : hn::Mul(All(n), c[n]); };
-        const auto pair = [&](int n) HWY_ATTR { return hn::Add(term(n), hn::Mul(term(n + 1), b)); };
+        const auto pair = [&](int n) HWY_ATTR { return hn::Add(d[n], hn::Mul(d[n + 1], b)); };
         return hn::Neg(hn::Add(hn::Add(pair(1), hn::Mul(pair(3), b2)),
-                               hn::Mul(hn::Add(pair(5), hn::Mul(term(7), b2)), b4)));
+                               hn::Mul(hn::Add(pair(5), hn::Mul(d[7], b2)), b4)));
     }
 };
 
@@ -49,6 +49,8 @@ HWY_INLINE Approach ApproachOf(const PlateStep& step, double radius, V side, M f
     c[0] = hn::Add(c[0], hn::Sub(hn::Mul(side, height), All(radius)));
     c[1] = hn::Sub(c[1], hn::Mul(side, vz));
     c[2] = hn::Sub(c[2], hn::Div(hn::Mul(side, All(step.gravity)), All(2.0)));
+    for (std::size_t n = 1; n < 8; ++n)
+        approach.d[n] = hn::Mul(All(static_cast<double>(n)), c[n]);
     return approach;
 }
 
