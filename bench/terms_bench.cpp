@@ -16,6 +16,7 @@
 #include "rodwake/scene/read.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -166,12 +167,12 @@ public:
             granular::drift(bodies_.position.data(), bodies_.velocity.data(), begin,
                             std::min(bodies_.beads, begin + granular::beads_per_block),
                             {dt, problem_.gravity, floor + a, floor + plate.gap - a}, velocities, hits_);
-            for (const std::uint32_t bead : hits_)
-                granular::bounce_bead(bodies_, bead, plate, problem_.contacts.bead_plate, velocities, tally_);
+            granular::bounce_beads(bodies_, hits_, plate, problem_.contacts.bead_plate, velocities, tally_);
             all.include(velocities);
         }
         ++step_;
-        contacts_.resolve(bodies_, finder_.find(bodies_, all.fastest_in_plane(), dt, team_), tallies_, team_);
+        contacts_.resolve(bodies_, finder_.find(bodies_, std::array{all.fastest_in_plane()}, dt, team_),
+                          tallies_, team_);
     }
 
     granular::State state() const { return to_state(bodies_, step_); }

@@ -105,36 +105,24 @@ State to_state(const Bodies& bodies, std::int64_t step) {
     return state;
 }
 
-Temperatures bead_temperatures(const Bodies& bodies) {
-    if (bodies.beads == 0)
-        return {};
-    const auto v = bead_velocities(bodies);
-    const double count = static_cast<double>(bodies.beads);
-    const Eigen::Array4d mean = mean_velocity(bodies);
-    Eigen::Array4d squares = Eigen::Array4d::Zero();
-    for (Eigen::Index i = 0; i < v.cols(); ++i) // two passes: a difference of squares can come out negative
-        squares += (v.col(i) - mean).square();
-    return {(squares[0] + squares[1]) / (2.0 * count), squares[2] / count};
-}
-
-PlaneTensor momentum_flux_of(const Bodies& bodies) {
+Agitation agitation_of(const Bodies& bodies) {
     const auto v = bead_velocities(bodies);
     const Eigen::Array4d mean = mean_velocity(bodies);
-    Eigen::Array4d products = Eigen::Array4d::Zero(); // xx, xy, yx, yy
-    for (Eigen::Index i = 0; i < v.cols(); ++i) {
+    Eigen::Array4d products = Eigen::Array4d::Zero(); // xx, yy, zz, xy
+    for (Eigen::Index i = 0; i < v.cols(); ++i) { // two passes: a difference of squares can come out negative
         const Eigen::Array4d apart = v.col(i) - mean;
-        products += Eigen::Array4d(apart[0], apart[0], apart[1], apart[1]) *
-                    Eigen::Array4d(apart[0], apart[1], apart[0], apart[1]);
+        products += Eigen::Array4d(apart[0], apart[1], apart[2], apart[0]) *
+                    Eigen::Array4d(apart[0], apart[1], apart[2], apart[1]);
     }
-    PlaneTensor flux{bodies.bead_mass * products[0], bodies.bead_mass * products[1],
-                     bodies.bead_mass * products[3]};
+    const double count = std::max(static_cast<double>(bodies.beads), 1.0), m = bodies.bead_mass;
+    PlaneTensor flux{m * products[0], m * products[3], m * products[1]};
     for (const MovingRod& rod : bodies.rods) {
         const double x = rod.body().velocity.x() - mean[0], y = rod.body().velocity.y() - mean[1];
         flux[0] += rod.clump().mass * x * x;
         flux[1] += rod.clump().mass * x * y;
         flux[2] += rod.clump().mass * y * y;
     }
-    return flux;
+    return {{(products[0] + products[1]) / (2.0 * count), products[2] / count}, flux};
 }
 
 Energy total_energy(const Bodies& bodies, double gravity) {

@@ -2,6 +2,7 @@
 
 #include "bodies.hpp"
 #include "rodwake/core/repeatable_math.hpp"
+#include "touches.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,72 +40,6 @@ namespace {
 
 // Within one step; more come to rest or, without losses (nothing may take energy), turn round at its end.
 constexpr int most_bounces = 16;
-constexpr double shortest_hop = 0.05; // of a step
-
-/// Distance of a bead in free flight from a plate as a polynomial in the time before the end of the step.
-class Approach {
-public:
-    /// z and vz: at the end of the step.
-    Approach(double z, double vz, double radius, const Plate& plate) {
-        const std::array<double, 8>& floor = plate.step->floor.coefficients();
-        for (std::size_t n = 0; n < c_.size(); ++n)
-            c_[n] = -plate.side * floor[n];
-        c_[0] += plate.side * (z - (plate.side > 0.0 ? 0.0 : plate.step->gap)) - radius;
-        c_[1] -= plate.side * vz;
-        c_[2] -= plate.side * plate.step->gravity / 2.0;
-    }
-
-    /// As if the plate were that much lower (the lid: higher).
-    void lower_plate(double depth) { c_[0] += depth; }
-    double gap_now() const { return c_[0]; }
-    double opening_now() const { return -c_[1]; }
-    // In pairs of terms, which do not wait for each other.
-    double gap(double before) const {
-        const double b2 = before * before, b4 = b2 * b2;
-        return ((c_[0] + c_[1] * before) + (c_[2] + c_[3] * before) * b2) +
-               ((c_[4] + c_[5] * before) + (c_[6] + c_[7] * before) * b2) * b4;
-    }
-    /// d gap/dt at that time: negative when approaching.
-    double opening(double before) const {
-        const double b2 = before * before, b4 = b2 * b2;
-        return -(((c_[1] + 2.0 * c_[2] * before) + (3.0 * c_[3] + 4.0 * c_[4] * before) * b2) +
-                 ((5.0 * c_[5] + 6.0 * c_[6] * before) + 7.0 * c_[7] * b2) * b4);
-    }
-
-private:
-    std::array<double, 8> c_; ///< of before^n
-};
-
-/// The time since the touch were accelerations constant. Negative where there is no such time.
-double rough_time_since_touch(double depth, double approach, double pressing) {
-    const double inside = approach * approach - 2.0 * pressing * depth;
-    return inside >= 0.0 ? 2.0 * depth / (approach + std::sqrt(inside)) : -1.0;
-}
-
-/// The last time the bead was clear of the plate: the start of its flight, or the top of its hop if it leaves
-/// the plate there.
-double last_clear(const Approach& approach, double back, double pressing) {
-    const double leaving = approach.opening(back);
-    if (!(leaving > 0.0 && pressing > 0.0))
-        return back;
-    return std::max(back - leaving / pressing, back / 2.0);
-}
-
-/// How long before the end of the step the bead, which has flown for `back`, touched the plate.
-double time_since_touch(const Approach& approach, double back, const Plate& plate) {
-    // Touching from the start on, or so soon that it makes no hop.
-    const double pressing = std::max(plate.pressing(back), 0.0), soon = shortest_hop * back;
-    if (approach.gap(back) <= pressing * soon * soon / 2.0 &&
-        std::abs(approach.opening(back)) <= pressing * soon)
-        return back;
-    double apart = last_clear(approach, back, pressing), within = 0.0;
-    double before = rough_time_since_touch(-approach.gap_now(), -approach.opening_now(), plate.pressing());
-    if (!(before > within && before < apart))
-        before = (within + apart) / 2.0;
-    return touch_time([&](double time) { return approach.gap(time); },
-                      [&](double time) { return -approach.opening(time); }, apart, within, before,
-                      1e-8 * back); // what is left is rounding
-}
 
 /// Impulse on a bead from the plate given its velocity at the contact, applied to velocity and spin.
 void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plate_speed,
@@ -157,28 +92,10 @@ bool comes_to_rest(double touching_speed, double pressing, const Plate& plate, d
            std::max(pressing, plate.step->gravity) * shortest_hop * plate.step->time_step;
 }
 
-/// A bead inside a plate, which it flew into since `back` before the end of the step.
-struct Intrusion {
-    Plate plate;
-    Approach approach;
-};
-
-/// None if the bead is in neither plate: the gap is wider than a bead, so it cannot be in both. What another
-/// bead pushed into the plate leaves it by itself.
-std::optional<Intrusion> intrusion(const Bodies& bodies, std::size_t bead, const PlateStep& step,
-                                   double back) {
-    const double z = bodies.position[4 * bead + 2], vz = bodies.velocity[4 * bead + 2];
-    for (const double side : {1.0, -1.0}) {
-        const Plate plate{side, &step};
-        Approach approach(z, vz, bodies.bead_radius, plate);
-        if (!(approach.gap_now() < 0.0))
-            continue;
-        approach.lower_plate(std::max(-approach.gap(back), 0.0));
-        if (approach.gap_now() < 0.0)
-            return Intrusion{plate, approach};
-        return {};
-    }
-    return {};
+void note_flight(const Bodies& bodies, std::size_t bead, double back, Touches& touches, std::size_t k) {
+    touches.z[k] = bodies.position[4 * bead + 2];
+    touches.vz[k] = bodies.velocity[4 * bead + 2];
+    touches.back[k] = back;
 }
 
 void note_depth(PlateTally& tally, double depth, std::size_t bead) {
@@ -188,29 +105,52 @@ void note_depth(PlateTally& tally, double depth, std::size_t bead) {
     }
 }
 
-} // namespace
+bool in_a_plate(const Bodies& bodies, std::size_t bead, const PlateStep& step) {
+    const double z = bodies.position[4 * bead + 2], a = bodies.bead_radius, floor = step.floor.position();
+    return -floor + (z - a) < 0.0 || floor + (-(z - step.gap) - a) < 0.0; // to the bit as in touches.cpp
+}
 
+/// From its first touch on, which is the k-th. Few bounce again within the step.
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
-                 Range& velocities, PlateTally& tally) {
-    double back = step.time_step;
-    for (int bounces = 0;; ++bounces) {
-        const std::optional<Intrusion> found = intrusion(bodies, bead, step, back);
-        if (!found)
-            return;
-        const auto& [plate, approach] = *found;
-        note_depth(tally, -approach.gap_now() / bodies.bead_radius, bead);
-        back = time_since_touch(approach, back, plate);
+                 const Touches& first, std::size_t k, Range& velocities, PlateTally& tally) {
+    Touches again;
+    const Touches* touch = &first;
+    for (int bounces = 0; touch->side[k] != 0.0; ++bounces) {
+        const Plate plate{touch->side[k], &step};
+        const double back = touch->back[k];
+        note_depth(tally, touch->depth[k] / bodies.bead_radius, bead);
         const bool last = bounces == most_bounces;
         const bool rests =
-            surface.restitution < 1.0 && (last || comes_to_rest(-approach.opening(back), plate.pressing(back),
-                                                                plate, surface.restitution));
+            surface.restitution < 1.0 &&
+            (last || comes_to_rest(touch->speed[k], plate.pressing(back), plate, surface.restitution));
         if (rests)
             rest_until(bodies, bead, plate, lift_off(plate, back), surface, tally);
         else
             bounce_at(bodies, bead, plate, last ? 0.0 : back, surface, tally);
         velocities.include(&bodies.velocity[4 * bead]);
-        if (rests || last)
+        if (rests || last || !in_a_plate(bodies, bead, step))
             return;
+        touch = &again;
+        k = 0;
+        note_flight(bodies, bead, back, again, k);
+        find_touches(step, bodies.bead_radius, 1, again);
+    }
+}
+
+} // namespace
+
+void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const PlateStep& step,
+                  const Surface& surface, Range& velocities, PlateTally& tally) {
+    Touches touches;
+    for (; !beads.empty(); beads = beads.subspan(std::min(beads.size(), Touches::most))) {
+        const std::span<const std::uint32_t> some = beads.first(std::min(beads.size(), Touches::most));
+        for (std::size_t k = 0; k < some.size(); ++k) {
+            note_flight(bodies, some[k], step.time_step, touches, k);
+            bodies.fetch(beads[std::min(k + Touches::most, beads.size() - 1)]);
+        }
+        find_touches(step, bodies.bead_radius, some.size(), touches);
+        for (std::size_t k = 0; k < some.size(); ++k)
+            bounce_bead(bodies, some[k], step, surface, touches, k, velocities, tally);
     }
 }
 

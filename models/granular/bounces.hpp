@@ -6,15 +6,17 @@
 #include "plates.hpp"
 #include "rod_motion.hpp"
 
+#include <cstdint>
 #include <functional>
+#include <span>
 
 namespace rodwake::granular {
 
-/// Puts a bead that flew through a plate back to where and when it touched it, bounces it there, and lets it
-/// fly for the rest of the step; again if it comes back within the step. A bead whose hops are shorter than a
-/// twentieth of a step comes to rest on the plate. Velocities it had on the way are added to `velocities`.
-void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
-                 Range& velocities, PlateTally& tally);
+/// Puts beads that flew through a plate back to where and when they touched it, bounces them there, and lets
+/// them fly for the rest of the step; again if they come back within the step. A bead whose hops are shorter
+/// than a twentieth of a step comes to rest on the plate. Velocities on the way are added to `velocities`.
+void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const PlateStep& step,
+                  const Surface& surface, Range& velocities, PlateTally& tally);
 
 /// Moves a rod through one step. Between impulses it flies freely (rod_motion.hpp); where one of its spheres
 /// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact

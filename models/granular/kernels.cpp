@@ -95,60 +95,83 @@ Separation Separate(const double* position, const Pair& pair, const PeriodicBox&
 
 #if RODWAKE_ROWS
 using Row = hn::FixedTag<double, 4>;
-using V = hn::Vec<Row>;
-
-std::uint32_t Bits(hn::Mask<Row> mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(Row(), mask, bytes);
-    return bytes[0] & 0xFu;
-}
+// Pairs at a time: as many as fit into a vector, four or eight.
+using Lanes = hn::CappedTag<double, 8>;
+using V = hn::Vec<Lanes>;
 
 struct BoxLanes {
     V x, y, per_x, per_y;
 };
 
 BoxLanes LanesOf(const PeriodicBox& box) {
-    const Row row;
-    return {hn::Set(row, box.x), hn::Set(row, box.y), hn::Set(row, 1.0 / box.x), hn::Set(row, 1.0 / box.y)};
+    const Lanes lanes;
+    return {hn::Set(lanes, box.x), hn::Set(lanes, box.y), hn::Set(lanes, 1.0 / box.x),
+            hn::Set(lanes, 1.0 / box.y)};
 }
 
-/// The same for four pairs.
-HWY_INLINE void SeparateFour(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs,
-                             const BoxLanes& box, V& flat2, V& height) {
+/// x, y and z of four rows.
+struct Columns {
+    hn::Vec<Row> x, y, z;
+};
+
+HWY_INLINE Columns Difference(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs) {
     const Row row;
-    const auto difference = [&](int k) {
+    const auto difference = [&](int k) HWY_ATTR {
         return hn::Sub(hn::LoadU(row, position + 4 * std::size_t{pairs[k].first}),
                        hn::LoadU(row, position + 4 * std::size_t{pairs[k].second}));
     };
-    const V r0 = difference(0), r1 = difference(1), r2 = difference(2), r3 = difference(3);
-    const V xz01 = hn::InterleaveLower(row, r0, r1), xz23 = hn::InterleaveLower(row, r2, r3);
-    const V y01 = hn::InterleaveUpper(row, r0, r1), y23 = hn::InterleaveUpper(row, r2, r3);
-    V x = hn::ConcatLowerLower(row, xz23, xz01), y = hn::ConcatLowerLower(row, y23, y01);
-    height = hn::ConcatUpperUpper(row, xz23, xz01);
+    const auto r0 = difference(0), r1 = difference(1), r2 = difference(2), r3 = difference(3);
+    const auto xz01 = hn::InterleaveLower(row, r0, r1), xz23 = hn::InterleaveLower(row, r2, r3);
+    const auto y01 = hn::InterleaveUpper(row, r0, r1), y23 = hn::InterleaveUpper(row, r2, r3);
+    return {hn::ConcatLowerLower(row, xz23, xz01), hn::ConcatLowerLower(row, y23, y01),
+            hn::ConcatUpperUpper(row, xz23, xz01)};
+}
+
+/// The same for as many pairs as fit into a vector.
+HWY_INLINE void SeparateSome(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs,
+                             const BoxLanes& box, V& flat2, V& height) {
+    Columns first = Difference(position, pairs);
+#if HWY_MAX_BYTES >= 64
+    const Lanes lanes;
+    const Columns second = Difference(position, pairs + 4);
+    V x = hn::Combine(lanes, second.x, first.x), y = hn::Combine(lanes, second.y, first.y);
+    height = hn::Combine(lanes, second.z, first.z);
+#else
+    V x = first.x, y = first.y;
+    height = first.z;
+#endif
     x = hn::Sub(x, hn::Mul(box.x, hn::Round(hn::Mul(x, box.per_x))));
     y = hn::Sub(y, hn::Mul(box.y, hn::Round(hn::Mul(y, box.per_y))));
     flat2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
 }
+
+std::uint32_t Bits(hn::Mask<Lanes> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Lanes(), mask, bytes);
+    return bytes[0] & ((1u << hn::MaxLanes(Lanes())) - 1u);
+}
 #endif
 
-/// Calls the test on twice four pairs at a time and then on the rest, and keeps the indices that pass.
-/// Written without branches on the answer, which nobody can predict.
-template<class Four, class One>
+/// Calls the test on eight pairs at a time and then on the rest, and keeps the indices that pass. Written
+/// without branches on the answer, which nobody can predict.
+template<class Some, class One>
 HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t* HWY_RESTRICT out,
-                              const Four& four, const One& one) {
+                              const Some& some, const One& one) {
     std::size_t k = begin, count = 0;
 #if RODWAKE_ROWS
-    for (; k + 8 <= end; k += 8) { // two independent fours hide each other's latency
-        const std::uint32_t bits = four(k) | four(k + 4) << 4, first = static_cast<std::uint32_t>(k);
+    for (; k + 8 <= end; k += 8) {
+        std::uint32_t bits = 0; // of two independent fours, which hide each other's latency, or of one eight
+        for (std::size_t lane = 0; lane < 8; lane += hn::MaxLanes(Lanes()))
+            bits |= some(k + lane) << lane;
         if (bits == 0)
             continue;
         for (std::uint32_t lane = 0; lane < 8; ++lane) {
-            out[count] = first + lane;
+            out[count] = static_cast<std::uint32_t>(k) + lane;
             count += (bits >> lane) & 1u;
         }
     }
 #else
-    (void)four;
+    (void)some;
 #endif
     for (; k < end; ++k) {
         out[count] = static_cast<std::uint32_t>(k);
@@ -161,18 +184,23 @@ std::size_t OverlappingPairs(const double* position, const PairList& list, std::
                              const PeriodicBox& box, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
         const Separation s = Separate(position, list.pairs[k], box);
-        return s.flat2 + s.height * s.height < list.reach[k] * list.reach[k];
+        return s.flat2 + s.height * s.height < list.reach_of(k) * list.reach_of(k);
     };
 #if RODWAKE_ROWS
-    const Row row;
+    const Lanes d;
     const BoxLanes lanes = LanesOf(box);
-    const auto four = [&](std::size_t k) HWY_ATTR {
-        V flat2, height;
-        SeparateFour(position, &list.pairs[k], lanes, flat2, height);
-        const V reach = hn::LoadU(row, &list.reach[k]);
-        return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
+    const auto test = [&](const auto& reach_of) HWY_ATTR {
+        const auto some = [&](std::size_t k) HWY_ATTR {
+            V flat2, height;
+            SeparateSome(position, &list.pairs[k], lanes, flat2, height);
+            const V reach = reach_of(k);
+            return Bits(hn::Lt(hn::Add(flat2, hn::Mul(height, height)), hn::Mul(reach, reach)));
+        };
+        return Select(begin, end, found, some, one);
     };
-    return Select(begin, end, found, four, one);
+    if (list.reach.empty())
+        return test([v = hn::Set(d, list.common)](std::size_t) HWY_ATTR { return v; });
+    return test([&](std::size_t k) HWY_ATTR { return hn::LoadU(d, &list.reach[k]); });
 #else
     return Select(begin, end, found, 0, one);
 #endif
@@ -181,20 +209,21 @@ std::size_t OverlappingPairs(const double* position, const PairList& list, std::
 std::size_t PairsWithinReach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                              const PeriodicBox& box, double allowance, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
-        const double reach = list.reach[k] + allowance;
+        const double reach = list.reach_of(k) + allowance;
         return Separate(position, list.pairs[k], box).flat2 < reach * reach;
     };
 #if RODWAKE_ROWS
-    const Row row;
+    const Lanes d;
     const BoxLanes lanes = LanesOf(box);
-    const V vallowance = hn::Set(row, allowance);
-    const auto four = [&](std::size_t k) HWY_ATTR {
+    const V common = hn::Set(d, list.common);
+    const auto some = [&](std::size_t k) HWY_ATTR {
         V flat2, height;
-        SeparateFour(position, &list.pairs[k], lanes, flat2, height);
-        const V reach = hn::Add(hn::LoadU(row, &list.reach[k]), vallowance);
+        SeparateSome(position, &list.pairs[k], lanes, flat2, height);
+        const V touching = list.reach.empty() ? common : hn::LoadU(d, &list.reach[k]);
+        const V reach = hn::Add(touching, hn::Set(d, allowance));
         return Bits(hn::Lt(flat2, hn::Mul(reach, reach)));
     };
-    return Select(begin, end, found, four, one);
+    return Select(begin, end, found, some, one);
 #else
     return Select(begin, end, found, 0, one);
 #endif
@@ -205,11 +234,11 @@ double FurthestSquared(const double* position, const double* before, std::size_t
     std::size_t i = 0;
 #if RODWAKE_ROWS
     const Row row;
-    V most = hn::Zero(row);
+    auto most = hn::Zero(row);
     for (; i + 2 <= rows; i += 2) {
-        const V d0 = hn::Sub(hn::LoadU(row, position + 4 * i), hn::LoadU(row, before + 4 * i)),
-                d1 = hn::Sub(hn::LoadU(row, position + 4 * i + 4), hn::LoadU(row, before + 4 * i + 4));
-        const V x = hn::InterleaveLower(row, d0, d1), y = hn::InterleaveUpper(row, d0, d1);
+        const auto d0 = hn::Sub(hn::LoadU(row, position + 4 * i), hn::LoadU(row, before + 4 * i)),
+                   d1 = hn::Sub(hn::LoadU(row, position + 4 * i + 4), hn::LoadU(row, before + 4 * i + 4));
+        const auto x = hn::InterleaveLower(row, d0, d1), y = hn::InterleaveUpper(row, d0, d1);
         most = hn::Max(most, hn::ConcatLowerLower(row, hn::Zero(row), hn::Add(hn::Mul(x, x), hn::Mul(y, y))));
     }
     furthest = hn::GetLane(hn::MaxOfLanes(row, most));
@@ -266,10 +295,10 @@ void PairList::clear() {
 
 void PairList::resize(std::size_t count) {
     pairs.resize(count);
-    reach.resize(count);
+    reach.resize(common > 0.0 ? 0 : count);
 }
 
-void gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
     std::vector<std::size_t> begin(parts.size() + 1, 0);
     for (std::size_t c = 0; c < parts.size(); ++c)
         begin[c + 1] = begin[c] + parts[c].size();
@@ -279,6 +308,7 @@ void gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
         std::ranges::copy(parts[c].pairs, list.pairs.begin() + at);
         std::ranges::copy(parts[c].reach, list.reach.begin() + at);
     });
+    return begin;
 }
 
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
@@ -296,16 +326,9 @@ std::size_t within_reach(const double* position, const PairList& list, std::size
     return HWY_DYNAMIC_DISPATCH(PairsWithinReach)(position, list, begin, end, box, allowance, found);
 }
 
-double furthest_moved(const Rows& position, const Rows& before, Team& team) {
-    constexpr std::size_t chunk = 8192; // rows a task; a maximum does not depend on it
-    const std::size_t rows = position.size() / 4;
-    std::vector<double> furthest((rows + chunk - 1) / chunk);
-    team.run(furthest.size(), [&](std::size_t c) {
-        const std::size_t begin = c * chunk, count = std::min(rows - begin, chunk);
-        furthest[c] = HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
-                                                            before.data() + 4 * begin, count);
-    });
-    return furthest.empty() ? 0.0 : std::sqrt(*std::ranges::max_element(furthest));
+double furthest_moved(const Rows& position, const Rows& before, std::size_t begin, std::size_t end) {
+    return std::sqrt(HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
+                                                           before.data() + 4 * begin, end - begin));
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

@@ -66,6 +66,12 @@ void add_virial(PlaneTensor& virial, const Vector3& r, const Vector3& P) {
     virial[2] += r.y() * P.y();
 }
 
+HWY_INLINE void fetch_ahead(const Bodies& bodies, std::span<const Pair> pairs, std::size_t k) {
+    const Pair& later = pairs[std::min(k + fetched_ahead, pairs.size() - 1)];
+    bodies.fetch(later.first);
+    bodies.fetch(later.second);
+}
+
 /// Earlier, or as early and deeper.
 bool first(double back, double length, double other_back, double other_length) {
     return back > other_back || (back == other_back && length < other_length);
@@ -83,10 +89,11 @@ Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
 std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
                                                            WorstOverlap& worst) const {
     const Vector3 r = apart(bodies, pair);
-    const double reach = bodies.radius[pair.first] + bodies.radius[pair.second], distance = r.norm();
+    const double one = bodies.radius_of(pair.first), two = bodies.radius_of(pair.second), reach = one + two,
+                 distance = r.norm();
     if (!(distance < reach)) // an impulse before took them apart
         return {};
-    const double radii = (reach - distance) / std::min(bodies.radius[pair.first], bodies.radius[pair.second]);
+    const double radii = (reach - distance) / std::min(one, two);
     if (radii > worst.radii)
         worst = {radii, pair};
     const Vector3 v = bodies.velocity_of(pair.first) - bodies.velocity_of(pair.second);
@@ -193,7 +200,9 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
     block.worst = {};
     block.impulses = 0;
     block.virial = {};
-    for (const Pair& pair : pairs) {
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+        const Pair pair = pairs[k];
+        fetch_ahead(bodies, pairs, k);
         if (pair.second >= end) {
             block.left.push_back(pair);
             continue;
@@ -209,6 +218,7 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
                               Tallies& tallies) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const Pair pair = pairs[k];
+        fetch_ahead(bodies, pairs, k);
         std::optional<Meeting> found = meeting(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
             if (found) {

@@ -20,10 +20,23 @@ class PairFinder {
 public:
     PairFinder(const Bodies& bodies, const PeriodicBox& box);
 
-    /// The pairs that overlap in space after a step in which no sphere was faster than `fastest` in the
-    /// plane, m/s. Impulses since the last call may have moved spheres besides, by what they changed
-    /// velocities for less than a step (pair_contacts.hpp). Valid until the next call.
-    std::span<const Pair> find(const Bodies& bodies, double fastest, double time_step, Team& team);
+    /// The pairs that overlap in space after a step in which no sphere of a block was faster than its
+    /// `fastest` in the plane, m/s; the last counts for all blocks from it on. Impulses since the last call
+    /// may have moved spheres besides, by what they changed velocities for less than a step
+    /// (pair_contacts.hpp). `tested`: all parts were, after the flight, which counts if the lists turn out to
+    /// hold. Valid until the next call.
+    std::span<const Pair> find(const Bodies& bodies, std::span<const double> fastest, double time_step,
+                               Team& team, bool tested = false);
+
+    // Tests while the beads that have just flown are still in the cache. A part are the pairs whose first
+    // sphere is in one block of beads.
+
+    /// Whether the lists will probably hold after the next step.
+    bool likely_to_hold(double time_step) const;
+    std::size_t parts() const { return found_.size(); }
+    /// The blocks that must have flown before the test.
+    std::span<const std::uint32_t> blocks_of(std::size_t part) const { return blocks_[part]; }
+    void test(std::size_t part, const Bodies& bodies);
 
     std::size_t rebuilds() const { return rebuilds_; }
     std::size_t refreshes() const { return refreshes_; }
@@ -37,18 +50,23 @@ private:
     void draw(const Bodies& bodies, Team& team);
     void adapt_skin();
     void adapt_allowance(double furthest);
-    bool stale(const Bodies& bodies, double moved, Team& team);
-    template<class Test>
-    void collect(std::size_t pairs, Team& team, const Test& test);
+    bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team);
+    void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks, Team& team);
+    double furthest() const;
+    void note_blocks(std::size_t part, const Bodies& bodies);
 
     PeriodicBox box_;
     double length_;    ///< scale for limits, a bead radius, m
     double skin_;      ///< of the outer list, beside the allowance it was built for, m
     double allowance_; ///< pairs nearer than that in the plane are in the inner list, m
     double outer_allowance_ = 0.0;
-    double fastest_ = 0.0;  ///< of the step before, m/s
-    double furthest_ = 0.0; ///< no sphere has moved further since the inner list was drawn, m
+    std::vector<double> fastest_; ///< of each block in the step before, m/s
+    std::vector<double>
+        furthest_; ///< no sphere of a block has moved further since the inner list was drawn, m
+    double furthest_from_origin_ = 0.0; ///< the same of all since the outer list was built
     PairList outer_, inner_;
+    std::vector<std::size_t> outer_parts_, inner_parts_; ///< where each part begins, and the end
+    std::vector<std::vector<std::uint32_t>> blocks_;     ///< of each part of the inner list
     Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn
     std::int64_t steps_since_rebuild_ = 0, steps_since_draw_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
@@ -56,14 +74,16 @@ private:
         std::vector<std::uint32_t> index;
         std::size_t count = 0;
     };
-    std::vector<Found> found_; ///< one a chunk of pairs
+    std::vector<Found> found_; ///< one a part
     std::vector<Pair> overlapping_;
 };
 
 // Neighbours in the periodic plane by cells.
 
 /// All pairs of spheres nearer in the plane than the sum of their radii plus `skin`, nearest images, ordered
-/// (first, second); pairs of the same rod are left out.
-void near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team, PairList& list);
+/// (first, second); pairs of the same rod are left out. Returns where the pairs begin whose first sphere is
+/// in each block, and the end.
+std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team,
+                                    PairList& list);
 
 } // namespace rodwake::granular

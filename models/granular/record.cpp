@@ -115,13 +115,12 @@ void Record::follow_pair(const Simulation& simulation) {
 void Record::sample(const Simulation& simulation) {
     if (simulation.step() == simulation.problem().equilibration_steps)
         begin(simulation);
-    const Temperatures T = simulation.temperatures();
+    const auto [T, flux] = simulation.agitation();
     for (SampleSums* sums : {&sums_.run, &sums_.row}) {
         sums->T_xy += T.xy;
         sums->T_z += T.z;
         ++sums->count;
     }
-    const PlaneTensor flux = simulation.momentum_flux();
     add(pressure_.run_flux, flux);
     add(pressure_.row_flux, flux);
     if (simulation.time() > 0.0) {

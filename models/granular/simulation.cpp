@@ -11,10 +11,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 namespace rodwake::granular {
 
@@ -93,12 +95,14 @@ struct Simulation::Impl {
     std::int64_t step;
     std::optional<Failure> failure;
     std::vector<BlockResult> blocks;
-    double shifted = 0.0; ///< how far the step before moved spheres apart, m
+    std::vector<std::atomic<std::uint8_t>> flights; ///< of the blocks in this step
+    std::vector<double> fastest;                    ///< of the blocks in this step
+    double shifted = 0.0;                           ///< how far the step before moved spheres apart, m
 
     Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
-          blocks((bodies.beads + beads_per_block - 1) / beads_per_block) {
+          blocks((bodies.beads + beads_per_block - 1) / beads_per_block), flights(blocks.size()) {
         for (auto* sums : {&tallies.impulse_on_beads, &tallies.impulse_from_plates})
             sums->resize(problem.rods.size(), Vector3::Zero());
         if (p.container)
@@ -120,23 +124,46 @@ struct Simulation::Impl {
         return {plates.floor(time), plates.gap(), problem.time_step, problem.gravity};
     }
 
-    void fly_beads(const PlateStep& plate) {
+    void fly_block(std::size_t b, const PlateStep& plate) {
         const double a = problem.bead_radius, floor = plate.floor.position();
-        const Drift flight{problem.time_step, problem.gravity, floor + a, floor + plate.gap - a};
-        team.run(blocks.size(), [&](std::size_t c) {
-            BlockResult& mine = blocks[c];
-            mine.hits.clear();
-            mine.velocities = Range::empty();
-            mine.tally = {};
-            const std::size_t begin = c * beads_per_block,
-                              end = std::min(bodies.beads, begin + beads_per_block);
-            drift(bodies.position.data(), bodies.velocity.data(), begin, end, flight, mine.velocities,
-                  mine.hits);
-            for (const std::uint32_t bead : mine.hits) {
-                bounce_bead(bodies, bead, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
-                if (!row(bodies.position, bead).allFinite()) // minima and maxima pass over NaN, hits do not
-                    mine.velocities.high[0] = std::numeric_limits<double>::infinity();
-            }
+        BlockResult& mine = blocks[b];
+        mine.hits.clear();
+        mine.velocities = Range::empty();
+        mine.tally = {};
+        const std::size_t begin = b * beads_per_block, end = std::min(bodies.beads, begin + beads_per_block);
+        drift(bodies.position.data(), bodies.velocity.data(), begin, end,
+              {problem.time_step, problem.gravity, floor + a, floor + plate.gap - a}, mine.velocities,
+              mine.hits);
+        bounce_beads(bodies, mine.hits, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
+        for (const std::uint32_t bead : mine.hits)
+            if (!row(bodies.position, bead).allFinite()) // minima and maxima pass over NaN, hits do not
+                mine.velocities.high[0] = std::numeric_limits<double>::infinity();
+    }
+
+    /// Once a step, by whoever needs the block first; the others wait for it.
+    void fly_once(std::size_t b, const PlateStep& plate) {
+        enum : std::uint8_t { lies, flies, has_flown };
+        std::uint8_t was = lies;
+        if (flights[b].compare_exchange_strong(was, flies)) {
+            fly_block(b, plate);
+            flights[b].store(has_flown, std::memory_order_release);
+        }
+        while (flights[b].load(std::memory_order_acquire) != has_flown)
+            std::this_thread::yield();
+    }
+
+    /// Pairs are tested as soon as their beads have flown.
+    void fly_and_test(const PlateStep& plate) {
+        for (auto& flight : flights)
+            flight.store(0, std::memory_order_relaxed);
+        team.run(std::max(finder.parts(), blocks.size()), [&](std::size_t part) {
+            if (part < blocks.size())
+                fly_once(part, plate);
+            if (part >= finder.parts())
+                return;
+            for (const std::uint32_t block : finder.blocks_of(part))
+                fly_once(block, plate);
+            finder.test(part, bodies);
         });
     }
 
@@ -171,6 +198,19 @@ struct Simulation::Impl {
         }
         include_ends(velocities);
         bodies.place_rod_spheres();
+    }
+
+    /// In the plane; others: what may be faster than a block's own beads.
+    std::span<const double> fastest_of_blocks(const Range& others) {
+        fastest.resize(std::max<std::size_t>(blocks.size(), 1));
+        for (std::size_t b = 0; b < fastest.size(); ++b) {
+            Range all = others;
+            if (b < blocks.size())
+                all.include(blocks[b].velocities);
+            include_shift(all, shifted);
+            fastest[b] = all.fastest_in_plane();
+        }
+        return fastest;
     }
 
     /// As if spheres that were put elsewhere had flown there.
@@ -279,29 +319,35 @@ struct Simulation::Impl {
         return deepest;
     }
 
-    /// Calls mark with each of StepTimes when it is done.
+    /// Calls mark with each of StepTimes when it is done. Flight and search go together if the parts may, on
+    /// which nothing depends but the time they take.
     template<class Mark>
-    void one_step(const Mark& mark) {
+    void one_step(bool apart, const Mark& mark) {
         const PlateStep plate = plate_step();
         const bool pushed = problem.body_force && !equilibrating();
         if (pushed)
             half_kick(time());
-        fly_beads(plate);
-        Range velocities = Range::empty();
-        const PlateTally beads = gather_blocks(velocities);
-        mark(&StepTimes::flight);
         PlateTally rods;
-        fly_rods(plate, velocities, rods);
+        Range of_rods = Range::empty();
+        fly_rods(plate, of_rods, rods);
+        mark(&StepTimes::rods);
+        const bool together = !apart && !wall && finder.likely_to_hold(problem.time_step);
+        if (together)
+            fly_and_test(plate);
+        else
+            team.run(blocks.size(), [&](std::size_t b) { fly_block(b, plate); });
+        Range velocities = of_rods;
+        const PlateTally beads = gather_blocks(velocities);
         add(rods, tallies.rod_plate);
+        mark(&StepTimes::flight);
         const WallTally at_wall = wall ? hit_wall(velocities) : WallTally{};
         mark(&StepTimes::rods);
         ++step;
         guard_speeds(velocities);
         if (failure)
             return;
-        include_shift(velocities, shifted);
-        const std::span<const Pair> overlapping =
-            finder.find(bodies, velocities.fastest_in_plane(), problem.time_step, team);
+        const std::span<const Pair> overlapping = finder.find(
+            bodies, fastest_of_blocks(wall ? velocities : of_rods), problem.time_step, team, together);
         mark(&StepTimes::search);
         const WorstOverlap worst = contacts.resolve(bodies, overlapping, tallies, team, equilibrating());
         shifted = worst.shift;
@@ -338,7 +384,7 @@ Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 void Simulation::advance(std::int64_t steps) {
     for (std::int64_t i = 0; i < steps && !impl_->failure; ++i)
-        impl_->one_step([](double StepTimes::*) {});
+        impl_->one_step(false, [](double StepTimes::*) {});
 }
 
 StepTimes& StepTimes::operator+=(const StepTimes& other) {
@@ -353,7 +399,7 @@ StepTimes Simulation::advance_timed(std::int64_t steps) {
     StepTimes times;
     for (; times.steps < steps && !impl_->failure; ++times.steps) {
         auto before = Clock::now();
-        impl_->one_step([&](double StepTimes::*part) {
+        impl_->one_step(true, [&](double StepTimes::*part) {
             const auto now = Clock::now();
             times.*part += std::chrono::duration<double>(now - before).count();
             before = now;
@@ -371,8 +417,7 @@ const std::optional<Failure>& Simulation::failure() const { return impl_->failur
 const GranularProblem& Simulation::problem() const { return impl_->problem; }
 const Tallies& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
-Temperatures Simulation::temperatures() const { return bead_temperatures(impl_->bodies); }
-PlaneTensor Simulation::momentum_flux() const { return momentum_flux_of(impl_->bodies); }
+Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
 Energy Simulation::energy() const { return total_energy(impl_->bodies, impl_->problem.gravity); }
 
 double Simulation::psi6(double cutoff) const {

@@ -52,7 +52,7 @@ double compressibility(double gap, double phi, std::int64_t steps) {
     for (std::int64_t k = 0; k < samples; ++k) {
         run.advance(10);
         for (std::size_t i = 0; i < 3; ++i)
-            flux[i] += run.momentum_flux()[i] / static_cast<double>(samples);
+            flux[i] += run.agitation().momentum_flux[i] / static_cast<double>(samples);
     }
     REQUIRE_FALSE(run.failure());
     CHECK(run.tallies().bead_bead > 10'000);
@@ -104,7 +104,7 @@ TEST_CASE("the flux of momentum is that of bodies about the motion of the beads"
     for (std::size_t i = 0; i < 200; ++i)
         include(bead_mass(problem), state.beads.vx[i], state.beads.vy[i]);
     include(make_clump(problem.rods[0].shape).mass, 0.01, 0.43);
-    const PlaneTensor flux = Simulation(problem, state).momentum_flux();
+    const PlaneTensor flux = Simulation(problem, state).agitation().momentum_flux;
     CHECK(flux[0] == Approx(xx).epsilon(1e-12)); // rounding of 0.4 in velocities of 0.02
     CHECK(flux[1] == Approx(xy).margin(1e-12 * xx));
     CHECK(flux[2] == Approx(yy).epsilon(1e-12));

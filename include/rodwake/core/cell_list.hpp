@@ -40,13 +40,25 @@ public:
         each(static_cast<std::size_t>((column + n) % n + n * ((row + m) % m)), use);
     }
 
-    /// The cell of a column and row and those around it, each once.
+    /// The cell of a column and row and those around it, each once: its first index and the one after its
+    /// last.
     template<class Use>
-    void around(std::size_t column, std::size_t row, Use&& use) const {
+    void cells_around(std::size_t column, std::size_t row, Use&& use) const {
         const Near i = near(column, columns_), j = near(row, rows_);
         for (std::size_t k = 0; k < j.count; ++k)
-            for (std::size_t l = 0; l < i.count; ++l)
-                each(i.at[l] + columns_ * j.at[k], use);
+            for (std::size_t l = 0; l < i.count; ++l) {
+                const std::size_t cell = i.at[l] + columns_ * j.at[k];
+                use(std::size_t{start_[cell]}, std::size_t{start_[cell + 1]});
+            }
+    }
+
+    /// The indices in those cells.
+    template<class Use>
+    void around(std::size_t column, std::size_t row, Use&& use) const {
+        cells_around(column, row, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k)
+                use(k);
+        });
     }
 
     /// Calls see(p, q) once for each pair of indices of member() in the same or neighbouring cells.

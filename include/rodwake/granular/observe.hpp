@@ -16,6 +16,13 @@ struct Temperatures {
 /// Parts xx, xy and yy of a symmetric tensor in the plane.
 using PlaneTensor = std::array<double, 3>;
 
+/// What a sample asks of all beads, in one pass.
+struct Agitation {
+    Temperatures temperatures;
+    /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V the beads' mean velocity, J.
+    PlaneTensor momentum_flux{};
+};
+
 /// Pressure tensor of the layer in the plane, N/m, as momentum that crosses a line per time and length, mean
 /// over the box and over a time t (Irving & Kirkwood, J. Chem. Phys. 18, 817, 1950); positive: the bed pushes
 /// outwards.

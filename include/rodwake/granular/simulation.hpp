@@ -87,9 +87,8 @@ public:
     const Tallies& tallies() const;
     State state() const;
     const RodBody& rod(std::size_t i) const;
-    Temperatures temperatures() const;
-    /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V the beads' mean velocity, J.
-    PlaneTensor momentum_flux() const;
+    Agitation agitation() const;
+    Temperatures temperatures() const { return agitation().temperatures; }
     Energy energy() const;
     /// |mean of psi_6| of the beads, neighbours nearer in the plane than the cut-off (core/bond_order.hpp).
     /// In a container of the beads further than that from the wall, which have all their neighbours; 0: none
