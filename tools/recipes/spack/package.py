@@ -1,5 +1,5 @@
 # Copy to packages/rodwake/package.py of a repository of yours; then, in the sources:
-#   spack dev-build rodwake@0.2.0
+#   spack dev-build rodwake@0.3.0
 from spack.package import *
 
 
@@ -7,7 +7,7 @@ class Rodwake(CMakePackage):
     """Motile rods in an elastic medium: integration, granular simulation, fits and phase diagrams."""
 
     license("MIT")
-    version("0.2.0")
+    version("0.3.0")
     variant("mpi", default=True, description="Scans on the ranks of a job")
     variant("python", default=True, description="The Python package")
 
