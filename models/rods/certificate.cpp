@@ -14,7 +14,8 @@ namespace {
 // How two runs of rods that turn differ
 
 constexpr double tighter_by = 0.01, tightest = 1e-13;
-/// Proofs want shorter steps than the runs': they know a solution by the ends of its steps alone.
+/// Proofs want shorter steps than those of explicit runs: they know a solution by the ends of its steps
+/// alone.
 constexpr double for_proof = 0.007;
 constexpr double times_the_difference = 10.0;
 
@@ -242,11 +243,12 @@ Certificate certificate_of(const RodProblem& problem, const RodOptions& options,
         return done(second.run) && second.run.outcome.ending == outcome.ending &&
                proved(*pair, second.track, outcome.ending, options.criteria, space);
     };
-    if (pair && proves(follow_tighter(problem, options, for_proof)))
+    const double short_steps = options.ode.method == integrate::Method::erk ? for_proof : 1.0;
+    if (pair && proves(follow_tighter(problem, options, short_steps)))
         return Certificate::proved;
     if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first)))
         return Certificate::open;
-    const FollowedRun tight = follow_tighter(problem, options, pair ? for_proof * tighter_by : tighter_by);
+    const FollowedRun tight = follow_tighter(problem, options, pair ? short_steps * tighter_by : tighter_by);
     if (pair && proves(tight))
         return Certificate::proved;
     return checked(problem, options, first, tight.run) ? Certificate::checked : Certificate::open;
