@@ -3,15 +3,15 @@
 
     bench/edmd_peers.py --edmd PROGRAM [--program PATH] [--rounds N] [--core K] [--quick]
 
-EDMD is the fastest published event-driven code for hard spheres (F. Smallenburg, Eur. Phys. J. E 45, 22 (2022); MIT licence;
-github.com/FSmallenburg/EDMD). It is not shipped: fetch it, build the variant `Single` as its README says and name the program.
-It is run unchanged, with its defaults (a thermostat among them, which sets the velocities of some spheres anew).
+EDMD is an event-driven code for hard spheres that was made for speed (F. Smallenburg, Eur. Phys. J. E 45, 22 (2022); MIT
+licence; github.com/FSmallenburg/EDMD). It is not shipped: fetch it, build the variant `Single` as its README says and name
+the program. It is run unchanged, with its defaults (a thermostat among them, which sets velocities of some spheres anew).
 
 The same: number of spheres, volume fraction, equal masses and radii, elastic, smooth, no gravity. Not the same: EDMD's spheres
 are in a periodic cube; rodwake's are in a layer 3 radii high between plates that stand still, on which they bounce too, and keep
-spins, which nothing changes here. rodwake is time-driven: its step is such that the rms speed of a component takes a sphere
-0.005 radii, which gives about as many impulses a sphere and step as in the shaken bed at the default step. EDMD orders all
-events exactly. Counted are collisions of two spheres on both sides, and rodwake's bounces off the plates in a column of their own.
+spins, which nothing changes here. EDMD orders all events exactly; rodwake takes steps, in which the rms speed of a component
+brings a sphere 0.005 radii, which gives about as many collisions a sphere and step as in the shaken bed at its default step; its
+rate goes with the step. Counted are collisions of two spheres on both sides; rodwake's bounces off the plates stand beside them.
 
 Both programs are pinned to one core and take turns. The start and a warm-up are left out on both sides.
 

@@ -126,17 +126,32 @@ void PairFinder::measure(const Bodies& bodies, const Rows& before, std::span<con
     });
 }
 
+/// Of each block and those whose beads may push its own.
+std::vector<double> PairFinder::fastest_around(std::span<const double> fastest) const {
+    const auto of_block = [&](std::size_t b) { return fastest[std::min(b, fastest.size() - 1)]; };
+    std::vector<double> around(furthest_.size());
+    for (std::size_t b = 0; b < around.size(); ++b)
+        around[b] = of_block(b);
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+        for (const std::uint32_t other : blocks_[b]) {
+            around[b] = std::max(around[b], of_block(other));
+            around[other] = std::max(around[other], of_block(b));
+        }
+    return around;
+}
+
 /// Whether pairs outside the inner list may touch.
 bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team) {
     ++steps_since_draw_;
     ++steps_since_rebuild_;
     fastest_.resize(blocks_in(bodies), 0.0);
     furthest_.resize(blocks_in(bodies), 0.0);
+    const std::vector<double> around = fastest_around(fastest);
     std::vector<std::size_t> far;
     for (std::size_t b = 0; b < furthest_.size(); ++b) {
-        const double now = fastest[std::min(b, fastest.size() - 1)];
-        furthest_[b] += (2.0 * now + fastest_[b]) * time_step; // by its flight, and by the impulse before
-        fastest_[b] = now;
+        furthest_[b] +=
+            (2.0 * around[b] + fastest_[b]) * time_step; // by its flight, and by the impulse before
+        fastest_[b] = around[b];
         if (2.0 * furthest_[b] > allowance_)
             far.push_back(b);
     }

@@ -51,6 +51,7 @@ private:
     void adapt_skin();
     void adapt_allowance(double furthest);
     bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team);
+    std::vector<double> fastest_around(std::span<const double> fastest) const;
     void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks, Team& team);
     double furthest() const;
     void note_blocks(std::size_t part, const Bodies& bodies);
