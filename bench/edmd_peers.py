@@ -87,9 +87,11 @@ def edmd_rate(program, folder, edge, phi_b, core, seconds):
                 if float(found[1]) >= 6 and points[-1][0] - points[0][0] > seconds:
                     break
         run.kill()
+    if len(points) < 2:
+        raise measure.Problem(f"{program}: told no times and collisions; is it EDMD's variant Single?")
     warm, last = points[min(5, len(points) // 2)], points[-1]
     if not last[0] > warm[0]:
-        raise measure.Problem(f"{program}: ended after {last[0]:.2f} s of CPU; take larger --sizes")
+        raise measure.Problem(f"{program}: ended after {last[0]:.2f} s of CPU, before anything could be measured")
     return (last[1] - warm[1]) / (last[0] - warm[0])
 
 

@@ -139,7 +139,9 @@ private:
     /// One attempted step; false: it is to be tried again, shorter.
     bool advance() {
         const double target = time_ < late_from_ ? late_from_ : t_end_, rest = target - time_;
-        const double limit = problem_.rods.size() > 1 ? rods::encounter_step(y_) : HUGE_VAL;
+        double limit = problem_.rods.size() > 1 ? rods::encounter_step(y_) : HUGE_VAL;
+        if (problem_.medium && !rods::has_wide_wakes(*problem_.medium))
+            limit = std::min(limit, rods::wake_step(y_, *problem_.medium));
         double h = std::min({step_, limit, rest});
         if (!(time_ + h > time_))
             throw RunError(fmt::format("steps became too small to add to t = {:.6g}", time_));

@@ -275,7 +275,10 @@ private:
                                         ? rods::simulate_certified(problem, options, true)
                                         : rods::simulate(problem, options);
         const integrate::Status& status = run.solution.status;
-        if (status.termination == Termination::interrupted) {
+        // a proof that was stopped leaves its outcome open, which the uninterrupted scan may not have
+        const bool cut_short =
+            stop_ && stop_() && certified(result.point) && run.outcome.certificate == Certificate::open;
+        if (status.termination == Termination::interrupted || cut_short) {
             interrupted(result, start);
         } else if (status.ok()) {
             store_certain_capture(plan_, run.outcome.ending, result);
@@ -314,10 +317,15 @@ scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop) {
 }
 
 std::function<double(const scan::Result&)> side_of_pursuit(const ScanPlan& plan) {
-    const auto& names = plan.columns.observables;
-    const auto turn = static_cast<std::size_t>(std::ranges::find(names, "turn0") - names.begin());
-    if (plan.base.rods.size() != 2 || plan.base.noise || turn + 1 >= names.size())
+    if (of_beds(plan) || plan.base.rods.size() != 2 || plan.base.noise)
         return nullptr;
+    EncounterEnd end;
+    end.turn.resize(2);
+    std::size_t turn = 0, next = 0; // where that of rod 0 stands among the values
+    for_each_number(end, told_turns, [&](const auto&, int rod, double) {
+        turn = rod == 0 ? next : turn;
+        ++next;
+    });
     return [turn, problem = std::make_shared<PointProblem>(plan)](const scan::Result& result) {
         if (result.outcome != static_cast<std::int32_t>(Ending::undecided))
             return std::nan("");

@@ -88,7 +88,8 @@ void PairFinder::note_blocks(std::size_t part, const Bodies& bodies) {
     note(part * beads_per_block);
     std::size_t last = part;
     for (std::size_t k = inner_parts_[part]; k < inner_parts_[part + 1]; ++k)
-        if (const std::size_t second = inner_.pairs[k].second; second / beads_per_block != last) {
+        if (const std::size_t second = inner_.pairs[k].second;
+            bodies.is_bead(second) && second / beads_per_block != last) {
             last = second / beads_per_block;
             note(second);
         }

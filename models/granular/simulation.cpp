@@ -145,7 +145,12 @@ struct Simulation::Impl {
         enum : std::uint8_t { lies, flies, has_flown };
         std::uint8_t was = lies;
         if (flights[b].compare_exchange_strong(was, flies)) {
-            fly_block(b, plate);
+            try {
+                fly_block(b, plate);
+            } catch (...) { // nobody waits for ever
+                flights[b].store(has_flown, std::memory_order_release);
+                throw;
+            }
             flights[b].store(has_flown, std::memory_order_release);
         }
         while (flights[b].load(std::memory_order_acquire) != has_flown)

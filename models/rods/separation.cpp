@@ -161,16 +161,21 @@ double encounter_step(State y, Box box) {
 }
 
 double wake_step(State y, const elastic::Medium& medium, Box box) {
+    const std::size_t rods = y.size() / 3;
+    std::vector<double> c(rods), s(rods);
+    for (std::size_t k = 0; k < rods; ++k) {
+        c[k] = std::cos(y[3 * k + 2]);
+        s[k] = std::sin(y[3 * k + 2]);
+    }
     double limit = std::numeric_limits<double>::infinity();
-    for (std::size_t a = 0; a < y.size(); a += 3)
-        for (std::size_t b = 0; b < y.size(); b += 3) {
-            const Offset d = offset(y, a / 3, b / 3, box);
-            const double c = std::cos(y[b + 2]), s = std::sin(y[b + 2]);
-            const double behind = -(d.x * c + d.y * s), across = std::abs(d.y * c - d.x * s);
-            if (!(behind > 0.0)) // itself, too
+    for (std::size_t a = 0; a < rods; ++a)
+        for (std::size_t b = 0; b < rods; ++b) {
+            const Offset d = offset(y, a, b, box);
+            const double behind = -(d.x * c[b] + d.y * s[b]), across = std::abs(d.y * c[b] - d.x * s[b]);
+            if (!(behind > 0.0 && across < 3.0 * limit)) // itself, too; no speed is above 1
                 continue;
             const double width = std::sqrt(4.0 * behind * medium.xi / medium.nu());
-            limit = std::min(limit, (across + width) / (3.0 * std::abs(std::sin(y[a + 2] - y[b + 2]))));
+            limit = std::min(limit, (across + width) / (3.0 * std::abs(s[a] * c[b] - c[a] * s[b])));
         }
     return limit;
 }

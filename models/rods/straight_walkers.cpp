@@ -127,7 +127,8 @@ double first_meeting(const RodProblem& problem) {
     for (std::size_t a = 0; problem.contact_distance && a < rods.size(); ++a)
         for (std::size_t b = a + 1; b < rods.size(); ++b)
             first = std::min(first, meeting_of(rods[a], rods[b], problem.t_end, *problem.contact_distance));
-    return first < HUGE_VAL ? std::min(first, problem.t_end) : first; // but for rounding it is
+    // But for rounding it is within the run: rods that start at the limit may be within it by a bit.
+    return first < HUGE_VAL ? std::clamp(first, std::numeric_limits<double>::min(), problem.t_end) : first;
 }
 
 } // namespace rodwake::rods

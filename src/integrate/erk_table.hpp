@@ -1,5 +1,5 @@
 #pragma once
-// The explicit Runge-Kutta methods in use, as ARKODE has them.
+// The explicit Runge-Kutta methods of more than 27 components, as ARKODE has them.
 
 #include "stepper.hpp"
 #include "sundials_raii.hpp"

@@ -45,7 +45,7 @@ void send(std::span<const T> items, int to, Tag tag) {
 }
 
 /// Open MPI's libraries for networks with matching hardware wait 0.2 s for devices that are not there; ranks
-/// on one machine share memory. What the user has set stays.
+/// on one machine share memory. What the environment or mpiexec sets stays; openmpi-mca-params.conf does not.
 void look_for_no_network() {
     const char *all = std::getenv("OMPI_COMM_WORLD_SIZE"), *here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
     if (all && here && std::string_view(all) == here)

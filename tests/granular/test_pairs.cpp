@@ -345,6 +345,28 @@ TEST_CASE("no overlap is missed among rods, held and free, and a dense shaken be
     CHECK(overlaps > 500);
 }
 
+TEST_CASE("a part of the list names the blocks of all its beads, also behind a rod's spheres") {
+    GranularProblem problem = beds::still_plates(1.2e-3, 200.0 * a);
+    problem.beads = 2049; // a block, and one bead of the next, which has the rod's spheres too
+    problem.rods = {beds::short_rod(190.0 * a, 190.0 * a, 0.0)};
+    State state = make_start(problem, 0);
+    const auto put = [&](std::size_t bead, double x, double y) {
+        state.beads.x[bead] = x;
+        state.beads.y[bead] = y;
+    };
+    for (std::size_t i = 0; i < problem.beads; ++i)
+        put(i, 4.0 * a * static_cast<double>(i % 45), 4.0 * a * static_cast<double>(i / 45));
+    put(2046, state.rods[0].position.x(), state.rods[0].position.y() + 2.0 * a);
+    put(2047, 185.0 * a, 100.0 * a);
+    put(2048, 187.0 * a, 100.0 * a);
+    const Bodies bodies = make_bodies(problem, state);
+    PairFinder finder(bodies, problem.box);
+    Team team(1);
+    finder.find(bodies, still, problem.time_step, team);
+    REQUIRE(finder.inner_size() >= 2);
+    CHECK(std::ranges::count(finder.blocks_of(0), 1U) == 1);
+}
+
 TEST_CASE("the search notices a list that is too old") {
     GranularProblem problem = hot_gas(24.0, 60, {}, 1.0);
     const State start = make_start(problem, 0);

@@ -5,6 +5,7 @@
 
 #include "rods/pair_decision.hpp"
 #include "rodwake/rods/certificate.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
@@ -194,6 +195,18 @@ TEST_CASE("A straight run stops where its rods meet, whatever the form") {
         late.t_end = run.outcome.time * (1.0 + 1e-12);
         CHECK(simulate(late, options).outcome.ending == Ending::contact);
     }
+}
+
+TEST_CASE("Straight walkers that start in contact but for a bit meet") {
+    RodProblem problem; // 0.31 apart when rounded up, and less by their places
+    problem.rods = {Pose{0.1, -2.91, 5.653726380565315},
+                    Pose{0.3505873097755323, -3.092499315558885, 8.795319034155108}};
+    problem.contact_distance = 0.31;
+    problem.t_end = 2.0;
+    REQUIRE_FALSE(contact_at_start(problem));
+    const RodOutcome outcome = simulate_certified(problem, {}).outcome;
+    CHECK(outcome.ending == Ending::contact);
+    CHECK(outcome.time < 1e-12);
 }
 
 TEST_CASE("Rods that walk straight are proved, an ulp from contact too") {
