@@ -154,7 +154,9 @@ TEST_CASE("A strip that passes between all places of the start is found by what 
     const Map thin = strip(0.3, 1.0, 0.1015625, 0.0021); // a fifteenth of a cell of the start
     Design design = adaptive(2, 64, 1024);
     const Refinement blind = refined(design, thin);
-    design.side = [](const Result& result) { return 0.3 * result.point.at[0] + result.point.at[1] - 0.1015625; };
+    design.side = [](const Result& result) {
+        return 0.3 * result.point.at[0] + result.point.at[1] - 0.1015625;
+    };
     const Refinement led = refined(design, thin);
     CHECK(wrong_places(blind.lattice(), blind.leaves(), thin) > 100);
     CHECK(wrong_places(led.lattice(), led.leaves(), thin) == 0);
