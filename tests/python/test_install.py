@@ -9,7 +9,7 @@ import unittest
 from program import SOURCE, new_folder
 
 CMAKE, BUILD = os.environ["RODWAKE_CMAKE"], os.environ["RODWAKE_BINARY_DIR"]
-TRY = "import rodwake; print(rodwake.__file__); print(rodwake.simulate([[0, 0, 0]], t_end=2.0).poses[-1, 0, 0])"
+TRY = "import rodwake; print(rodwake.__file__); print(round(rodwake.simulate([[0, 0, 0]], t_end=2.0).poses[-1, 0, 0], 12))"
 
 
 def install(prefix, **environment):
