@@ -64,7 +64,8 @@ TEST_CASE("inside explicit steps the solution is as good as at their ends, and c
         for (std::size_t k = 0; k < many.size(); ++k)
             inside = std::max(inside, error(many[k], solution.states[k]));
         CAPTURE(copies, rtol, at_ends, inside, solution.statistics.steps);
-        CHECK(inside < 3.0 * at_ends + 1e-15);
+        // at 1e-4 a step of order 6 is a radian long, over which the stages vary as much as the solution
+        CHECK(inside < (rtol > 1e-5 ? 3.0 : 2.0) * at_ends + 1e-15);
         const long plain = solve(problem, options, std::vector{3.0}).statistics.rhs_evaluations;
         CHECK(solution.statistics.rhs_evaluations <= plain + 8 * solution.statistics.steps);
         if (solution.statistics.steps < 300)
