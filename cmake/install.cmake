@@ -68,7 +68,8 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/rodwakeConfig.cmake.in ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+# Names of 0.2 are still understood, so a project that asks for 0.2 is served.
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake ${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake cmake/FindHDF5C.cmake
         DESTINATION ${package_dir})
 

@@ -97,10 +97,12 @@ class InstallTest(unittest.TestCase):
         shutil.copytree(EXAMPLES / "own_scene", source)
         for path in source.iterdir():
             path.write_text(path.read_text().replace("rodwake/app/", "rodwake/assembly/").replace("app::", "assembly::")
-                            .replace("rodwake::app", "rodwake::assembly").replace("rodwake REQUIRED", "rodwake REQUIRED COMPONENTS assembly stages"))
+                            .replace("rodwake::app", "rodwake::assembly")
+                            .replace("rodwake 0.3 REQUIRED COMPONENTS app", "rodwake 0.2 REQUIRED COMPONENTS assembly stages"))
         code = source / "own_scene.cpp"
         code.write_text('#include <rodwake/stages/run.hpp>\nusing Context = rodwake::stages::RunContext;\n' + code.read_text())
         self.assertIn("rodwake/assembly/plan.hpp", code.read_text())
+        self.assertIn("0.2", (source / "CMakeLists.txt").read_text())
         done = self.build("names_of_0_2", source=source)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
