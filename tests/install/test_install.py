@@ -39,6 +39,8 @@ class InstallTest(unittest.TestCase):
         copy, build = self.folder / name, self.folder / f"build-{name}"
         shutil.copytree(source or EXAMPLES / name, copy)
         done = run(CMAKE, "-S", copy, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix or self.prefix}", *options, **how)
+        if done.returncode == 0 and prefix is None:  # not a rodwake that happens to be installed beside it
+            self.assertIn(f"rodwake_DIR:PATH={self.prefix}", (build / "CMakeCache.txt").read_text())
         return done if done.returncode else run(CMAKE, "--build", build)
 
     def find(self, name, call, *options, then="", **how):
