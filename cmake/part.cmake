@@ -22,6 +22,7 @@ rodwake_precompile(rodwake_text PIC LINK fmt::fmt
 # helpers of one name and parameters in a batch are a "redefinition": share them, or rename one. Compiled alone are sources
 # that Highway includes once an instruction set, and those whose place says so (rodwake_part's ALONE): all files of a folder hide
 # the same names, or a header brings a function that others' calls would find (std::quoted).
+set(RODWAKE_LARGE_BATCH 24 CACHE STRING "Sources compiled together of the parts with the heaviest headers: app and the command line")
 function(rodwake_compile_alone)
     foreach(source IN LISTS ARGN)
         file(STRINGS ${source} by_target REGEX "foreach_target\\.h" LIMIT_COUNT 1)

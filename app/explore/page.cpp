@@ -88,9 +88,9 @@ ordered_json start_state(const scene::Scene& scene) {
 }
 
 /// JSON that may stand in a script: no "</script>" in it.
-std::string for_script(const ordered_json& json) {
+std::string for_script(const ordered_json& value) {
     std::string text;
-    for (const char c : json.dump())
+    for (const char c : value.dump())
         text += c == '<' ? std::string("\\u003c") : std::string(1, c);
     return text;
 }

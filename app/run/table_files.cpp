@@ -11,7 +11,7 @@ using elastic::PeriodicTableData;
 using elastic::PlaneTable;
 
 constexpr std::uint32_t layout = 1;
-constexpr const char *plane = "plane table", *box = "box table"; // names of their blocks
+constexpr const char *of_plane = "plane table", *of_box = "box table"; // names of their blocks
 
 std::string one_block(const char* name, store::ByteWriter& content) {
     const store::Block block{name, content.take(), layout};
@@ -43,13 +43,13 @@ std::string encode(const PlaneTable& table) {
     out.put(table.lowest_level);
     put(out, table.strain);
     put(out, table.gradient);
-    return one_block(plane, out);
+    return one_block(of_plane, out);
 }
 
 template<>
 PlaneTable decode(std::string_view bytes, const std::string& file) {
     const auto blocks = store::decode_blocks(bytes, file);
-    store::ByteReader in(store::find_block(blocks, plane, file, layout).content, file);
+    store::ByteReader in(store::find_block(blocks, of_plane, file, layout).content, file);
     PlaneTable table;
     for (double* number : {&table.eta, &table.tolerance, &table.strain_error, &table.gradient_error})
         *number = in.get<double>();
@@ -70,13 +70,13 @@ std::string encode(const PeriodicTableData& table) {
     out.put(table.angle_pieces);
     for (const std::vector<double>& coefficients : table.coefficients)
         out.put_array(coefficients);
-    return one_block(box, out);
+    return one_block(of_box, out);
 }
 
 template<>
 PeriodicTableData decode(std::string_view bytes, const std::string& file) {
     const auto blocks = store::decode_blocks(bytes, file);
-    store::ByteReader in(store::find_block(blocks, box, file, layout).content, file);
+    store::ByteReader in(store::find_block(blocks, of_box, file, layout).content, file);
     PeriodicTableData table;
     for (double* number : {&table.eta, &table.xi, &table.box, &table.tolerance, &table.error})
         *number = in.get<double>();

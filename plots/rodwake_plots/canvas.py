@@ -95,9 +95,17 @@ def fit_width(made, column):
     made.set_layout_engine("none")  # it would move things again
 
 
-def save(made, path, metadata=None):
+def settle(made):
+    """Lays the figure out as it is saved, for good: each drawing would do it again. The box of what is drawn, in inches."""
+    made.set_dpi(matplotlib.rcParams["savefig.dpi"])  # texts are measured once
+    made.draw_without_rendering()
+    made.set_layout_engine("none")
+    return made.get_tightbbox(FigureCanvasAgg(made).get_renderer()).padded(PAD)
+
+
+def save(made, path, metadata=None, box=None):
     out = io.BytesIO()  # a write that fails is then told with its cause, which Pillow loses
-    made.savefig(out, format=path.suffix[1:], bbox_inches="tight", pad_inches=PAD, metadata=metadata)
+    made.savefig(out, format=path.suffix[1:], bbox_inches=box or settle(made), metadata=metadata)
     files.write(path, out.getvalue())
 
 

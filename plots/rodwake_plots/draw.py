@@ -7,7 +7,7 @@ import matplotlib
 from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie
 from . import page, phase_diagram, posterior, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
 from .bed_run import TRAJECTORY
-from .canvas import PAD, save
+from .canvas import save
 from .errors import MissingError, PlotError, attempt, reason
 from .medium_film import FILE as MEDIUM_FRAMES
 from .style import Look, SETTINGS
@@ -95,10 +95,11 @@ def write_one(run, figure, endings, look):
             print(*kind.write(run, figure), sep="\n")
             return
         made = dressed(kind.draw(run, figure), look)
-        metadata = page.hover_metadata(page.hover_places(made, list(kind.hover_marks(run, figure, made)), PAD)) if kind.hover_marks else None
+        box = canvas.settle(made)
+        metadata = page.hover_metadata(page.hover_places(made, list(kind.hover_marks(run, figure, made)), box)) if kind.hover_marks else None
         for ending in endings:
             path = run.figures_dir / (figure.name + ending)
-            save(made, path, metadata if ending == ".png" else None)
+            save(made, path, metadata if ending == ".png" else None, box)
             print(path)
 
 

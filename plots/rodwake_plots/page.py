@@ -8,7 +8,6 @@ import zlib
 from html.parser import HTMLParser
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from . import words
 
@@ -99,12 +98,10 @@ MOST_PLACES = 1500      # places of a figure; of more, one in each cell of a net
 NEAR = 0.008     # of the picture's width: radius of a place
 
 
-def hover_places(figure, marks, pad):
-    """[x, y, text], x and y as parts of the picture from its top left, of marks (axes, x, y, text) with numbers of the axes."""
+def hover_places(figure, marks, box):
+    """[x, y, text], x and y as parts of the picture (a box in inches) from its top left, of marks (axes, x, y, text) with numbers of the axes."""
     if not marks:
         return []
-    figure.draw_without_rendering()
-    box = figure.get_tightbbox(FigureCanvasAgg(figure).get_renderer()).padded(pad)  # inches, as it is saved
     points = np.array([axes.transData.transform((x, y)) for axes, x, y, _ in marks]) / figure.dpi
     inside = np.array([axes.bbox.contains(*(point * figure.dpi)) for (axes, *_), point in zip(marks, points)])
     x, y = (points[:, 0] - box.x0) / box.width, 1 - (points[:, 1] - box.y0) / box.height

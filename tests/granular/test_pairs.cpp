@@ -313,12 +313,12 @@ TEST_CASE("no overlap is missed in a hot gas") {
         GranularProblem problem;
         int steps;
     };
-    const std::vector<Gas> gases{{hot_gas(8.0, 8, {beds::short_rod(4 * a, 2 * a, 0.0)}, 0.3), 4000},
-                                 {hot_gas(20.0, 75, three_rods(20.0), 0.2), 3000}, // dense
-                                 {hot_gas(24.0, 30, three_rods(24.0), 1.0), 3000}, // dilute and fast
+    const std::vector<Gas> gases{{hot_gas(8.0, 8, {beds::short_rod(4 * a, 2 * a, 0.0)}, 0.3), 2000},
+                                 {hot_gas(20.0, 75, three_rods(20.0), 0.2), 1500}, // dense
+                                 {hot_gas(24.0, 30, three_rods(24.0), 1.0), 1500}, // dilute and fast
                                  {hot_gas(24.0, 60, three_rods(24.0), 2.0),
-                                  1500}, // refreshed nearly every step; faster beads trip the guard
-                                 {hot_gas(16.0, 50, {}, 0.05), 3000}};
+                                  800}, // refreshed nearly every step; faster beads trip the guard
+                                 {hot_gas(16.0, 50, {}, 0.05), 2000}};
     for (const Gas& gas : gases)
         for (const double boxes : {0.0, 300.0}) {
             std::int64_t overlaps = 0;
@@ -341,7 +341,7 @@ TEST_CASE("no overlap is missed among rods, held and free, and a dense shaken be
     problem.equilibration_steps = 500;
     std::int64_t overlaps = 0;
     SimulationCost cost;
-    CHECK(missed_steps(problem, make_start(problem, 0), 4000, overlaps, cost) == 0);
+    CHECK(missed_steps(problem, make_start(problem, 0), 2000, overlaps, cost) == 0);
     CHECK(overlaps > 500);
 }
 

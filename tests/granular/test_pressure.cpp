@@ -111,7 +111,7 @@ TEST_CASE("the flux of momentum is that of bodies about the motion of the beads"
 }
 
 // Z = 1 + sum B_k: virial coefficients of hard discs in powers of the area fraction (Clisby & McCoy, J. Stat.
-// Phys. 122, 15, 2006). The scatter of 10^4 impulses is 1 to 1.5 % of Z - 1, and there are more.
+// Phys. 122, 15, 2006). The scatter of 10^4 impulses is 1 to 1.5 % of Z - 1, here 0.9.
 TEST_CASE("a layer too flat to leave the plane has the pressure of hard discs") {
     constexpr double coefficients[] = {2.0,      3.128018, 4.257854, 5.336897, 6.363026,
                                        7.352080, 8.318668, 9.272360, 10.2163};
@@ -119,7 +119,7 @@ TEST_CASE("a layer too flat to leave the plane has the pressure of hard discs") 
     double Z = 1.0, power = 1.0;
     for (const double B : coefficients)
         Z += B * (power *= phi);
-    CHECK(compressibility(2.0 * a * 1.0001, phi, 20'000) == Approx(Z).epsilon(0.015));
+    CHECK(compressibility(2.0 * a * 1.0001, phi, 10'000) == Approx(Z).epsilon(0.015));
 }
 
 // Two spheres whose heights differ by h exclude the area pi (4 a^2 - h^2); heights are even over a height H =

@@ -77,7 +77,8 @@ TEST_CASE("resuming from any segment gives the same bits", "[integrate]") {
     const std::vector<Saved> saved = segments_of(options, times, whole);
     REQUIRE(whole.status.termination == Termination::reached_end);
     REQUIRE(saved.size() > 3);
-    for (const Saved& segment : saved) {
+    for (std::size_t k = 0; k < saved.size(); k += 1 + saved.size() / 8) {
+        const Saved& segment = saved[k];
         CHECK(times[segment.outputs_done] > segment.time);
         CHECK((segment.outputs_done == 0 || times[segment.outputs_done - 1] <= segment.time));
         CHECK(same_tail(whole, resume(segment, options, times), segment.outputs_done));
