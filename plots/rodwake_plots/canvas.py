@@ -97,7 +97,8 @@ def fit_width(made, column):
 
 def settle(made):
     """Lays the figure out as it is saved, for good: each drawing would do it again. The box of what is drawn, in inches."""
-    made.set_dpi(matplotlib.rcParams["savefig.dpi"])  # texts are measured once
+    if (dpi := matplotlib.rcParams["savefig.dpi"]) != "figure":
+        made.set_dpi(dpi)  # texts are measured once
     made.draw_without_rendering()
     made.set_layout_engine("none")
     return made.get_tightbbox(FigureCanvasAgg(made).get_renderer()).padded(PAD)

@@ -30,7 +30,7 @@ void check(const Worst& worst) {
 
 } // namespace
 
-TEST_CASE("the field agrees with the oracle at random points") { check(worst_of(600, 21)); }
+TEST_CASE("the field agrees with the oracle at random points") { check(worst_of(300, 21)); }
 
 TEST_CASE("the field agrees with the oracle at 30000 random points", "[.][long]") {
     const Worst worst = worst_of(30000, 22);

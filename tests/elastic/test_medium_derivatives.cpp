@@ -106,7 +106,7 @@ WorstOfBoth worst_of(int points, std::uint64_t seed) {
 } // namespace
 
 TEST_CASE("derivatives by eta and xi agree with the oracle at random points") {
-    const WorstOfBoth worst = worst_of(400, 51);
+    const WorstOfBoth worst = worst_of(150, 51);
     check(worst);
 }
 

@@ -81,7 +81,7 @@ TEST_CASE(
                                        .inertia = inertia};
             ModeStep method(solid, medium, couplings, 2, 1);
             const Coupled start = method.start({0.0, 1.5, -0.1, 0.3, -1.5, 0.2});
-            const Coupled exact = run(method, start, 1.0, 640);
+            const Coupled exact = run(method, start, 1.0, 320);
             const auto error = [&](int steps) {
                 const Coupled end = run(method, start, 1.0, steps);
                 return std::array{tests::distance(end.poses, exact.poses),
