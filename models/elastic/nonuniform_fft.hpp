@@ -16,17 +16,16 @@
 #include "complex.hpp"
 #include "rodwake/core/parallel.hpp"
 
-#include <Eigen/Core>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 namespace rodwake::fourier {
 
-// Discrete Fourier transforms of short lines, four side by side:
+// Discrete Fourier transforms of short lines, eight side by side:
 //
 //   X_k = sum_j x_j e^(-2 pi i j k/n),   n = 2^a 3^b 5^c
 //
@@ -36,10 +35,10 @@ namespace rodwake::fourier {
 
 class Fft {
 public:
-    static constexpr std::size_t lanes = 4;
+    static constexpr std::size_t lanes = 8;
     /// The same element of each line.
-    struct Element {
-        Eigen::Array<double, lanes, 1> re, im;
+    struct alignas(64) Element {
+        double re[lanes], im[lanes];
     };
 
     /// Throws InputError if another prime than 2, 3 and 5 divides `size` > 0.
@@ -60,14 +59,15 @@ private:
 };
 
 inline void set_lane(Fft::Element& element, std::size_t lane, Complex value) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    element.re[i] = value.re;
-    element.im[i] = value.im;
+    element.re[lane] = value.re;
+    element.im[lane] = value.im;
 }
 inline Complex lane_of(const Fft::Element& element, std::size_t lane) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    return {element.re[i], element.im[i]};
+    return {element.re[lane], element.im[lane]};
 }
+
+/// Coefficients by powers of u of the polynomial through f at as many Chebyshev points.
+std::vector<double> powers_of(std::size_t terms, const std::function<double(double)>& f);
 
 /// The kernel as polynomials in u = 2 z - 1, where z in [0, 1) is how far the first point that it covers lies
 /// beyond its edge. Rows are filled up to whole vectors with zeros.
