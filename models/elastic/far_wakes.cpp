@@ -12,7 +12,7 @@ namespace {
 /// a mesh is worst, and signs differ; the wider the wakes, the more do. Far wakes as a whole are not small
 /// beside it.
 double error_of_one(double tolerance, double eta) {
-    return std::clamp(0.12 * tolerance / std::sqrt(1.0 + eta), 1e-13, 1e-4);
+    return std::clamp(0.08 * tolerance / std::sqrt(1.0 + eta), 1e-13, 1e-4);
 }
 
 constexpr std::size_t most_first = 48; ///< first nodes that are thought of
@@ -31,41 +31,40 @@ Extent extent_of(std::span<const KernelSource> rods) {
 
 double square(double x) { return x * x; }
 
-/// Targets by distance from a source at the origin that heads along x, and what they are given.
-struct Sample {
-    static constexpr std::size_t directions = 24, distances = 100; // in vectors of 8
-    std::vector<double> x, y;
-    std::array<std::vector<double>, all_parts> part;
+// Where what is left of a wake is looked at.
+constexpr std::size_t distances = 100;
+double distance_of(std::size_t k) { return std::pow(1.06, static_cast<double>(k)); }
 
-    static double distance(std::size_t k) { return std::pow(1.06, static_cast<double>(k)); }
+/// Directions from a rod along x, in vectors; denser behind it.
+struct Directions {
+    static constexpr std::size_t count = 3 * heat_lanes;
+    double cosine[count], sine[count];
 
-    Sample() {
-        for (std::size_t k = 0; k < distances; ++k)
-            for (std::size_t i = 0; i < directions; ++i) {
-                const double beside = (static_cast<double>(i) + 0.01) / directions,
-                             angle = std::numbers::pi * (1.0 - beside * beside); // denser behind the rod
-                x.push_back(distance(k) * std::cos(angle));
-                y.push_back(distance(k) * std::sin(angle));
-            }
-        for (auto& one : part)
-            one.resize(x.size());
-    }
-
-    KernelTargets targets(bool polar, std::size_t from, std::size_t count) {
-        KernelTargets t{x.data() + from, y.data() + from, count, {}};
-        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
-            t.sum[k] = part[k].data() + from;
-        return t;
-    }
-
-    double largest(std::size_t distance, int begin, int end) const {
-        double most = 0.0;
-        for (std::size_t i = distance * directions; i < (distance + 1) * directions; ++i)
-            for (int k = begin; k < end; ++k)
-                most = std::max(most, std::abs(part[k][i]));
-        return most;
+    Directions() {
+        for (std::size_t i = 0; i < count; ++i) {
+            const double beside = (static_cast<double>(i) + 0.01) / count,
+                         angle = std::numbers::pi * (1.0 - beside * beside);
+            cosine[i] = std::cos(angle);
+            sine[i] = std::sin(angle);
+        }
     }
 };
+
+/// Largest strain, and polar vector, that functions give.
+std::pair<double, double> largest_of(const WakeFunctions& f, const Field& field, double distance) {
+    static const Directions to;
+    std::pair<double, double> largest{0.0, 0.0};
+    for (std::size_t i = 0; i < Directions::count; i += heat_lanes) {
+        double parts[all_parts][heat_lanes];
+        parts_at(f, field, 0.5 * distance, to.cosine + i, to.sine + i, parts);
+        for (int k = 0; k < all_parts; ++k)
+            for (const double part : parts[k]) {
+                double& most = k < strain_parts ? largest.first : largest.second;
+                most = std::max(most, std::abs(part));
+            }
+    }
+    return largest;
+}
 
 constexpr std::size_t largest_half = 2500; ///< modes of a mesh in each direction: some 2 GB
 constexpr double largest_crowd = 1e5;      ///< beyond it meshes never pay
@@ -104,13 +103,15 @@ double FarWakes::Nodes::root_time(std::size_t k) const {
 
 HeatNode FarWakes::Nodes::at(std::size_t k) const {
     const auto number = static_cast<double>(k);
-    return heat_node(root_time(k), step * (1.0 + wider * number / std::sqrt(number * number + bend * bend)),
-                     eta);
+    const double root = root_time(k),
+                 length = step * (1.0 + wider * number / std::sqrt(number * number + bend * bend));
+    return {root * root, 2.0 * root * length};
 }
 
 /// The node from which on all Gaussians have left a place for one `distance` behind it.
 std::size_t FarWakes::Nodes::last_for(double distance) const {
-    const double root = std::sqrt((1.0 + eta) * cutoff), // t - 2 root sqrt(t) = distance
+    const double root = std::sqrt((1.0 + eta) *
+                                  cutoff_at(std::max(distance, 1.0))), // t - 2 root sqrt(t) = distance
         end = root + std::sqrt(square(root) + distance);
     const double q = end / step + wider * bend, cc = wider * wider; // of root_time(k) = end
     return static_cast<std::size_t>((q - wider * std::sqrt(q * q + bend * bend * (1.0 - cc))) / (1.0 - cc)) +
@@ -118,20 +119,22 @@ std::size_t FarWakes::Nodes::last_for(double distance) const {
 }
 
 void FarWakes::find_reaches(Nodes& nodes) const {
-    Sample sample;
-    const std::vector<KernelSource> source{{0.0, 0.0, 1.0, 0.0}};
-    sum_wakes(KernelInternals::constants(unit_), unit_, Accuracy::full, source,
-              sample.targets(polar_, 0, sample.x.size()));
-    nodes.reach.assign(most_first, Sample::distance(Sample::distances)); // too far, unless it is found below
-    for (std::size_t k = nodes.last_for(Sample::distance(Sample::distances)); k > 0; --k) {
-        for (std::size_t i = 0; i < sample.x.size(); i += heat_lanes)
-            subtract_heat(nodes.at(k), source.front(), sample.targets(polar_, i, heat_lanes));
-        std::size_t within = Sample::distances;
-        while (within > 0 && sample.largest(within - 1, 0, strain_parts) <= strain_error_ &&
-               (!polar_ || sample.largest(within - 1, strain_parts, all_parts) <= polar_error_))
+    std::vector<WakeFunctions> left;
+    for (std::size_t k = 0; k < distances; ++k)
+        left.push_back(exact_functions(nodes.eta, 0.5 * distance_of(k)));
+    const auto small = [&](std::size_t k) {
+        const auto [strain, polar] = largest_of(left[k], unit_, distance_of(k));
+        return strain <= strain_error_ && (!polar_ || polar <= polar_error_);
+    };
+    nodes.reach.assign(most_first, distance_of(distances)); // too far, unless it is found below
+    for (std::size_t k = nodes.last_for(distance_of(distances)); k > 0; --k) {
+        for (std::size_t i = 0; i < distances; ++i)
+            take_node(nodes.at(k), nodes.eta, 0.5 * distance_of(i), left[i]);
+        std::size_t within = k > most_first ? 0 : distances;
+        while (within > 0 && small(within - 1))
             --within;
         if (k <= most_first)
-            nodes.reach[k - 1] = Sample::distance(within);
+            nodes.reach[k - 1] = distance_of(within);
     }
 }
 
@@ -176,8 +179,7 @@ FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
         return best;
     for (std::size_t way = 0; way < nodes_.size(); ++way)
         for (std::size_t first = 1; first <= most_first; ++first)
-            if (const double reach = nodes_[way].reach[first - 1];
-                reach < Sample::distance(Sample::distances - 1))
+            if (const double reach = nodes_[way].reach[first - 1]; reach < distance_of(distances - 1))
                 if (const double ns = cost(nodes_[way], first, crowd); ns < best.cost)
                     best = {way, first, reach, ns};
     return best;
@@ -195,25 +197,21 @@ NearHeat FarWakes::make_near_heat(const Plan& plan) const {
     std::vector<HeatNode> felt;
     for (std::size_t k = plan.first; k < nodes.last_for(plan.reach); ++k)
         felt.push_back(nodes.at(k));
-    NearHeat near =
-        elastic::near_heat(felt, plan.reach, std::min(strain_error_, polar_ ? polar_error_ : 1.0), polar_);
+    const double error = std::min(strain_error_, polar_ ? polar_error_ : 1.0);
+    NearHeat near = elastic::near_heat(felt, nodes.eta, plan.reach, error, polar_);
     near.fine = strain_error_ >= 1e-8;
-    const std::array<double, heat_lanes> place{};
-    std::array<std::array<double, heat_lanes>, all_parts> sums{};
-    KernelTargets targets{place.data(), place.data(), heat_lanes, {}};
-    for (int k = 0; k < all_parts; ++k)
-        targets.sum[k] = sums[k].data();
+    WakeFunctions own{};
     for (const HeatNode& node : felt)
-        subtract_heat(node, {0.0, 0.0, 1.0, 0.0}, targets);
-    for (int k = 0; k < all_parts; ++k)
-        near.own[k] = -sums[k][0];
+        take_node(node, nodes.eta, 0.0, own);
+    const double ahead[heat_lanes] = {}, aside[heat_lanes] = {};
+    parts_at(own, unit_, 0.0, ahead, aside, near.own);
     return near;
 }
 
 std::unique_ptr<HeatMesh> FarWakes::idle_mesh() const {
     const std::scoped_lock lock(mutex_);
     if (meshes_.empty())
-        return std::make_unique<HeatMesh>(kernels_);
+        return std::make_unique<HeatMesh>(unit_.medium().eta, kernels_);
     std::unique_ptr<HeatMesh> mesh = std::move(meshes_.back());
     meshes_.pop_back();
     return mesh;

@@ -69,6 +69,7 @@ void HeatMesh::begin(double x, double y, double box, std::size_t half, Team& tea
     x_ = x;
     y_ = y;
     box_ = box;
+    unit_ = 2.0 * std::numbers::pi / box;
     half_ = half;
     for (auto* one : {&ux_, &uy_})
         one->assign((2 * half + 1) * (half + 1), {});
@@ -152,8 +153,6 @@ std::vector<double> HeatMesh::gaussian(const MeshKernel& kernel, const MeshGrid&
     return all;
 }
 
-double HeatMesh::wave(std::size_t m) const { return 2.0 * std::numbers::pi / box_ * static_cast<double>(m); }
-
 void HeatMesh::reserve(const MeshGrid& g) {
     const std::size_t line = g.fields * g.columns, modes = whole(g.half + 1) * line;
     const auto grow = [](std::vector<double>& all, std::size_t count) {
@@ -189,9 +188,8 @@ void HeatMesh::add(const NearSources& rods, const HeatNode& node, double cutoff,
     fold(g, line, grid_.data(), line);
     const Fft& fft = ffts_.try_emplace(g.size, g.size).first->second;
     team_->run(line / Fft::lanes, [&](std::size_t block) { columns_to_modes(g, fft, block); });
-    const double wide = 0.25 / node.b;
-    const Weights weights{node.weight / (box_ * box_), node.a / node.b, gaussian(with, g, node.time),
-                          gaussian(with, g, wide)};
+    const Weights weights{node.weight / (box_ * box_), gaussian(with, g, node.time),
+                          gaussian(with, g, diffusivity_ * node.time)};
     team_->run(whole(g.half + 1) / Fft::lanes, [&](std::size_t block) { add_modes(g, fft, weights, block); });
 }
 
@@ -225,7 +223,7 @@ void HeatMesh::add_modes(const MeshGrid& g, const Fft& fft, const Weights& weigh
     for (std::size_t n = 0; n <= 2 * g.half; ++n) {
         const std::size_t at = place_of(g, n), k = n > g.half ? n - g.half : g.half - n;
         const double qy = n < g.half ? -wave(k) : wave(k), shear_n = weights.node * weights.shear[k],
-                     wide_n = weights.node * weights.diffusivity * weights.longitudinal[k];
+                     wide_n = weights.node * diffusivity_ * weights.longitudinal[k];
         Complex *x = &ux_[(n + half_ - g.half) * (half_ + 1) + first],
                 *y = &uy_[(n + half_ - g.half) * (half_ + 1) + first];
         for (std::size_t lane = 0; lane < count; ++lane) {

@@ -9,7 +9,7 @@
 //
 // S = sum_b e^(-i q.(R_b - n_b t_k)) and N with n_b in front; the modes' fields go back the same way. So few
 // points a mode will do because modes that they spoil, at the edge, are those that the Gaussian extinguishes:
-// the error is below e^-cutoff of the Gaussian at its centre, `cutoff` that of its modes.
+// the error is some e^-cutoff of the Gaussian at its centre, `cutoff` that of its modes.
 //
 // Numbers of a grid are real, so modes are those of m >= 0. Bits depend neither on the threads, since each
 // grid point adds up its rods in their order, nor on the vectors of a machine.
@@ -54,7 +54,7 @@ struct MeshGrid {
 class HeatMesh {
 public:
     /// Of kernels from the narrowest on, which outlive it.
-    explicit HeatMesh(std::span<const MeshKernel> kernels) : kernels_(kernels) {}
+    HeatMesh(double eta, std::span<const MeshKernel> kernels) : diffusivity_(1.0 + eta), kernels_(kernels) {}
 
     /// Begins a sum in a square from (x, y) on, of modes up to `half` each way; `team` outlives it.
     void begin(double x, double y, double box, std::size_t half, Team& team);
@@ -66,11 +66,11 @@ public:
 private:
     /// Of a node, by mode.
     struct Weights {
-        double node, diffusivity;
+        double node;
         std::vector<double> shear, longitudinal;
     };
     const MeshKernel& kernel(double cutoff) const;
-    double wave(std::size_t m) const;
+    double wave(std::size_t m) const { return unit_ * static_cast<double>(m); }
     std::vector<double> gaussian(const MeshKernel& kernel, const MeshGrid& g, double spread) const;
     void reserve(const MeshGrid& g);
     void columns_to_modes(const MeshGrid& g, const fourier::Fft& fft, std::size_t block);
@@ -79,9 +79,10 @@ private:
                         std::size_t field, std::size_t block);
     void modes_to_columns(const MeshGrid& g, const fourier::Fft& fft, std::size_t block);
 
+    double diffusivity_; ///< D_L
     std::span<const MeshKernel> kernels_;
     Team* team_ = nullptr;
-    double x_ = 0.0, y_ = 0.0, box_ = 0.0;
+    double x_ = 0.0, y_ = 0.0, box_ = 0.0, unit_ = 0.0; ///< unit of wave numbers
     std::size_t half_ = 0;
     std::vector<fourier::Complex> ux_, uy_;       ///< modes (m, n) at (n + half) (half + 1) + m
     std::vector<double> between_re_, between_im_; ///< one direction transformed: m, then a line of the grid

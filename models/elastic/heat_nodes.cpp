@@ -1,4 +1,4 @@
-// Gaussians of wakes at a vector of targets. Compiled once for each instruction set (foreach_target includes
+// What nodes give, and what near pairs lack. Compiled once for each instruction set (foreach_target includes
 // this file again).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "heat_nodes.cpp"
@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
@@ -21,108 +20,6 @@ namespace rodwake::elastic::HWY_NAMESPACE {
 using Lanes = FullKind::Lanes;
 using V = FullKind::V;
 static_assert(heat_lanes == 8); // as FullKind has at most
-
-/// Sums in the source's frame: trace, eps_xx - eps_yy, 2 eps_xy; then lap U and grad div U.
-struct HeatSums {
-    V part[all_parts];
-};
-
-template<bool polar>
-HWY_INLINE void AddNode(const HeatNode& node, V w, V x, V y, HeatSums& sums) {
-    const Lanes d;
-    const V a = hn::Set(d, node.a), b = hn::Set(d, node.b), two = hn::Set(d, 2.0), one = hn::Set(d, 1.0);
-    const V xx = hn::Mul(x, x), yy = hn::Mul(y, y), rho = hn::Add(xx, yy);
-    const V exponents[2] = {hn::Mul(a, rho), hn::Mul(b, rho)};
-    Exponential<Lanes> e[2];
-    ExpMinus(d, exponents, e);
-    // 2 a g_T and 2 b D_L g_L
-    const V at = hn::Mul(e[0].value, hn::Set(d, 2.0 * node.a * node.a * std::numbers::inv_pi)),
-            bl = hn::Mul(e[1].value, hn::Set(d, 2.0 * node.a * node.b * std::numbers::inv_pi));
-    const V aat = hn::Mul(two, hn::Mul(a, at)), bbl = hn::Mul(two, hn::Mul(b, bl)),
-            second = hn::Sub(aat, bbl);
-    // half the Laplacians
-    const V lap_t = hn::Mul(at, hn::Sub(exponents[0], one)), lap_l = hn::Mul(bl, hn::Sub(exponents[1], one));
-    const V first_x = hn::Mul(x, at), first_y = hn::Mul(y, at);
-    const V parts[3] = {Fms(d, two, hn::Sub(lap_t, lap_l), first_x), Fms(d, second, hn::Sub(xx, yy), first_x),
-                        Fms(d, hn::Mul(two, hn::Mul(x, y)), second, first_y)};
-    for (int k = 0; k < strain_parts; ++k)
-        sums.part[k] = Fma(d, w, parts[k], sums.part[k]);
-    if constexpr (polar) {
-        const V radial = hn::Mul(
-            two, hn::Sub(hn::Mul(aat, hn::Sub(two, exponents[0])), hn::Mul(bbl, hn::Sub(two, exponents[1]))));
-        const V along = hn::Mul(radial, x), across = hn::Mul(radial, y);
-        const V polars[4] = {Fma(d, two, lap_t, along), across, hn::Add(Fms(d, aat, xx, at), along),
-                             Fma(d, aat, hn::Mul(x, y), across)};
-        for (int k = 0; k < 4; ++k)
-            sums.part[strain_parts + k] = Fma(d, w, polars[k], sums.part[strain_parts + k]);
-    }
-}
-
-template<bool polar>
-constexpr int PartsOf() {
-    return polar ? all_parts : strain_parts;
-}
-
-template<bool polar>
-HWY_INLINE HeatSums NoHeat() {
-    HeatSums none;
-    for (int k = 0; k < PartsOf<polar>(); ++k)
-        none.part[k] = hn::Zero(Lanes());
-    return none;
-}
-
-/// Turns sources' sums into the lab.
-template<bool polar>
-HWY_INLINE void Turn(V cosine, V sine, const HeatSums& own, HeatSums& lab) {
-    const Lanes d;
-    const V c2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), half = hn::Set(d, 0.5);
-    const V sc = hn::Mul(sine, cosine), s2 = hn::Add(sc, sc);
-    const V difference = Fms(d, own.part[1], c2, hn::Mul(own.part[2], s2)),
-            shear = Fma(d, own.part[1], s2, hn::Mul(own.part[2], c2));
-    lab.part[0] = Fma(d, half, hn::Add(own.part[0], difference), lab.part[0]);
-    lab.part[1] = Fma(d, half, shear, lab.part[1]);
-    lab.part[2] = Fma(d, half, hn::Sub(own.part[0], difference), lab.part[2]);
-    if constexpr (polar)
-        for (int k = strain_parts; k < all_parts; k += 2) {
-            const V x = own.part[k], y = own.part[k + 1];
-            lab.part[k] = hn::Add(lab.part[k], Fms(d, x, cosine, hn::Mul(y, sine)));
-            lab.part[k + 1] = hn::Add(lab.part[k + 1], Fma(d, x, sine, hn::Mul(y, cosine)));
-        }
-}
-
-/// As seen by a source.
-struct Seen {
-    V x, y;
-};
-HWY_INLINE Seen SeenFrom(V dx, V dy, V cosine, V sine) {
-    const Lanes d;
-    return {Fma(d, cosine, dx, hn::Mul(sine, dy)), Fms(d, cosine, dy, hn::Mul(sine, dx))};
-}
-
-template<bool polar>
-HWY_NOINLINE void Subtract(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    const Lanes d;
-    for (std::size_t i = 0; i < heat_lanes; i += hn::Lanes(d)) {
-        const V dx = hn::Sub(hn::LoadU(d, targets.x + i), hn::Set(d, source.x)),
-                dy = hn::Sub(hn::LoadU(d, targets.y + i), hn::Set(d, source.y));
-        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
-        const Seen at = SeenFrom(dx, dy, cosine, sine);
-        HeatSums own = NoHeat<polar>(), lab = own;
-        AddNode<polar>(node, hn::Set(d, node.weight), hn::Add(at.x, hn::Set(d, node.time)), at.y, own);
-        Turn<polar>(cosine, sine, own, lab);
-        for (int k = 0; k < PartsOf<polar>(); ++k)
-            hn::StoreU(hn::Sub(hn::LoadU(d, targets.sum[k] + i), lab.part[k]), d, targets.sum[k] + i);
-    }
-}
-
-void SubtractHeat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    if (targets.sum[strain_parts] != nullptr)
-        Subtract<true>(node, source, targets);
-    else
-        Subtract<false>(node, source, targets);
-}
-
-// Near pairs, a source a lane.
 
 /// The functions of NearHeat at s, in lengths of 2 xi; returns which lanes are in the first piece.
 HWY_INLINE hn::Mask<Lanes> FunctionsAt(const NearHeat& heat, V s, V (&f)[NearHeat::functions]) {
@@ -253,6 +150,29 @@ HWY_INLINE Parts<K> NearAt(const Setting<K>& with, const NearHeat& heat, const N
     return parts;
 }
 
+void PartsAt(const WakeFunctions& functions, const KernelMedium& medium, const Field& field, double s,
+             const double* cosine, const double* sine, double (*parts)[heat_lanes]) {
+    const Lanes d;
+    const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
+    V f[NearHeat::functions];
+    for (std::size_t k = 0; k < NearHeat::functions; ++k)
+        f[k] = hn::Set(d, functions[k]);
+    Radial<Lanes> place;
+    place.s = hn::Set(d, s);
+    place.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
+    const Radial<Lanes>* const shown[1] = {&place};
+    for (std::size_t k = 0; k < heat_lanes; k += hn::Lanes(d)) {
+        const V X[1] = {hn::Mul(place.s, hn::LoadU(d, cosine + k))},
+                Y[1] = {hn::Mul(place.s, hn::LoadU(d, sine + k))};
+        Bearing<Lanes> bearing[1];
+        BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
+        const Wake<Lanes> wake = WakeOf<true>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+        const Parts<FullKind> lab = LabParts<true>(wake, hn::Set(d, 1.0), hn::Zero(d), with.unit);
+        for (int part = 0; part < all_parts; ++part)
+            hn::StoreU(lab.part[part], d, parts[part] + k);
+    }
+}
+
 template<bool polar, class K>
 HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const NearHeat& heat,
                           const NearSources& sources, double x, double y, std::span<double> sums) {
@@ -262,12 +182,12 @@ HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const 
     for (std::size_t first = 0; first < sources.count; first += hn::Lanes(d)) {
         const Parts<K> parts = NearAt<polar, K>(with, heat, sources, first, x, y);
         const auto meant = hn::FirstN(d, sources.count - first);
-        for (int k = 0; k < PartsOf<polar>(); ++k) {
+        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
             double* slot = slots[k] + first % heat_lanes;
             hn::StoreU(hn::Add(hn::IfThenElseZero(meant, parts.part[k]), hn::LoadU(d, slot)), d, slot);
         }
     }
-    for (int k = 0; k < PartsOf<polar>(); ++k)
+    for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
         for (const double slot : slots[k])
             sums[k] += slot;
 }
@@ -301,47 +221,41 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rodwake::elastic {
 
-HWY_EXPORT(SubtractHeat);
+HWY_EXPORT(PartsAt);
 HWY_EXPORT(AddNearEither);
 HWY_EXPORT(FindNear);
 
-HeatNode heat_node(double s, double step, double eta) {
-    const double t = s * s, a = 0.25 / t;
-    return {t, a, a / (1.0 + eta), 2.0 * s * step};
-}
-
-void subtract_heat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    HWY_DYNAMIC_DISPATCH(SubtractHeat)(node, source, targets);
-}
-
-namespace {
-
-using Functions = std::array<double, NearHeat::functions>;
-
-/// The functions of NearHeat themselves, of the exact field if it is `exact`, less those of the heat.
-Functions functions_at(std::span<const HeatNode> nodes, double s, bool exact) {
-    Functions f{};
+WakeFunctions exact_functions(double eta, double s) {
+    WakeFunctions f;
     double* to = f.data();
-    for (const double a : {1.0, nodes.front().b / nodes.front().a}) {
-        if (exact) {
-            const double z = a * s;
-            double k0 = 0.0, k1 = 0.0;
-            table_bessel({&z, 1}, {&k0, 1}, {&k1, 1});
-            const double slope = -a * k1;
-            to[0] = k0, to[1] = slope / s, to[2] = a * a * k0 - 2.0 * to[1], to[3] = a * a * slope;
-        }
-        for (const HeatNode& node : nodes) {
-            const double behind = 2.0 * s - node.time, per = 2.0 * a / node.time,
-                         here = 0.5 * node.weight / node.time * std::exp(-0.125 * per * behind * behind);
-            const double each[] = {here, -per * here, per * per * s * s * here,
-                                   per * per * s * (4.0 - per * s * s) * here};
-            for (std::size_t i = 0; i < 4; ++i)
-                to[i] -= each[i];
-        }
-        to += NearHeat::functions / 2;
+    for (const double a : {1.0, 1.0 / (1.0 + eta)}) {
+        const double z = a * s;
+        double k0 = 0.0, k1 = 0.0;
+        table_bessel({&z, 1}, {&k0, 1}, {&k1, 1});
+        const double slope = -a * k1, per_s = slope / s;
+        for (const double value : {k0, per_s, a * a * k0 - 2.0 * per_s, a * a * slope})
+            *to++ = value;
     }
     return f;
 }
+
+void take_node(const HeatNode& node, double eta, double s, WakeFunctions& f) {
+    double* from = f.data();
+    for (const double a : {1.0, 1.0 / (1.0 + eta)}) {
+        const double behind = 2.0 * s - node.time, per = 2.0 * a / node.time,
+                     here = 0.5 * node.weight / node.time * std::exp(-0.125 * per * behind * behind);
+        for (const double value : {1.0, -per, per * per * s * s, per * per * s * (4.0 - per * s * s)})
+            *from++ -= value * here;
+    }
+}
+
+void parts_at(const WakeFunctions& f, const Field& field, double s, const double* cosine, const double* sine,
+              double (*parts)[heat_lanes]) {
+    HWY_DYNAMIC_DISPATCH(PartsAt)
+    (f, KernelInternals::constants(field), field, s, cosine, sine, parts);
+}
+
+namespace {
 
 /// s in a piece at u.
 double place_of(std::size_t piece, double u, double reach) {
@@ -353,9 +267,15 @@ double place_of(std::size_t piece, double u, double reach) {
 }
 
 /// Sets the polynomials of a piece; returns the largest error of functions that are asked for.
-double fit_piece(std::span<const HeatNode> nodes, std::size_t piece, bool polar, NearHeat& heat) {
+double fit_piece(std::span<const HeatNode> nodes, double eta, std::size_t piece, bool polar, NearHeat& heat) {
     const std::size_t terms = heat.powers.size();
-    const auto at = [&](double u) { return functions_at(nodes, place_of(piece, u, heat.reach), piece > 0); };
+    const auto at = [&](double u) {
+        const double s = place_of(piece, u, heat.reach);
+        WakeFunctions f = piece > 0 ? exact_functions(eta, s) : WakeFunctions{};
+        for (const HeatNode& node : nodes)
+            take_node(node, eta, s, f);
+        return f;
+    };
     double worst = 0.0;
     for (std::size_t i = 0; i < NearHeat::functions; ++i) {
         const std::vector<double> c = fourier::powers_of(terms, [&](double u) { return at(u)[i]; });
@@ -364,7 +284,7 @@ double fit_piece(std::span<const HeatNode> nodes, std::size_t piece, bool polar,
     }
     for (int k = -10; k <= 10; ++k) {
         const double u = 0.1 * k;
-        const Functions f = at(u);
+        const WakeFunctions f = at(u);
         for (std::size_t i = 0; i < f.size(); ++i) {
             double sum = 0.0;
             for (std::size_t j = terms; j-- > 0;)
@@ -378,13 +298,13 @@ double fit_piece(std::span<const HeatNode> nodes, std::size_t piece, bool polar,
 
 } // namespace
 
-NearHeat near_heat(std::span<const HeatNode> nodes, double reach, double error, bool polar) {
-    NearHeat heat{reach, false, {}, {}};
+NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar) {
+    NearHeat heat{reach, false, {}};
     for (std::size_t terms = 4; terms <= NearHeat::most_terms; ++terms) {
         heat.powers.assign(terms, {});
         double worst = 0.0;
         for (std::size_t piece = 0; piece < NearHeat::pieces; ++piece)
-            worst = std::max(worst, fit_piece(nodes, piece, polar, heat));
+            worst = std::max(worst, fit_piece(nodes, eta, piece, polar, heat));
         if (worst <= error)
             break;
     }

@@ -24,23 +24,29 @@
 namespace rodwake::elastic {
 
 struct HeatNode {
-    double time, a, b, weight; ///< a = 1/(4 t), b = a/(1 + eta)
+    double time, weight;
 };
 
-/// At s = sqrt(time), which stands for `step` of s.
-HeatNode heat_node(double s, double step, double eta);
+/// e^(a s) times A, A'/s, s^2 Q with Q = (A'/s)'/s, and (A'' + A'/s)', of shear and of longitudinal motion.
+using WakeFunctions = std::array<double, 8>;
 
-/// Targets of which all lanes have a place.
+/// Of the exact field, at a distance s > 0.
+WakeFunctions exact_functions(double eta, double s);
+/// Takes a node's off.
+void take_node(const HeatNode& node, double eta, double s, WakeFunctions& f);
+
+/// Targets that go together.
 inline constexpr std::size_t heat_lanes = 8;
 
-/// Takes from the sums what a node of one rod's wake gives at heat_lanes targets. Lengths in xi.
-void subtract_heat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets);
+/// What such functions give in these directions from a rod along x.
+void parts_at(const WakeFunctions& f, const Field& field, double s, const double* cosine, const double* sine,
+              double (*parts)[heat_lanes]);
 
 // Near pairs.
 
-/// What pairs within a reach lack: the exact field less that of the nodes. e^(a s) times A, A'/s, s^2 Q with
-/// Q = (A'/s)'/s, and (A'' + A'/s)', of shear and of longitudinal motion, in pieces of sqrt(r/reach), by
-/// powers of the place in a piece, -1 to 1. In the first piece, where A is singular, of the nodes alone.
+/// What pairs within a reach lack: functions of the exact field less those of the nodes, in pieces of
+/// sqrt(r/reach), by powers of the place in a piece, -1 to 1. In the first piece, where the exact ones are
+/// singular, of the nodes alone.
 struct NearHeat {
     static constexpr std::size_t functions = 8, pieces = 8, most_terms = 20;
     static constexpr double first_end = 0.25; ///< of the first piece; the others are alike
@@ -49,11 +55,11 @@ struct NearHeat {
     double reach; ///< in xi
     bool fine;    ///< whether Accuracy::fine will do for the exact field
     std::vector<Coefficients> powers;
-    std::array<double, all_parts> own{}; ///< at the rod itself, along x
+    double own[all_parts][heat_lanes] = {}; ///< what the rod itself lacks if it is along x, in each lane
 };
 
 /// Of nodes whose polynomials may be wrong by `error`; the rest of a NearHeat but for `own`.
-NearHeat near_heat(std::span<const HeatNode> nodes, double reach, double error, bool polar);
+NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar);
 
 /// Sources, filled up to whole vectors with some that are not meant.
 struct NearSources {
@@ -62,8 +68,9 @@ struct NearSources {
 
     /// Room for so many, and a vector beyond.
     void reserve(std::size_t most) {
-        for (auto* one : {&x, &y, &cosine, &sine, &number})
-            one->resize(most + heat_lanes);
+        if (x.size() < most + heat_lanes)
+            for (auto* one : {&x, &y, &cosine, &sine, &number})
+                one->resize(most + heat_lanes);
     }
     void add(const KernelSource& source, double as) {
         x[count] = source.x;

@@ -163,46 +163,51 @@ bool within(const Circle& a, const Circle& b, double distance) {
     return dx * dx + dy * dy <= most * most;
 }
 
-/// Rods of blocks that are near to a block.
-NearSources sources_near(const Task& task, const Near& near, std::size_t block) {
-    NearSources all;
+/// Rods near to a block, to a group of it and to a rod.
+struct Around {
+    NearSources block, group, rod;
+};
+
+void find_around(const Task& task, const Near& near, std::size_t block, Around& around) {
+    NearSources& all = around.group; // not yet in use
+    const Circle& circle = near.blocks[block];
+    all.count = 0;
     for (std::size_t other = 0; other < task.blocks(); ++other)
-        if (within(near.blocks[block], near.blocks[other], near.reach)) {
+        if (within(circle, near.blocks[other], near.reach)) {
             all.reserve(all.count + block_rods);
             for (std::size_t i = 0; i < task.block(other).size(); ++i)
                 all.add(task.block(other)[i], static_cast<double>(other * block_rods + i));
         }
-    return all;
+    find_near(all, circle.x, circle.y, near.reach + circle.radius, -1.0, around.block);
 }
 
 /// Takes off what a rod got of its own heat.
 void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std::span<double> sums) {
-    const double c = rod.cosine, s = rod.sine, trace = (heat.own[0] + heat.own[2]) * per_xi,
-                 difference = (heat.own[0] - heat.own[2]) * per_xi;
-    sums[0] -= 0.5 * (trace + difference * (c * c - s * s));
-    sums[1] -= difference * s * c;
-    sums[2] -= 0.5 * (trace - difference * (c * c - s * s));
+    const double c = rod.cosine, s = rod.sine, trace = (heat.own[0][0] + heat.own[2][0]) * per_xi,
+                 difference = (heat.own[0][0] - heat.own[2][0]) * per_xi;
+    sums[0] += 0.5 * (trace + difference * (c * c - s * s));
+    sums[1] += difference * s * c;
+    sums[2] += 0.5 * (trace - difference * (c * c - s * s));
     for (std::size_t k = strain_parts; k < sums.size(); k += 2) {
-        const double along = heat.own[k] * per_xi * per_xi; // nothing points aside
-        sums[k] -= along * c;
-        sums[k + 1] -= along * s;
+        const double along = heat.own[k][0] * per_xi * per_xi; // nothing points aside
+        sums[k] += along * c;
+        sums[k + 1] += along * s;
     }
 }
 
 /// Puts the exact field of near rods in at a group, in place of their far wakes.
-std::size_t add_group(const Task& task, const Near& near, const NearSources& around, std::size_t first) {
+std::size_t add_group(const Task& task, const Near& near, Around& around, std::size_t first) {
     const auto group = task.rods.subspan(first, std::min(group_rods, task.rods.size() - first));
     const Circle circle = circle_around(group);
-    NearSources candidates, sources;
-    find_near(around, circle.x, circle.y, near.reach + circle.radius, -1.0, candidates);
+    find_near(around.block, circle.x, circle.y, near.reach + circle.radius, -1.0, around.group);
     std::size_t done = 0;
     for (std::size_t rod = first; rod < first + group.size(); ++rod) {
         const KernelSource& at = task.rods[rod];
-        find_near(candidates, at.x, at.y, near.reach, static_cast<double>(rod), sources);
-        done += sources.count;
+        find_near(around.group, at.x, at.y, near.reach, static_cast<double>(rod), around.rod);
+        done += around.rod.count;
         std::array<double, all_parts> all{};
         const auto sums = std::span(all).first(static_cast<std::size_t>(task.parts()));
-        add_near(task.medium, task.field, near.heat, sources, at.x, at.y, task.polar, sums);
+        add_near(task.medium, task.field, near.heat, around.rod, at.x, at.y, task.polar, sums);
         take_own(at, near.heat, 1.0 / task.field.medium().xi, sums);
         for (std::size_t k = 0; k < sums.size(); ++k)
             task.sum[k][rod] += sums[k];
@@ -217,7 +222,8 @@ std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
     std::atomic<std::size_t> done{0};
     parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::size_t end = block * block_rods + task.block(block).size();
-        const NearSources around = sources_near(task, near, block);
+        thread_local Around around;
+        find_around(task, near, block, around);
         for (std::size_t first = block * block_rods; first < end; first += group_rods)
             done += add_group(task, near, around, first);
     });

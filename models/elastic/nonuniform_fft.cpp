@@ -13,13 +13,12 @@ constexpr std::size_t slab_rows = 16;
 constexpr double oversampling = 1.5; // grid points a mode, at least
 
 /// 0.97 pi width (1 - 1/(2 oversampling)), Barnett et al., Eq. 4.5.
-double shape(std::size_t width) {
-    return 0.97 * std::numbers::pi * static_cast<double>(width) * (1.0 - 0.5 / oversampling);
-}
+constexpr double shape =
+    0.97 * std::numbers::pi * static_cast<double>(SpreadKernel::width) * (1.0 - 0.5 / oversampling);
 
-double kernel(double beta, double s) {
+double kernel(double s) {
     const double inside = 1.0 - s * s;
-    return inside > 0.0 ? std::exp(beta * (std::sqrt(inside) - 1.0)) : 0.0;
+    return inside > 0.0 ? std::exp(shape * (std::sqrt(inside) - 1.0)) : 0.0;
 }
 
 /// Working space that each thread keeps: lines of `size`.
@@ -58,12 +57,11 @@ std::vector<double> powers_of(std::size_t terms, const std::function<double(doub
     return sum;
 }
 
-SpreadKernel::SpreadKernel(std::size_t width)
-    : width_(width), values_((width + 5) * row), twice_((width + 5) * pairs) {
-    const double beta = shape(width), wide = 0.5 * static_cast<double>(width);
+SpreadKernel::SpreadKernel() : values_((width + 5) * row), twice_((width + 5) * pairs) {
+    constexpr double wide = 0.5 * static_cast<double>(width);
     for (std::size_t i = 0; i < width; ++i) {
         const std::vector<double> c = powers_of(terms(), [&](double u) {
-            return kernel(beta, (static_cast<double>(i) + 0.5 * (u + 1.0)) / wide - 1.0);
+            return kernel((static_cast<double>(i) + 0.5 * (u + 1.0)) / wide - 1.0);
         });
         for (std::size_t k = 0; k < terms(); ++k)
             values_[k * row + i] = twice_[k * pairs + 2 * i] = twice_[k * pairs + 2 * i + 1] = c[k];
@@ -74,40 +72,33 @@ SpreadKernel::SpreadKernel(std::size_t width)
     constexpr double step = std::numbers::pi / panels;
     for (int k = 1; k < panels; ++k) {
         const double t = -0.5 * std::numbers::pi + k * step, s = std::sin(t);
-        quadrature_.push_back({s, wide * step * kernel(beta, s) * std::cos(t)});
+        quadrature_.push_back({s, wide * step * kernel(s) * std::cos(t)});
     }
 }
 
 double SpreadKernel::transform(double m, double grid) const {
     double sum = 0.0;
     for (const auto& [s, weight] : quadrature_)
-        sum += weight * std::cos(std::numbers::pi * m * static_cast<double>(width_) * s / grid);
+        sum += weight * std::cos(std::numbers::pi * m * static_cast<double>(width) * s / grid);
     return sum;
 }
 
 void SpreadPlaces::resize(std::size_t count) {
     first_row.resize(count);
     first_column.resize(count);
-    x.resize(count * row);
-    y.resize(count * pairs);
+    x.resize(count * SpreadKernel::row);
+    y.resize(count * SpreadKernel::pairs);
 }
 
-namespace {
-
-std::size_t whole_vectors(std::size_t count) { return (count + 7) / 8 * 8; }
-
-} // namespace
-
-std::size_t NonuniformFft::grid_of(std::size_t half, std::size_t width) {
+std::size_t NonuniformFft::grid_of(std::size_t half) {
     const auto modes = static_cast<double>(2 * half + 1);
-    return Fft::suitable(std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * width + slab_rows));
+    return Fft::suitable(
+        std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * SpreadKernel::width + slab_rows));
 }
 
-NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team, std::size_t width)
-    : half_(half), side_(2 * half + 1), kernel_(width), fft_(grid_of(half, width)), team_(team),
-      modes_(side_ * side_),
-      between_(grid() * side_), places_{grid(), width, whole_vectors(width), whole_vectors(2 * width), {}, {},
-                                        {},     {}},
+NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
+    : half_(half), side_(2 * half + 1), fft_(grid_of(half)), team_(team), modes_(side_ * side_),
+      between_(grid() * side_), places_{grid(), {}, {}, {}, {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {
     grid_.resize(grid() * line());
     const auto size = static_cast<double>(grid());
@@ -131,7 +122,7 @@ void NonuniformFft::place(std::span<const double> places) {
             slabs_[slab].push_back(static_cast<std::uint32_t>(point));
     };
     for (std::size_t a = 0; a < count; ++a) {
-        const std::size_t first = places_.first_row[a], end = first + places_.width;
+        const std::size_t first = places_.first_row[a], end = first + SpreadKernel::width;
         give(a, first, std::min(end, grid()) - 1);
         if (end > grid()) // the grid is longer than a kernel and a slab: not the same one
             give(a, 0, end - grid() - 1);

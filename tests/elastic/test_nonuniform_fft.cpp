@@ -122,34 +122,6 @@ TEST_CASE("sums over points and over modes are exact to 1e-12") {
     }
 }
 
-TEST_CASE("narrower kernels have larger errors, which the header bounds") {
-    constexpr double box = 7.0;
-    double before = 1.0;
-    for (const std::size_t width : {4, 6, 9, 12, 15}) {
-        Team team(1);
-        NonuniformFft transform(box, 10, team, width);
-        const std::vector<double> at = places(box, 40);
-        const std::vector<Complex> w = weights(40);
-        transform.place(at);
-        transform.to_modes(w);
-        double worst = 0.0;
-        for (long m = -10; m <= 10; ++m)
-            for (long n = -10; n <= 10; ++n) {
-                Number sum;
-                for (std::size_t a = 0; a < w.size(); ++a)
-                    sum += number(w[a]) * wave(box, m, n, at, a);
-                worst = std::max(
-                    worst,
-                    std::abs(sum -
-                             number(transform.modes()[static_cast<std::size_t>((m + 10) * 21 + n + 10)])));
-            }
-        CAPTURE(width, worst);
-        CHECK(worst < 10.0 * std::exp(-1.8 * static_cast<double>(width)) * 40.0);
-        CHECK(worst < 0.2 * before);
-        before = worst;
-    }
-}
-
 TEST_CASE("threads change no bit of a transform", "[threads]") {
     std::vector<std::vector<double>> ends;
     for (const std::size_t threads : {1, 2, 3}) {
