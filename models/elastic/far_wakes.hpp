@@ -4,14 +4,10 @@
 //
 // Nodes lie at s = sqrt(t) = h (k + c (sqrt(k^2 + 100) - 10)): steps are short for near pairs, and longer for
 // far ones, past which a Gaussian goes within a time of sqrt(t). To each node of the wakes' sum over time
-// belongs one Gaussian, that of all rods, each n t behind its rod. Non-uniform Fourier transforms
-// (nonuniform_fft.hpp) make C_q = sum_b n_b e^(-i q.(R_b - n_b t)), and
-//
-//   u_q = sum_k w_k [ e^(-D_T q^2 t_k) (C - q q.C/q^2) + e^(-D_L q^2 t_k) q q.C/q^2 ]
-//
-// is the displacement, from whose modes come strain and polar vectors at all rods. Later nodes are smoother:
-// each octave of them has a mesh of its own, whose box keeps a Gaussian's length from its images. Of pairs
-// nearer than the reach of the error the nodes' part is taken off again and the exact field put in.
+// belongs one Gaussian, that of all rods, each n t behind its rod, and non-uniform Fourier transforms add
+// them up (heat_mesh.hpp). Later nodes are smoother: each octave of them has a mesh of its own, whose box
+// keeps a Gaussian's length from its images. Of pairs nearer than the reach of the error the nodes' part is
+// taken off again and the exact field put in.
 //
 // Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods");
 // it is random from rod to rod, and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost:
@@ -19,11 +15,11 @@
 //
 // Bits depend neither on threads nor on the vectors of a machine, but on its C library.
 
-#include "heat_nodes.hpp"
-#include "nonuniform_fft.hpp"
+#include "heat_mesh.hpp"
 #include "rodwake/core/parallel.hpp"
 
 #include <map>
+#include <memory>
 #include <mutex>
 
 namespace rodwake::elastic {
@@ -45,6 +41,7 @@ public:
         double root_time(std::size_t k) const;
         HeatNode at(std::size_t k) const;
         std::size_t last_for(double distance) const;
+        double cutoff_at(double time) const; ///< of the Gaussian there, which is lower and wider
         double width_at(double time) const;
     };
     struct Plan {
@@ -76,14 +73,16 @@ private:
     double cost(const Nodes& nodes, std::size_t first, const Crowd& crowd) const;
     void find_reaches(Nodes& nodes) const;
     NearHeat make_near_heat(const Plan& plan) const;
+    std::unique_ptr<HeatMesh> idle_mesh() const;
 
     Field unit_; ///< at xi = 1
     bool polar_;
     double strain_error_, polar_error_; ///< of one wake, in xi
     double cutoff_;
-    std::size_t width_; ///< of the transforms' kernel
     std::vector<Nodes> nodes_;
+    std::vector<MeshKernel> kernels_; ///< from the narrowest on
     mutable std::mutex mutex_;
+    mutable std::vector<std::unique_ptr<HeatMesh>> meshes_; ///< idle ones, for their memory
     mutable std::map<std::pair<std::size_t, std::size_t>, const NearHeat>
         near_; ///< made when first asked for
 };

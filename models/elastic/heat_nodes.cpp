@@ -1,15 +1,18 @@
-// Gaussians of wakes at a vector of targets. Compiled once for each instruction set (foreach_target includes
+// What nodes give, and what near pairs lack. Compiled once for each instruction set (foreach_target includes
 // this file again).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "heat_nodes.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
+#include "bessel.hpp"
 #include "heat_nodes.hpp"
 #include "lab_parts_inl.hpp"
+#include "nonuniform_fft.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::elastic::HWY_NAMESPACE {
@@ -18,193 +21,128 @@ using Lanes = FullKind::Lanes;
 using V = FullKind::V;
 static_assert(heat_lanes == 8); // as FullKind has at most
 
-/// Sums in the source's frame: trace, eps_xx - eps_yy, 2 eps_xy; then lap U and grad div U.
-struct HeatSums {
-    V part[all_parts];
-};
-
-/// Second and third derivative of Phi.
-struct Potential {
-    V second, third;
-};
-
-HWY_INLINE Potential Series(const HeatNode& node, V rho) {
+/// The functions of NearHeat at s, in lengths of 2 xi; returns which lanes are in the first piece.
+HWY_INLINE hn::Mask<Lanes> FunctionsAt(const NearHeat& heat, V s, V (&f)[NearHeat::functions]) {
     const Lanes d;
-    Potential p{hn::Zero(d), hn::Zero(d)};
-    for (std::size_t n = node.series.size(); n >= 2; --n) {
-        const double c = node.series[n - 1] * static_cast<double>(n - 1);
-        p.second = Fma(d, p.second, rho, hn::Set(d, c));
-        if (n >= 3)
-            p.third = Fma(d, p.third, rho, hn::Set(d, c * static_cast<double>(n - 2)));
-    }
+    const hn::RebindToSigned<Lanes> i;
+    constexpr auto last = static_cast<double>(NearHeat::pieces - 1);
+    const V root = hn::Sqrt(hn::Mul(s, hn::Set(d, 2.0 / heat.reach)));
+    const V beyond = hn::Mul(hn::Sub(root, hn::Set(d, NearHeat::first_end)),
+                             hn::Set(d, last / (1.0 - NearHeat::first_end)));
+    const auto nearest = hn::Lt(beyond, hn::Zero(d));
+    const V at = hn::IfThenElse(nearest, hn::Mul(root, hn::Set(d, 1.0 / NearHeat::first_end)),
+                                hn::Add(beyond, hn::Set(d, 1.0))),
+            floor = hn::Min(hn::Floor(at), hn::Set(d, last)), rest = hn::Sub(at, floor),
+            u = hn::Sub(hn::Add(rest, rest), hn::Set(d, 1.0));
+    const auto piece = hn::ConvertTo(i, floor);
+    const auto pick = [&](const std::array<double, NearHeat::pieces>& c) HWY_ATTR {
+        if constexpr (hn::MaxLanes(d) == NearHeat::pieces)
+            return hn::TableLookupLanes(hn::LoadU(d, c.data()), hn::IndicesFromVec(d, piece));
+        else
+            return hn::GatherIndex(d, c.data(), piece);
+    };
+    const NearHeat::Coefficients* row = &heat.powers.back();
+    RODWAKE_UNROLL
+    for (std::size_t k = 0; k < NearHeat::functions; ++k)
+        f[k] = pick((*row)[k]);
+    while (row-- != heat.powers.data())
+        RODWAKE_UNROLL
+    for (std::size_t k = 0; k < NearHeat::functions; ++k)
+        f[k] = Fma(d, f[k], u, pick((*row)[k]));
+    return nearest;
+}
+
+/// A potential e^(-a X) A(s) from its radial functions, without its exponential: Laplacian and its gradient.
+struct Potential {
+    V laplacian, along, radial; ///< gradient: along x and along r
+};
+
+HWY_INLINE Potential PotentialOf(V a, V x, V s, V c, const V* f) {
+    const Lanes d;
+    const V two = hn::Set(d, 2.0), around = Fma(d, two, f[1], f[2]), bent = hn::Mul(a, f[1]);
+    Potential p;
+    p.laplacian = Fma(d, hn::Mul(a, a), f[0], Fnma(d, hn::Add(x, x), bent, around));
+    p.along = hn::Neg(Fma(d, a, p.laplacian, hn::Add(bent, bent)));
+    p.radial = hn::Add(Fms(d, hn::Mul(a, s), bent, hn::Mul(hn::Mul(two, a), hn::Mul(c, f[2]))), f[3]);
     return p;
 }
 
-HWY_INLINE Potential PotentialAt(const HeatNode& node, V rho, V heat_t, V heat_l) {
-    const Lanes d;
-    const V a = hn::Set(d, node.a), b = hn::Set(d, node.b), one_over = hn::Div(hn::Set(d, 1.0), rho);
-    const V first = hn::Mul(
-        hn::Sub(hn::Mul(heat_t, hn::Set(d, 0.25 / node.a)), hn::Mul(heat_l, hn::Set(d, 0.25 / node.b))),
-        one_over);
-    const V second = hn::Mul(Fms(d, hn::Sub(heat_l, heat_t), hn::Set(d, 0.25), first), one_over);
-    const V third = hn::Mul(
-        Fms(d, hn::Sub(hn::Mul(a, heat_t), hn::Mul(b, heat_l)), hn::Set(d, 0.25), hn::Add(second, second)),
-        one_over);
-    const auto near = hn::Lt(hn::Mul(rho, a), hn::Set(d, 0.1));
-    if (HWY_LIKELY(hn::AllFalse(d, near)))
-        return {second, third};
-    const Potential series = Series(node, rho);
-    return {hn::IfThenElse(near, series.second, second), hn::IfThenElse(near, series.third, third)};
-}
-
+/// A wake from its radial functions, in the units of WakeFrom.
 template<bool polar>
-HWY_INLINE void AddNode(const HeatNode& node, V w, V x, V y, HeatSums& sums) {
+HWY_INLINE Wake<Lanes> WakeOf(const V (&f)[NearHeat::functions], V x, V y, V s, const Bearing<Lanes>& b,
+                              V nu) {
     const Lanes d;
-    const V a = hn::Set(d, node.a), b = hn::Set(d, node.b);
-    const V xx = hn::Mul(x, x), yy = hn::Mul(y, y), rho = hn::Add(xx, yy);
-    const V exponents[2] = {hn::Mul(a, rho), hn::Mul(b, rho)};
-    Exponential<Lanes> e[2];
-    ExpMinus(d, exponents, e);
-    const V heat_t = hn::Mul(e[0].value, hn::Set(d, node.a * std::numbers::inv_pi)),
-            heat_l = hn::Mul(e[1].value, hn::Set(d, node.b * std::numbers::inv_pi));
-    const Potential phi = PotentialAt(node, rho, heat_t, heat_l);
-    const V bl = hn::Mul(b, heat_l), at = hn::Mul(a, heat_t);
-    const V two = hn::Set(d, -2.0), eight = hn::Set(d, 8.0);
-    const V trace = hn::Mul(two, hn::Mul(x, bl));
-    // of x and y: -2 a g_T + 8 (Phi'' + (x^2 - y^2) Phi'''),  -2 a g_T + 8 Phi'' + 16 x^2 Phi'''
-    const V common = Fma(d, eight, phi.second, hn::Mul(two, at)), third = hn::Mul(eight, phi.third);
-    const V difference = hn::Mul(x, Fma(d, hn::Sub(xx, yy), third, common));
-    const V shear = hn::Mul(y, Fma(d, hn::Add(xx, xx), third, common));
-    sums.part[0] = Fma(d, w, trace, sums.part[0]);
-    sums.part[1] = Fma(d, w, difference, sums.part[1]);
-    sums.part[2] = Fma(d, w, shear, sums.part[2]);
+    const V *t = f, *l = f + NearHeat::functions / 2;
+    const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5), cq = hn::Mul(b.c, b.q), qq = hn::Mul(b.q, b.q);
+    const Potential shear = PotentialOf(one, x, s, b.c, t), longitudinal = PotentialOf(nu, x, s, b.c, l);
+    const V first_x = Fms(d, x, t[1], t[0]), first_y = hn::Mul(y, t[1]); // of the gradient
+    const auto both = [&](V of_t, V of_l) HWY_ATTR { return Fms(d, b.e_t, of_t, hn::Mul(b.e_l, of_l)); };
+    Wake<Lanes> wake;
+    wake.trace = Fma(d, half, both(shear.laplacian, longitudinal.laplacian), hn::Mul(b.e_t, first_x));
+    wake.yy = both(Fma(d, qq, t[2], t[1]), Fma(d, qq, l[2], l[1]));
+    wake.shear = both(hn::Mul(cq, t[2]), Fms(d, cq, l[2], hn::Mul(nu, hn::Mul(y, l[1]))));
     if constexpr (polar) {
-        const V four = hn::Set(d, 4.0), aat = hn::Mul(four, hn::Mul(a, at)),
-                bbl = hn::Mul(four, hn::Mul(b, bl)), xy = hn::Mul(x, y);
-        const V gradient_x = Fma(d, two, bl, hn::Mul(bbl, xx)), gradient_y = hn::Mul(bbl, xy);
-        const V parts[4] = {hn::Add(Fma(d, two, at, hn::Mul(aat, yy)), gradient_x),
-                            hn::Sub(gradient_y, hn::Mul(aat, xy)), gradient_x, gradient_y};
-        for (int k = 0; k < 4; ++k)
-            sums.part[strain_parts + k] = Fma(d, w, parts[k], sums.part[strain_parts + k]);
+        const V along = hn::Mul(half, both(shear.along, longitudinal.along)),
+                radial = hn::Mul(half, both(shear.radial, longitudinal.radial));
+        const V gradient_x = Fma(d, radial, b.c, along), gradient_y = hn::Mul(radial, b.q);
+        wake.laplacian_x = Fma(d, b.e_t, shear.laplacian, gradient_x);
+        wake.laplacian_y = gradient_y;
+        const V xx = hn::Add(Fnma(d, x, t[1], Fms(d, b.c, hn::Mul(b.c, t[2]), first_x)), t[1]);
+        wake.gradient_x = Fma(d, b.e_t, xx, gradient_x);
+        wake.gradient_y = Fma(d, b.e_t, Fms(d, cq, t[2], first_y), gradient_y);
     }
+    return wake;
 }
 
-template<bool polar>
-constexpr int PartsOf() {
-    return polar ? all_parts : strain_parts;
-}
-
-template<bool polar>
-HWY_INLINE HeatSums NoHeat() {
-    HeatSums none;
-    for (int k = 0; k < PartsOf<polar>(); ++k)
-        none.part[k] = hn::Zero(Lanes());
-    return none;
-}
-
-/// Turns sources' sums into the lab.
-template<bool polar>
-HWY_INLINE void Turn(V cosine, V sine, const HeatSums& own, HeatSums& lab) {
+/// Adds the exact field in these lanes.
+template<bool polar, class K>
+HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<K>& with, const V (&X)[1], const V (&Y)[1], V distance,
+                                      hn::Mask<Lanes> lanes, Wake<Lanes>& wake) {
     const Lanes d;
-    const V c2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), half = hn::Set(d, 0.5);
-    const V sc = hn::Mul(sine, cosine), s2 = hn::Add(sc, sc);
-    const V difference = Fms(d, own.part[1], c2, hn::Mul(own.part[2], s2)),
-            shear = Fma(d, own.part[1], s2, hn::Mul(own.part[2], c2));
-    lab.part[0] = Fma(d, half, hn::Add(own.part[0], difference), lab.part[0]);
-    lab.part[1] = Fma(d, half, shear, lab.part[1]);
-    lab.part[2] = Fma(d, half, hn::Sub(own.part[0], difference), lab.part[2]);
-    if constexpr (polar)
-        for (int k = strain_parts; k < all_parts; k += 2) {
-            const V x = own.part[k], y = own.part[k + 1];
-            lab.part[k] = hn::Add(lab.part[k], Fms(d, x, cosine, hn::Mul(y, sine)));
-            lab.part[k + 1] = hn::Add(lab.part[k + 1], Fma(d, x, sine, hn::Mul(y, cosine)));
-        }
-}
-
-/// As seen by a source.
-struct Seen {
-    V x, y;
-};
-HWY_INLINE Seen SeenFrom(V dx, V dy, V cosine, V sine) {
-    const Lanes d;
-    return {Fma(d, cosine, dx, hn::Mul(sine, dy)), Fms(d, cosine, dy, hn::Mul(sine, dx))};
-}
-
-template<bool polar>
-HWY_NOINLINE void Subtract(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    const Lanes d;
-    for (std::size_t i = 0; i < heat_lanes; i += hn::Lanes(d)) {
-        const V dx = hn::Sub(hn::LoadU(d, targets.x + i), hn::Set(d, source.x)),
-                dy = hn::Sub(hn::LoadU(d, targets.y + i), hn::Set(d, source.y));
-        const V cosine = hn::Set(d, source.cosine), sine = hn::Set(d, source.sine);
-        const Seen at = SeenFrom(dx, dy, cosine, sine);
-        HeatSums own = NoHeat<polar>(), lab = own;
-        AddNode<polar>(node, hn::Set(d, node.weight), hn::Add(at.x, hn::Set(d, node.time)), at.y, own);
-        Turn<polar>(cosine, sine, own, lab);
-        for (int k = 0; k < PartsOf<polar>(); ++k)
-            hn::StoreU(hn::Sub(hn::LoadU(d, targets.sum[k] + i), lab.part[k]), d, targets.sum[k] + i);
-    }
-}
-
-void SubtractHeat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    if (targets.sum[strain_parts] != nullptr)
-        Subtract<true>(node, source, targets);
-    else
-        Subtract<false>(node, source, targets);
-}
-
-// Near pairs, a source a lane.
-
-/// The polynomials of a part at x and y^2.
-HWY_INLINE V PolynomialAt(const std::array<double, NearHeat::terms>& c, V x, V yy) {
-    const Lanes d;
-    V sum = hn::Zero(d);
-    std::size_t end = NearHeat::terms;
-    for (std::size_t length = 1; length <= NearHeat::degree + 1; length += 2) { // of the last row, and so on
-        V row = hn::Set(d, c[end - 1]);
-        for (std::size_t i = 1; i < length; ++i)
-            row = Fma(d, row, x, hn::Set(d, c[end - 1 - i]));
-        end -= length;
-        sum = Fma(d, sum, yy, row);
-    }
-    return sum;
-}
-
-template<bool polar>
-HWY_INLINE HeatSums HeatAt(const NearHeat& heat, const Seen& at) {
-    const Lanes d;
-    const V scale = hn::Set(d, 1.0 / heat.reach), x = hn::Mul(at.x, scale), y = hn::Mul(at.y, scale),
-            yy = hn::Mul(y, y);
-    HeatSums own;
-    for (int k = 0; k < PartsOf<polar>(); ++k) {
-        const V value = PolynomialAt(heat.part[k], x, yy);
-        own.part[k] = NearHeat::odd[k] ? hn::Mul(value, y) : value;
-    }
-    for (const HeatNode& node : heat.nodes) {
-        const V from = hn::Add(at.x, hn::Set(d, node.time)), square = Fma(d, from, from, hn::Mul(at.y, at.y));
-        const auto felt = hn::Lt(square, hn::Set(d, heat.cutoff / node.b));
-        if (!hn::AllFalse(d, felt)) // a lane does not know of the others
-            AddNode<polar>(node, hn::IfThenElseZero(felt, hn::Set(d, node.weight)), from, at.y, own);
-    }
-    return own;
-}
-
-/// The exact field of a vector of sources, which need not be near enough for its table.
-template<bool polar>
-HWY_INLINE Parts<FullKind> ExactAt(const Setting<FullKind>& with, const NearSources& sources,
-                                   std::size_t first, double x, double y, const Seen& at, V cosine, V sine) {
-    const Lanes d;
-    const V scale = hn::Set(d, with.c_shear);
-    const V X[1] = {hn::Mul(at.x, scale)}, Y[1] = {hn::Mul(at.y, scale)};
-    const V distance[1] = {hn::Sqrt(Fma(d, X[0], X[0], hn::Mul(Y[0], Y[0])))};
+    const V distances[1] = {distance};
     Radial<Lanes> radial[1];
-    RadialAt<FullKind::shape>(d, with.table, distance, with.medium, radial);
-    const Radial<Lanes>* shown[1] = {&radial[0]};
-    Wake<Lanes> wake[1];
-    WakeAt<polar, FullKind::shape>(d, X, Y, shown, with.medium, wake);
-    Parts<FullKind> parts = LabParts<polar>(wake[0], cosine, sine, with.unit);
-    if (HWY_UNLIKELY(!hn::AllTrue(d, radial[0].in_range)))
-        ReplaceLanes<polar, FullKind>(parts, radial[0].in_range, [&](std::size_t lane, double* exact) {
+    RadialAt<K::shape>(d, with.table, distances, with.medium, radial);
+    const Radial<Lanes>* const shown[1] = {&radial[0]};
+    Wake<Lanes> exact[1];
+    WakeAt<polar, K::shape>(d, X, Y, shown, with.medium, exact);
+    const auto add = [&](V Wake<Lanes>::*part) HWY_ATTR {
+        wake.*part = hn::Add(wake.*part, hn::IfThenElseZero(lanes, exact[0].*part));
+    };
+    for (const auto part : {&Wake<Lanes>::trace, &Wake<Lanes>::yy, &Wake<Lanes>::shear})
+        add(part);
+    if constexpr (polar)
+        for (const auto part : {&Wake<Lanes>::laplacian_x, &Wake<Lanes>::laplacian_y,
+                                &Wake<Lanes>::gradient_x, &Wake<Lanes>::gradient_y})
+            add(part);
+    return hn::Or(radial[0].in_range, hn::Not(lanes));
+}
+
+/// What a vector of sources gives at (x, y), less their heat. Rods that are too near for the table lose none:
+/// it is nothing beside their wake.
+template<bool polar, class K>
+HWY_INLINE Parts<K> NearAt(const Setting<K>& with, const NearHeat& heat, const NearSources& sources,
+                           std::size_t first, double x, double y) {
+    const Lanes d;
+    const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
+    const V cosine = load(sources.cosine), sine = load(sources.sine), scale = hn::Set(d, with.c_shear);
+    const V dx = hn::Mul(hn::Sub(hn::Set(d, x), load(sources.x)), scale),
+            dy = hn::Mul(hn::Sub(hn::Set(d, y), load(sources.y)), scale);
+    const V X[1] = {Fma(d, cosine, dx, hn::Mul(sine, dy))}, Y[1] = {Fms(d, cosine, dy, hn::Mul(sine, dx))};
+    Radial<Lanes> place;
+    place.s = hn::Sqrt(Fma(d, dx, dx, hn::Mul(dy, dy)));
+    place.inverse = hn::Div(hn::Set(d, 1.0), place.s);
+    const Radial<Lanes>* const shown[1] = {&place};
+    Bearing<Lanes> bearing[1];
+    BearingsOf<K::shape>(d, X, Y, shown, with.medium, bearing);
+    V f[NearHeat::functions];
+    const auto nearest = FunctionsAt(heat, place.s, f);
+    Wake<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+    if (HWY_LIKELY(hn::AllFalse(d, nearest)))
+        return LabParts<polar>(wake, cosine, sine, with.unit);
+    const auto in_range = AddExact<polar>(with, X, Y, place.s, nearest, wake);
+    Parts<K> parts = LabParts<polar>(wake, cosine, sine, with.unit);
+    if (HWY_UNLIKELY(!hn::AllTrue(d, in_range)))
+        ReplaceLanes<polar, K>(parts, in_range, [&](std::size_t lane, double* exact) {
             const std::size_t k = first + lane;
             exact_parts(*with.field, {sources.x[k], sources.y[k], sources.cosine[k], sources.sine[k]}, x, y,
                         polar, exact);
@@ -212,51 +150,69 @@ HWY_INLINE Parts<FullKind> ExactAt(const Setting<FullKind>& with, const NearSour
     return parts;
 }
 
-/// What sources give at (x, y), less what the heat gives.
-template<bool polar>
-HWY_INLINE Parts<FullKind> NearAt(const Setting<FullKind>& with, const NearHeat& heat,
-                                  const NearSources& sources, std::size_t first, double x, double y) {
+void PartsAt(const WakeFunctions& functions, const KernelMedium& medium, const Field& field, double s,
+             const double* cosine, const double* sine, double (*parts)[heat_lanes]) {
     const Lanes d;
-    const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
-    const V cosine = load(sources.cosine), sine = load(sources.sine);
-    const Seen at = SeenFrom(hn::Sub(hn::Set(d, x), load(sources.x)), hn::Sub(hn::Set(d, y), load(sources.y)),
-                             cosine, sine);
-    Parts<FullKind> parts = ExactAt<polar>(with, sources, first, x, y, at, cosine, sine);
-    const double per_xi = 2.0 * with.c_shear;
-    const V to_xi = hn::Set(d, per_xi), polar_unit = hn::Set(d, per_xi * per_xi);
-    const HeatSums own = HeatAt<polar>(heat, {hn::Mul(at.x, to_xi), hn::Mul(at.y, to_xi)});
-    HeatSums lab = NoHeat<polar>();
-    Turn<polar>(cosine, sine, own, lab);
-    for (int k = 0; k < PartsOf<polar>(); ++k)
-        parts.part[k] = Fnma(d, lab.part[k], k < strain_parts ? to_xi : polar_unit, parts.part[k]);
-    return parts;
+    const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
+    V f[NearHeat::functions];
+    for (std::size_t k = 0; k < NearHeat::functions; ++k)
+        f[k] = hn::Set(d, functions[k]);
+    Radial<Lanes> place;
+    place.s = hn::Set(d, s);
+    place.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
+    const Radial<Lanes>* const shown[1] = {&place};
+    for (std::size_t k = 0; k < heat_lanes; k += hn::Lanes(d)) {
+        const V X[1] = {hn::Mul(place.s, hn::LoadU(d, cosine + k))},
+                Y[1] = {hn::Mul(place.s, hn::LoadU(d, sine + k))};
+        Bearing<Lanes> bearing[1];
+        BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
+        const Wake<Lanes> wake = WakeOf<true>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+        const Parts<FullKind> lab = LabParts<true>(wake, hn::Set(d, 1.0), hn::Zero(d), with.unit);
+        for (int part = 0; part < all_parts; ++part)
+            hn::StoreU(lab.part[part], d, parts[part] + k);
+    }
 }
 
-template<bool polar>
+template<bool polar, class K>
 HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const NearHeat& heat,
                           const NearSources& sources, double x, double y, std::span<double> sums) {
     const Lanes d;
-    const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
+    const Setting<K> with = SettingOf<K>(medium, field);
     double slots[all_parts][heat_lanes] = {}; // one a lane of the longest vector, whatever vectors there are
-    for (std::size_t first = 0; first < sources.x.size(); first += hn::Lanes(d)) {
-        const Parts<FullKind> parts = NearAt<polar>(with, heat, sources, first, x, y);
-        const V weight = hn::LoadU(d, &sources.weight[first]);
-        for (int k = 0; k < PartsOf<polar>(); ++k) {
+    for (std::size_t first = 0; first < sources.count; first += hn::Lanes(d)) {
+        const Parts<K> parts = NearAt<polar, K>(with, heat, sources, first, x, y);
+        const auto meant = hn::FirstN(d, sources.count - first);
+        for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
             double* slot = slots[k] + first % heat_lanes;
-            hn::StoreU(Fma(d, weight, parts.part[k], hn::LoadU(d, slot)), d, slot);
+            hn::StoreU(hn::Add(hn::IfThenElseZero(meant, parts.part[k]), hn::LoadU(d, slot)), d, slot);
         }
     }
-    for (int k = 0; k < PartsOf<polar>(); ++k)
+    for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
         for (const double slot : slots[k])
             sums[k] += slot;
 }
 
 void AddNearEither(const KernelMedium& medium, const Field& field, const NearHeat& heat,
                    const NearSources& sources, double x, double y, bool polar, std::span<double> sums) {
-    if (polar)
-        AddNear<true>(medium, field, heat, sources, x, y, sums);
-    else
-        AddNear<false>(medium, field, heat, sources, x, y, sums);
+    const auto add = polar       ? heat.fine ? AddNear<true, FineKind> : AddNear<true, FullKind>
+                           : heat.fine ? AddNear<false, FineKind>
+                                 : AddNear<false, FullKind>;
+    add(medium, field, heat, sources, x, y, sums);
+}
+
+void FindNear(const NearSources& from, double x, double y, double distance, double number, NearSources& to) {
+    const Lanes d;
+    to.count = 0;
+    for (std::size_t k = 0; k < from.count; k += hn::Lanes(d)) {
+        const V dx = hn::Sub(hn::LoadU(d, &from.x[k]), hn::Set(d, x)),
+                dy = hn::Sub(hn::LoadU(d, &from.y[k]), hn::Set(d, y));
+        const auto near = hn::Le(Fma(d, dx, dx, hn::Mul(dy, dy)), hn::Set(d, distance * distance)),
+                   other = hn::Ne(hn::LoadU(d, &from.number[k]), hn::Set(d, number));
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::And(hn::And(near, other), hn::FirstN(d, from.count - k)), bits);
+        for (unsigned rest = bits[0]; rest != 0; rest &= rest - 1)
+            to.take(from, k + static_cast<std::size_t>(std::countr_zero(rest)));
+    }
 }
 
 } // namespace rodwake::elastic::HWY_NAMESPACE
@@ -265,37 +221,103 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace rodwake::elastic {
 
-HWY_EXPORT(SubtractHeat);
+HWY_EXPORT(PartsAt);
 HWY_EXPORT(AddNearEither);
+HWY_EXPORT(FindNear);
 
-HeatNode heat_node(double s, double step, double eta) {
-    const double t = s * s, a = 0.25 / t;
-    HeatNode node{t, a, a / (1.0 + eta), 2.0 * s * step};
-    double pa = 1.0, pb = 1.0, scale = 0.25 * std::numbers::inv_pi;
-    for (std::size_t n = 0; n < node.series.size(); ++n) {
-        pa *= node.a;
-        pb *= node.b;
-        scale /= -static_cast<double>(n + 1);
-        node.series[n] = scale * (pa - pb);
+WakeFunctions exact_functions(double eta, double s) {
+    WakeFunctions f;
+    double* to = f.data();
+    for (const double a : {1.0, 1.0 / (1.0 + eta)}) {
+        const double z = a * s;
+        double k0 = 0.0, k1 = 0.0;
+        table_bessel({&z, 1}, {&k0, 1}, {&k1, 1});
+        const double slope = -a * k1, per_s = slope / s;
+        for (const double value : {k0, per_s, a * a * k0 - 2.0 * per_s, a * a * slope})
+            *to++ = value;
     }
-    return node;
+    return f;
 }
 
-void subtract_heat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets) {
-    HWY_DYNAMIC_DISPATCH(SubtractHeat)(node, source, targets);
+void take_node(const HeatNode& node, double eta, double s, WakeFunctions& f) {
+    double* from = f.data();
+    for (const double a : {1.0, 1.0 / (1.0 + eta)}) {
+        const double behind = 2.0 * s - node.time, per = 2.0 * a / node.time,
+                     here = 0.5 * node.weight / node.time * std::exp(-0.125 * per * behind * behind);
+        for (const double value : {1.0, -per, per * per * s * s, per * per * s * (4.0 - per * s * s)})
+            *from++ -= value * here;
+    }
 }
 
-void NearSources::clear() {
-    for (auto* one : {&x, &y, &cosine, &sine, &weight})
-        one->clear();
+void parts_at(const WakeFunctions& f, const Field& field, double s, const double* cosine, const double* sine,
+              double (*parts)[heat_lanes]) {
+    HWY_DYNAMIC_DISPATCH(PartsAt)
+    (f, KernelInternals::constants(field), field, s, cosine, sine, parts);
 }
 
-void NearSources::add(const KernelSource& source, double as) {
-    x.push_back(source.x);
-    y.push_back(source.y);
-    cosine.push_back(source.cosine);
-    sine.push_back(source.sine);
-    weight.push_back(as);
+namespace {
+
+/// s in a piece at u.
+double place_of(std::size_t piece, double u, double reach) {
+    const double z = 0.5 * (u + 1.0),
+                 beyond = (static_cast<double>(piece) - 1.0 + z) / (NearHeat::pieces - 1),
+                 root = piece == 0 ? NearHeat::first_end * z
+                                   : NearHeat::first_end + (1.0 - NearHeat::first_end) * beyond;
+    return 0.5 * reach * root * root;
+}
+
+/// Sets the polynomials of a piece; returns the largest error of functions that are asked for.
+double fit_piece(std::span<const HeatNode> nodes, double eta, std::size_t piece, bool polar, NearHeat& heat) {
+    const std::size_t terms = heat.powers.size();
+    const auto at = [&](double u) {
+        const double s = place_of(piece, u, heat.reach);
+        WakeFunctions f = piece > 0 ? exact_functions(eta, s) : WakeFunctions{};
+        for (const HeatNode& node : nodes)
+            take_node(node, eta, s, f);
+        return f;
+    };
+    double worst = 0.0;
+    for (std::size_t i = 0; i < NearHeat::functions; ++i) {
+        const std::vector<double> c = fourier::powers_of(terms, [&](double u) { return at(u)[i]; });
+        for (std::size_t k = 0; k < terms; ++k)
+            heat.powers[k][i][piece] = c[k];
+    }
+    for (int k = -10; k <= 10; ++k) {
+        const double u = 0.1 * k;
+        const WakeFunctions f = at(u);
+        for (std::size_t i = 0; i < f.size(); ++i) {
+            double sum = 0.0;
+            for (std::size_t j = terms; j-- > 0;)
+                sum = sum * u + heat.powers[j][i][piece];
+            if (polar || i % 4 < 3)
+                worst = std::max(worst, std::abs(sum - f[i]));
+        }
+    }
+    return worst;
+}
+
+} // namespace
+
+NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar) {
+    NearHeat heat{reach, false, {}};
+    for (std::size_t terms = 4; terms <= NearHeat::most_terms; ++terms) {
+        heat.powers.assign(terms, {});
+        double worst = 0.0;
+        for (std::size_t piece = 0; piece < NearHeat::pieces; ++piece)
+            worst = std::max(worst, fit_piece(nodes, eta, piece, polar, heat));
+        if (worst <= error)
+            break;
+    }
+    return heat;
+}
+
+void find_near(const NearSources& from, double x, double y, double distance, double number, NearSources& to) {
+    to.reserve(from.count);
+    HWY_DYNAMIC_DISPATCH(FindNear)(from, x, y, distance, number, to);
+    const std::size_t count = to.count;
+    while (to.count % heat_lanes != 0)
+        to.add({x + distance, y, 1.0, 0.0}, -1.0);
+    to.count = count;
 }
 
 void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat,

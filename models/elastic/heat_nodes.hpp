@@ -2,18 +2,18 @@
 // A wake as drifting heat. A rod that has always walked straight at speed 1 (the unit; xi = 1, too) pushed
 // at r + n t a time t ago, and what it did there has spread since: from Eq. 1 of docs/physics.md,
 //
-//   U(r) = int_0^inf dt [ n g_T + grad (n.grad) Phi ](r + n t, t),   g_i = e^(-r^2/(4 D_i t))/(4 pi D_i t)
-//   lap Phi = g_L - g_T,   D_T = 1,   D_L = 1 + eta
+//   U(r) = int_0^inf dt [ n g_T + grad (g_T - D_L g_L) ](r + n t, t),   g_i = e^(-r^2/(4 D_i t))/(4 pi D_i t)
+//   D_T = 1,   D_L = 1 + eta
 //
 // in f/mu. The trapezoidal rule in s = sqrt(t) has an error that falls off with the distance r faster than
 // exp(-(r/h)^(2/3)) of a step h, since g vanishes with all derivatives at s = 0: beyond some distance a wake
-// is a sum of Gaussians that all rods share but for place and direction. With rho = r^2, a = 1/(4 t), b =
-// a/(1 + eta),
+// is a sum of Gaussians that all rods share but for place and direction.
 //
-//   Phi' = (e^(-a rho) - e^(-b rho))/(4 pi rho),   Phi'' = ((g_L - g_T)/4 - Phi')/rho,
-//   Phi''' = ((2 a g_T - 2 b g_L)/8 - 2 Phi'')/rho
+// Near a rod along x such a sum is of the form of the exact field (kernel_inl.hpp). In lengths of 2 xi,
 //
-// derivatives by rho; for a rho < 0.1 by their series.
+//   g_i = e^(-a X) A(s)/(2 pi D),   a = 1/D,   A(s) = sum_k w_k/(2 t_k) e^(-a t_k/4 - a s^2/t_k),
+//
+// so that all it takes is A and its derivatives, functions of the distance alone: polynomials in sqrt(s).
 
 #include "wake_kernel.hpp"
 
@@ -24,45 +24,71 @@
 namespace rodwake::elastic {
 
 struct HeatNode {
-    double time, a, b, weight;
-    std::array<double, 8> series{}; ///< (-1)^n (a^n - b^n)/(4 pi n!), n from 1
+    double time, weight;
 };
 
-/// At s = sqrt(time), which stands for `step` of s.
-HeatNode heat_node(double s, double step, double eta);
+/// e^(a s) times A, A'/s, s^2 Q with Q = (A'/s)'/s, and (A'' + A'/s)', of shear and of longitudinal motion.
+using WakeFunctions = std::array<double, 8>;
 
-/// Targets of which all lanes have a place.
+/// Of the exact field, at a distance s > 0.
+WakeFunctions exact_functions(double eta, double s);
+/// Takes a node's off.
+void take_node(const HeatNode& node, double eta, double s, WakeFunctions& f);
+
+/// Targets that go together.
 inline constexpr std::size_t heat_lanes = 8;
 
-/// Takes from the sums what a node of one rod's wake gives at heat_lanes targets. Lengths in xi.
-void subtract_heat(const HeatNode& node, const KernelSource& source, const KernelTargets& targets);
+/// What such functions give in these directions from a rod along x.
+void parts_at(const WakeFunctions& f, const Field& field, double s, const double* cosine, const double* sine,
+              double (*parts)[heat_lanes]);
 
 // Near pairs.
 
-/// What is taken off of pairs up to a reach: the first nodes one by one and all others as polynomials in the
-/// rod's frame, in xi: part = (y) sum c x^i y^(2 j), i + 2 j <= degree, row by row of j; x and y in reaches.
+/// What pairs within a reach lack: functions of the exact field less those of the nodes, in pieces of
+/// sqrt(r/reach), by powers of the place in a piece, -1 to 1. In the first piece, where the exact ones are
+/// singular, of the nodes alone.
 struct NearHeat {
-    static constexpr std::size_t degree = 16, terms = (degree / 2 + 1) * (degree / 2 + 1);
+    static constexpr std::size_t functions = 8, pieces = 8, most_terms = 20;
+    static constexpr double first_end = 0.25; ///< of the first piece; the others are alike
+    using Coefficients = std::array<std::array<double, pieces>, functions>;
 
-    double reach;
-    double cutoff; ///< Gaussians below e^-cutoff may be left out
-    std::vector<HeatNode> nodes;
-    /// trace, eps_xx - eps_yy, 2 eps_xy, lap U, grad div U; the third, fifth and last with the factor y
-    std::array<std::array<double, terms>, all_parts> part{};
-    std::array<double, all_parts> own{}; ///< at the rod itself
-    static constexpr std::array<bool, all_parts> odd{false, false, true, false, true, false, true};
+    double reach; ///< in xi
+    bool fine;    ///< whether Accuracy::fine will do for the exact field
+    std::vector<Coefficients> powers;
+    double own[all_parts][heat_lanes] = {}; ///< what the rod itself lacks if it is along x, in each lane
 };
 
-/// Sources near a target, filled up to whole vectors with some of weight 0.
+/// Of nodes whose polynomials may be wrong by `error`; the rest of a NearHeat but for `own`.
+NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar);
+
+/// Sources, filled up to whole vectors with some that are not meant.
 struct NearSources {
-    std::vector<double> x, y, cosine, sine, weight;
+    std::vector<double> x, y, cosine, sine, number;
+    std::size_t count = 0; ///< of those that are meant
 
-    void clear();
-    void add(const KernelSource& source, double weight);
+    /// Room for so many, and a vector beyond.
+    void reserve(std::size_t most) {
+        if (x.size() < most + heat_lanes)
+            for (auto* one : {&x, &y, &cosine, &sine, &number})
+                one->resize(most + heat_lanes);
+    }
+    void add(const KernelSource& source, double as) {
+        x[count] = source.x;
+        y[count] = source.y;
+        cosine[count] = source.cosine;
+        sine[count] = source.sine;
+        number[count++] = as;
+    }
+    void take(const NearSources& from, std::size_t k) {
+        add({from.x[k], from.y[k], from.cosine[k], from.sine[k]}, from.number[k]);
+    }
 };
 
-/// Adds to sums[k] at (x, y) what the sources give, less what the heat gives. Lengths in the unit of the
-/// medium's xi.
+/// Those of `from` that are within a distance of (x, y), but for the one with that number.
+void find_near(const NearSources& from, double x, double y, double distance, double number, NearSources& to);
+
+/// Adds to sums[k] at (x, y) what sources within the reach give, less what the heat gives. Lengths in the
+/// unit of the medium's xi.
 void add_near(const KernelMedium& medium, const Field& field, const NearHeat& heat,
               const NearSources& sources, double x, double y, bool polar, std::span<double> sums);
 

@@ -163,64 +163,52 @@ bool within(const Circle& a, const Circle& b, double distance) {
     return dx * dx + dy * dy <= most * most;
 }
 
-/// Numbers of the rods that are near to some of a group.
-std::vector<std::size_t> near_numbers(const Task& task, const Near& near, std::size_t block,
-                                      std::span<const KernelSource> group) {
-    const Circle circle = circle_around(group);
-    std::vector<std::size_t> numbers;
-    for (std::size_t other = 0; other < task.blocks(); ++other)
-        if (within(near.blocks[block], near.blocks[other], near.reach))
-            for (std::size_t k = other * block_rods, i = 0; i < task.block(other).size(); ++i, ++k)
-                if (within(circle, {task.rods[k].x, task.rods[k].y, 0.0}, near.reach))
-                    numbers.push_back(k);
-    return numbers;
-}
+/// Rods near to a block, to a group of it and to a rod.
+struct Around {
+    NearSources block, group, rod;
+};
 
-/// Near sources of a rod, whole vectors of them.
-std::size_t gather(const Task& task, const Near& near, std::span<const std::size_t> numbers, std::size_t rod,
-                   NearSources& sources) {
-    const KernelSource& at = task.rods[rod];
-    const double reach = near.reach;
-    sources.clear();
-    for (const std::size_t k : numbers) {
-        const KernelSource& one = task.rods[k];
-        const double dx = one.x - at.x, dy = one.y - at.y;
-        if (k != rod && dx * dx + dy * dy <= reach * reach)
-            sources.add(one, 1.0);
-    }
-    const std::size_t found = sources.x.size();
-    while (sources.x.size() % heat_lanes != 0)
-        sources.add({at.x + reach, at.y, 1.0, 0.0}, 0.0);
-    return found;
+void find_around(const Task& task, const Near& near, std::size_t block, Around& around) {
+    NearSources& all = around.group; // not yet in use
+    const Circle& circle = near.blocks[block];
+    all.count = 0;
+    for (std::size_t other = 0; other < task.blocks(); ++other)
+        if (within(circle, near.blocks[other], near.reach)) {
+            all.reserve(all.count + block_rods);
+            for (std::size_t i = 0; i < task.block(other).size(); ++i)
+                all.add(task.block(other)[i], static_cast<double>(other * block_rods + i));
+        }
+    find_near(all, circle.x, circle.y, near.reach + circle.radius, -1.0, around.block);
 }
 
 /// Takes off what a rod got of its own heat.
 void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std::span<double> sums) {
-    const double c = rod.cosine, s = rod.sine, trace = heat.own[0] * per_xi,
-                 difference = heat.own[1] * per_xi;
-    sums[0] -= 0.5 * (trace + difference * (c * c - s * s));
-    sums[1] -= difference * s * c;
-    sums[2] -= 0.5 * (trace - difference * (c * c - s * s));
+    const double c = rod.cosine, s = rod.sine, trace = (heat.own[0][0] + heat.own[2][0]) * per_xi,
+                 difference = (heat.own[0][0] - heat.own[2][0]) * per_xi;
+    sums[0] += 0.5 * (trace + difference * (c * c - s * s));
+    sums[1] += difference * s * c;
+    sums[2] += 0.5 * (trace - difference * (c * c - s * s));
     for (std::size_t k = strain_parts; k < sums.size(); k += 2) {
-        const double along = heat.own[k] * per_xi * per_xi; // nothing points aside
-        sums[k] -= along * c;
-        sums[k + 1] -= along * s;
+        const double along = heat.own[k][0] * per_xi * per_xi; // nothing points aside
+        sums[k] += along * c;
+        sums[k + 1] += along * s;
     }
 }
 
 /// Puts the exact field of near rods in at a group, in place of their far wakes.
-std::size_t add_group(const Task& task, const Near& near, std::size_t block, std::size_t first) {
+std::size_t add_group(const Task& task, const Near& near, Around& around, std::size_t first) {
     const auto group = task.rods.subspan(first, std::min(group_rods, task.rods.size() - first));
-    const std::vector<std::size_t> numbers = near_numbers(task, near, block, group);
-    NearSources sources;
+    const Circle circle = circle_around(group);
+    find_near(around.block, circle.x, circle.y, near.reach + circle.radius, -1.0, around.group);
     std::size_t done = 0;
     for (std::size_t rod = first; rod < first + group.size(); ++rod) {
-        done += gather(task, near, numbers, rod, sources);
+        const KernelSource& at = task.rods[rod];
+        find_near(around.group, at.x, at.y, near.reach, static_cast<double>(rod), around.rod);
+        done += around.rod.count;
         std::array<double, all_parts> all{};
         const auto sums = std::span(all).first(static_cast<std::size_t>(task.parts()));
-        add_near(task.medium, task.field, near.heat, sources, task.rods[rod].x, task.rods[rod].y, task.polar,
-                 sums);
-        take_own(task.rods[rod], near.heat, 1.0 / task.field.medium().xi, sums);
+        add_near(task.medium, task.field, near.heat, around.rod, at.x, at.y, task.polar, sums);
+        take_own(at, near.heat, 1.0 / task.field.medium().xi, sums);
         for (std::size_t k = 0; k < sums.size(); ++k)
             task.sum[k][rod] += sums[k];
     }
@@ -234,8 +222,10 @@ std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
     std::atomic<std::size_t> done{0};
     parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::size_t end = block * block_rods + task.block(block).size();
+        thread_local Around around;
+        find_around(task, near, block, around);
         for (std::size_t first = block * block_rods; first < end; first += group_rods)
-            done += add_group(task, near, block, first);
+            done += add_group(task, near, around, first);
     });
     return done;
 }
@@ -253,7 +243,7 @@ void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
 /// ns of one core as FarWakes::Plan counts them, as measured.
 double all_pairs_cost(const Task& task) {
     const auto n = static_cast<double>(task.rods.size());
-    const double exact = task.polar ? 8.0 : 5.0;
+    const double exact = task.polar ? 9.0 : 6.2;
     return n * n * exact * (task.options.accuracy == Accuracy::single ? 0.5 : 1.0);
 }
 

@@ -1,9 +1,5 @@
 #include "nonuniform_fft.hpp"
 
-#include "rodwake/core/error.hpp"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,18 +13,31 @@ constexpr std::size_t slab_rows = 16;
 constexpr double oversampling = 1.5; // grid points a mode, at least
 
 /// 0.97 pi width (1 - 1/(2 oversampling)), Barnett et al., Eq. 4.5.
-double shape(std::size_t width) {
-    return 0.97 * std::numbers::pi * static_cast<double>(width) * (1.0 - 0.5 / oversampling);
-}
+constexpr double shape =
+    0.97 * std::numbers::pi * static_cast<double>(SpreadKernel::width) * (1.0 - 0.5 / oversampling);
 
-double kernel(double beta, double s) {
+double kernel(double s) {
     const double inside = 1.0 - s * s;
-    return inside > 0.0 ? std::exp(beta * (std::sqrt(inside) - 1.0)) : 0.0;
+    return inside > 0.0 ? std::exp(shape * (std::sqrt(inside) - 1.0)) : 0.0;
 }
 
-/// Coefficients by powers of u of the polynomial through f at as many Chebyshev points.
-template<class Function>
-std::vector<double> powers_of(std::size_t terms, const Function& f) {
+/// Working space that each thread keeps: lines of `size`.
+struct Lines {
+    std::vector<Fft::Element> data, other;
+};
+Lines& lines(std::size_t size) {
+    thread_local Lines kept;
+    kept.data.resize(size);
+    kept.other.resize(size);
+    return kept;
+}
+
+/// What makes of the transform the one with the other sign, before and after it.
+Complex swapped(Complex value) { return {value.im, value.re}; }
+
+} // namespace
+
+std::vector<double> powers_of(std::size_t terms, const std::function<double(double)>& f) {
     const auto n = static_cast<double>(terms);
     std::vector<double> sum(terms), before(terms), now(terms), next(terms);
     now[0] = 1.0; // of T_0
@@ -48,28 +57,11 @@ std::vector<double> powers_of(std::size_t terms, const Function& f) {
     return sum;
 }
 
-/// Working space that each thread keeps: lines of `size`.
-struct Lines {
-    std::vector<Fft::Element> data, other;
-};
-Lines& lines(std::size_t size) {
-    thread_local Lines kept;
-    kept.data.resize(size);
-    kept.other.resize(size);
-    return kept;
-}
-
-/// What makes of the transform the one with the other sign, before and after it.
-Complex swapped(Complex value) { return {value.im, value.re}; }
-
-} // namespace
-
-SpreadKernel::SpreadKernel(std::size_t width)
-    : width_(width), values_((width + 5) * row), twice_((width + 5) * pairs) {
-    const double beta = shape(width), wide = 0.5 * static_cast<double>(width);
+SpreadKernel::SpreadKernel() : values_((width + 5) * row), twice_((width + 5) * pairs) {
+    constexpr double wide = 0.5 * static_cast<double>(width);
     for (std::size_t i = 0; i < width; ++i) {
         const std::vector<double> c = powers_of(terms(), [&](double u) {
-            return kernel(beta, (static_cast<double>(i) + 0.5 * (u + 1.0)) / wide - 1.0);
+            return kernel((static_cast<double>(i) + 0.5 * (u + 1.0)) / wide - 1.0);
         });
         for (std::size_t k = 0; k < terms(); ++k)
             values_[k * row + i] = twice_[k * pairs + 2 * i] = twice_[k * pairs + 2 * i + 1] = c[k];
@@ -80,40 +72,33 @@ SpreadKernel::SpreadKernel(std::size_t width)
     constexpr double step = std::numbers::pi / panels;
     for (int k = 1; k < panels; ++k) {
         const double t = -0.5 * std::numbers::pi + k * step, s = std::sin(t);
-        quadrature_.push_back({s, wide * step * kernel(beta, s) * std::cos(t)});
+        quadrature_.push_back({s, wide * step * kernel(s) * std::cos(t)});
     }
 }
 
 double SpreadKernel::transform(double m, double grid) const {
     double sum = 0.0;
     for (const auto& [s, weight] : quadrature_)
-        sum += weight * std::cos(std::numbers::pi * m * static_cast<double>(width_) * s / grid);
+        sum += weight * std::cos(std::numbers::pi * m * static_cast<double>(width) * s / grid);
     return sum;
 }
 
 void SpreadPlaces::resize(std::size_t count) {
     first_row.resize(count);
     first_column.resize(count);
-    x.resize(count * row);
-    y.resize(count * pairs);
+    x.resize(count * SpreadKernel::row);
+    y.resize(count * SpreadKernel::pairs);
 }
 
-namespace {
-
-std::size_t whole_vectors(std::size_t count) { return (count + 7) / 8 * 8; }
-
-} // namespace
-
-std::size_t NonuniformFft::grid_of(std::size_t half, std::size_t width) {
+std::size_t NonuniformFft::grid_of(std::size_t half) {
     const auto modes = static_cast<double>(2 * half + 1);
-    return Fft::suitable(std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * width + slab_rows));
+    return Fft::suitable(
+        std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * SpreadKernel::width + slab_rows));
 }
 
-NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team, std::size_t width)
-    : half_(half), side_(2 * half + 1), kernel_(width), fft_(grid_of(half, width)), team_(team),
-      modes_(side_ * side_),
-      between_(grid() * side_), places_{grid(), width, whole_vectors(width), whole_vectors(2 * width), {}, {},
-                                        {},     {}},
+NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
+    : half_(half), side_(2 * half + 1), fft_(grid_of(half)), team_(team), modes_(side_ * side_),
+      between_(grid() * side_), places_{grid(), {}, {}, {}, {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {
     grid_.resize(grid() * line());
     const auto size = static_cast<double>(grid());
@@ -137,7 +122,7 @@ void NonuniformFft::place(std::span<const double> places) {
             slabs_[slab].push_back(static_cast<std::uint32_t>(point));
     };
     for (std::size_t a = 0; a < count; ++a) {
-        const std::size_t first = places_.first_row[a], end = first + places_.width;
+        const std::size_t first = places_.first_row[a], end = first + SpreadKernel::width;
         give(a, first, std::min(end, grid()) - 1);
         if (end > grid()) // the grid is longer than a kernel and a slab: not the same one
             give(a, 0, end - grid() - 1);
@@ -185,7 +170,7 @@ void NonuniformFft::columns_to_modes(std::size_t first) {
 void NonuniformFft::modes_to_columns(std::size_t first) {
     const std::size_t n = grid(), count = std::min(Fft::lanes, side_ - first);
     Lines& work = lines(n);
-    std::ranges::fill(work.data, Fft::Element{Eigen::Array4d::Zero(), Eigen::Array4d::Zero()});
+    std::ranges::fill(work.data, Fft::Element{});
     for (std::size_t i = 0; i < side_; ++i)
         for (std::size_t lane = 0; lane < count; ++lane)
             set_lane(work.data[place_of(i)], lane,
@@ -199,7 +184,7 @@ void NonuniformFft::modes_to_columns(std::size_t first) {
 void NonuniformFft::lines_to_grid(std::size_t first) {
     const std::size_t n = grid(), count = std::min(Fft::lanes, n - first);
     Lines& work = lines(n);
-    std::ranges::fill(work.data, Fft::Element{Eigen::Array4d::Zero(), Eigen::Array4d::Zero()});
+    std::ranges::fill(work.data, Fft::Element{});
     for (std::size_t lane = 0; lane < count; ++lane)
         for (std::size_t j = 0; j < side_; ++j)
             set_lane(work.data[place_of(j)], lane, between_[(first + lane) * side_ + j]);
@@ -228,117 +213,6 @@ void NonuniformFft::to_points(std::span<Complex> values) {
         for (std::size_t a = first * block; a < std::min((first + 1) * block, values.size()); ++a)
             values[a] = read_point(places_, a, line(), grid_.data());
     });
-}
-
-namespace {
-
-using Element = Fft::Element;
-
-Element operator+(const Element& a, const Element& b) { return {a.re + b.re, a.im + b.im}; }
-Element operator-(const Element& a, const Element& b) { return {a.re - b.re, a.im - b.im}; }
-Element operator*(Complex w, const Element& a) {
-    return {w.re * a.re - w.im * a.im, w.re * a.im + w.im * a.re};
-}
-/// -i a
-Element turned_back(const Element& a) { return {a.im, -a.re}; }
-
-template<std::size_t radix>
-using Elements = std::array<Element, radix>;
-
-Elements<2> short_transform(const Elements<2>& x) { return {x[0] + x[1], x[0] - x[1]}; }
-
-Elements<3> short_transform(const Elements<3>& x) {
-    constexpr double sine = 0.86602540378443864676; // of 60 degrees
-    const Element sum = x[1] + x[2], across = turned_back(Complex{sine, 0.0} * (x[1] - x[2]));
-    const Element middle = x[0] - Complex{0.5, 0.0} * sum;
-    return {x[0] + sum, middle + across, middle - across};
-}
-
-Elements<4> short_transform(const Elements<4>& x) {
-    const Element even = x[0] + x[2], odd = x[1] + x[3], d = x[0] - x[2], across = turned_back(x[1] - x[3]);
-    return {even + odd, d + across, even - odd, d - across};
-}
-
-Elements<5> short_transform(const Elements<5>& x) {
-    constexpr Complex c1{0.30901699437494742410, 0.0}, c2{-0.80901699437494742410, 0.0}; // cos 72, 144
-    constexpr Complex s1{0.95105651629515357212, 0.0}, s2{0.58778525229247312917, 0.0};  // sin 72, 144
-    const Element p1 = x[1] + x[4], m1 = x[1] - x[4], p2 = x[2] + x[3], m2 = x[2] - x[3];
-    const Element a = x[0] + c1 * p1 + c2 * p2, b = x[0] + c2 * p1 + c1 * p2;
-    const Element u = turned_back(s1 * m1 + s2 * m2), v = turned_back(s2 * m1 - s1 * m2);
-    return {x[0] + p1 + p2, a + u, b + v, b - v, a - u};
-}
-
-/// One pass over sub-transforms of `length`, `stride` of them side by side.
-template<std::size_t radix>
-void pass(std::size_t length, std::size_t stride, const std::vector<Complex>& turns,
-          const std::vector<Element>& from, std::vector<Element>& to) {
-    const std::size_t part = length / radix;
-    for (std::size_t p = 0; p < part; ++p) {
-        std::array<Complex, radix> turn;
-        for (std::size_t k = 0; k < radix; ++k)
-            turn[k] = turns[k * p * stride];
-        for (std::size_t q = 0; q < stride; ++q) {
-            Elements<radix> x;
-            for (std::size_t k = 0; k < radix; ++k)
-                x[k] = from[q + stride * (p + part * k)];
-            x = short_transform(x);
-            to[q + stride * radix * p] = x[0];
-            for (std::size_t k = 1; k < radix; ++k)
-                to[q + stride * (radix * p + k)] = turn[k] * x[k];
-        }
-    }
-}
-
-/// What is left of `size` without its factors 2, 3 and 5.
-std::size_t rest_of(std::size_t size) {
-    for (const std::size_t prime : {2, 3, 5})
-        while (size % prime == 0)
-            size /= prime;
-    return size;
-}
-
-} // namespace
-
-Fft::Fft(std::size_t size) : size_(size) {
-    if (size == 0 || rest_of(size) != 1)
-        throw InputError(fmt::format("a transform of {} points: must be a product of 2, 3 and 5", size));
-    for (const std::size_t radix : {4, 2, 3, 5})
-        for (; size % radix == 0; size /= radix)
-            radices_.push_back(radix);
-    turns_.reserve(size_);
-    for (std::size_t k = 0; k < size_; ++k) {
-        const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(size_);
-        turns_.push_back({std::cos(angle), -std::sin(angle)});
-    }
-}
-
-void Fft::transform(std::vector<Element>& lines, std::vector<Element>& other) const {
-    std::size_t length = size_, stride = 1;
-    for (const std::size_t radix : radices_) {
-        switch (radix) {
-        case 2:
-            pass<2>(length, stride, turns_, lines, other);
-            break;
-        case 3:
-            pass<3>(length, stride, turns_, lines, other);
-            break;
-        case 4:
-            pass<4>(length, stride, turns_, lines, other);
-            break;
-        default:
-            pass<5>(length, stride, turns_, lines, other);
-        }
-        std::swap(lines, other);
-        length /= radix;
-        stride *= radix;
-    }
-}
-
-std::size_t Fft::suitable(std::size_t least) {
-    std::size_t size = least + least % 2;
-    while (rest_of(size) != 1)
-        size += 2;
-    return size;
 }
 
 } // namespace rodwake::fourier

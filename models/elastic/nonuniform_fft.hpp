@@ -4,11 +4,10 @@
 //   to_modes:   C_q = sum_a w_a e^(-i q.R_a)         to_points:   f_a = sum_q C_q e^(i q.R_a)
 //
 // Non-uniform fast Fourier transform: points are spread on (read off) a grid of at least 1.5 points a mode
-// with the kernel e^(beta (sqrt(1 - s^2) - 1)), "exponential of semicircle", `width` points wide, whose
+// with the kernel e^(beta (sqrt(1 - s^2) - 1)), "exponential of semicircle", 18 points wide, whose
 // transform is divided out of the modes (Barnett, Magland & af Klinteberg, SIAM J. Sci. Comput. 41, C479,
-// 2019). Between grid points the kernel is a polynomial of degree width + 4 for each of its points. Error:
-// below 10 e^(-1.8 width) of sum |w_a|, or of sum |C_q|, and 1e-12 for the widest
-// (tests/elastic/test_nonuniform_fft.cpp).
+// 2019). Between grid points the kernel is a polynomial of degree 22 for each of its points. Error: below
+// 1e-12 of sum |w_a|, or of sum |C_q| (tests/elastic/test_nonuniform_fft.cpp).
 //
 // Bits do not depend on the threads, since each grid point adds up its points in their order, nor on the
 // vectors of a machine. Cost: some 5 grid^2 log2(grid^2) operations and width^2 a point.
@@ -16,17 +15,16 @@
 #include "complex.hpp"
 #include "rodwake/core/parallel.hpp"
 
-#include <Eigen/Core>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 namespace rodwake::fourier {
 
-// Discrete Fourier transforms of short lines, four side by side:
+// Discrete Fourier transforms of short lines, eight side by side:
 //
 //   X_k = sum_j x_j e^(-2 pi i j k/n),   n = 2^a 3^b 5^c
 //
@@ -36,10 +34,10 @@ namespace rodwake::fourier {
 
 class Fft {
 public:
-    static constexpr std::size_t lanes = 4;
+    static constexpr std::size_t lanes = 8;
     /// The same element of each line.
-    struct Element {
-        Eigen::Array<double, lanes, 1> re, im;
+    struct alignas(64) Element {
+        double re[lanes], im[lanes];
     };
 
     /// Throws InputError if another prime than 2, 3 and 5 divides `size` > 0.
@@ -60,25 +58,24 @@ private:
 };
 
 inline void set_lane(Fft::Element& element, std::size_t lane, Complex value) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    element.re[i] = value.re;
-    element.im[i] = value.im;
+    element.re[lane] = value.re;
+    element.im[lane] = value.im;
 }
 inline Complex lane_of(const Fft::Element& element, std::size_t lane) {
-    const auto i = static_cast<Eigen::Index>(lane);
-    return {element.re[i], element.im[i]};
+    return {element.re[lane], element.im[lane]};
 }
+
+/// Coefficients by powers of u of the polynomial through f at as many Chebyshev points.
+std::vector<double> powers_of(std::size_t terms, const std::function<double(double)>& f);
 
 /// The kernel as polynomials in u = 2 z - 1, where z in [0, 1) is how far the first point that it covers lies
 /// beyond its edge. Rows are filled up to whole vectors with zeros.
 class SpreadKernel {
 public:
-    static constexpr std::size_t widest = 18, row = 24, pairs = 40;
+    static constexpr std::size_t width = 18, row = 24, pairs = 40;
 
-    /// 3 <= width <= widest.
-    explicit SpreadKernel(std::size_t width);
+    SpreadKernel();
 
-    std::size_t width() const { return width_; }
     std::size_t terms() const { return values_.size() / row; }
     /// Coefficient k of the points of a row, and with each point twice, for its real and imaginary part.
     const double* values(std::size_t k) const { return values_.data() + k * row; }
@@ -87,14 +84,13 @@ public:
     double transform(double m, double grid) const;
 
 private:
-    std::size_t width_;
     std::vector<double> values_, twice_;
     std::vector<std::array<double, 2>> quadrature_; ///< places s and weights of the transform
 };
 
 /// Where points lie on a grid of `grid` points a side, and what the kernel is there.
 struct SpreadPlaces {
-    std::size_t grid, width, row, pairs; ///< numbers of a point in x and in y
+    std::size_t grid;
     std::vector<std::uint32_t> first_row, first_column;
     std::vector<double> x, y; ///< y: each number twice
 
@@ -103,12 +99,12 @@ struct SpreadPlaces {
 
 class NonuniformFft {
 public:
-    /// `team` outlives it. `width` points of the grid a point is spread over.
-    NonuniformFft(double box, std::size_t half, Team& team, std::size_t width = SpreadKernel::widest);
+    /// `team` outlives it.
+    NonuniformFft(double box, std::size_t half, Team& team);
 
     std::size_t grid() const { return fft_.size(); } ///< points a side
     std::size_t side() const { return side_; }       ///< modes a side, 2 half + 1
-    static std::size_t grid_of(std::size_t half, std::size_t width);
+    static std::size_t grid_of(std::size_t half);
 
     /// Where the points are: x and y of point a are places[3 a] and places[3 a + 1] (layout of poses).
     void place(std::span<const double> places);
@@ -131,7 +127,7 @@ private:
         return index >= half_ ? index - half_ : grid() + index - half_;
     }
     /// Numbers of a line of the grid: its end stands for its beginning once more, as far as a point reaches.
-    std::size_t line() const { return grid() + places_.pairs / 2; }
+    std::size_t line() const { return grid() + SpreadKernel::pairs / 2; }
 
     double per_length_; ///< grid points per length
     std::size_t half_, side_;

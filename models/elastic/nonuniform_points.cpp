@@ -59,7 +59,7 @@ struct Cover {
 HWY_INLINE Cover CoverOf(double at, const SpreadPlaces& places) {
     const auto grid = static_cast<double>(places.grid);
     const double wrapped = at - grid * std::floor(at / grid),
-                 edge = wrapped - 0.5 * static_cast<double>(places.width), first = std::ceil(edge);
+                 edge = wrapped - 0.5 * static_cast<double>(SpreadKernel::width), first = std::ceil(edge);
     const auto index = static_cast<std::uint32_t>(first < 0.0 ? first + grid : first);
     return {index % static_cast<std::uint32_t>(places.grid), 2.0 * (first - edge) - 1.0};
 }
@@ -71,25 +71,25 @@ void CoverPoints(const SpreadKernel& kernel, double per_length, std::span<const 
                     column = CoverOf(poses[3 * a + 1] * per_length, places);
         places.first_row[a] = row.first;
         places.first_column[a] = column.first;
-        PolynomialsAt(row.u, kernel.values(0), SpreadKernel::row, kernel.terms(), places.row,
-                      &places.x[a * places.row]);
-        PolynomialsAt(column.u, kernel.twice(0), SpreadKernel::pairs, kernel.terms(), places.pairs,
-                      &places.y[a * places.pairs]);
+        PolynomialsAt(row.u, kernel.values(0), SpreadKernel::row, kernel.terms(), SpreadKernel::row,
+                      &places.x[a * SpreadKernel::row]);
+        PolynomialsAt(column.u, kernel.twice(0), SpreadKernel::pairs, kernel.terms(), SpreadKernel::pairs,
+                      &places.y[a * SpreadKernel::pairs]);
     }
 }
 
 void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
                  std::size_t end, std::size_t line, Complex* grid) {
     const Lanes d;
-    const double *x = &places.x[point * places.row], *y = &places.y[point * places.pairs];
+    const double *x = &places.x[point * SpreadKernel::row], *y = &places.y[point * SpreadKernel::pairs];
     std::size_t row = places.first_row[point];
-    for (std::size_t i = 0; i < places.width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
+    for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
         if (row < begin || row >= end)
             continue;
         const double re = x[i] * weight.re, im = x[i] * weight.im,
                      pairs[8] = {re, im, re, im, re, im, re, im};
         double* to = &grid[row * line + places.first_column[point]].re;
-        for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d))
+        for (std::size_t j = 0; j < SpreadKernel::pairs; j += hn::Lanes(d))
             hn::StoreU(Fma(d, hn::LoadU(d, y + j), hn::LoadU(d, pairs + j % 8), hn::LoadU(d, to + j)), d,
                        to + j);
     }
@@ -97,19 +97,19 @@ void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, 
 
 Complex ReadPoint(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
     const Lanes d;
-    const double *x = &places.x[point * places.row], *y = &places.y[point * places.pairs];
+    const double *x = &places.x[point * SpreadKernel::row], *y = &places.y[point * SpreadKernel::pairs];
     double sums[SpreadKernel::pairs] = {};
-    for (std::size_t j = 0; j < places.pairs; j += hn::Lanes(d)) {
+    for (std::size_t j = 0; j < SpreadKernel::pairs; j += hn::Lanes(d)) {
         auto sum = hn::Zero(d);
         std::size_t row = places.first_row[point];
-        for (std::size_t i = 0; i < places.width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
+        for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
             const double* from = &grid[row * line + places.first_column[point]].re + j;
             sum = Fma(d, hn::Set(d, x[i]), hn::LoadU(d, from), sum);
         }
         hn::StoreU(hn::Mul(sum, hn::LoadU(d, y + j)), d, sums + j);
     }
     Complex all;
-    for (std::size_t j = 0; j < places.width; ++j)
+    for (std::size_t j = 0; j < SpreadKernel::width; ++j)
         all = all + Complex{sums[2 * j], sums[2 * j + 1]};
     return all;
 }

