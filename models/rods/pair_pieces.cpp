@@ -229,9 +229,10 @@ struct ChebyshevRows {
 
     /// Of T_k in the polynomial that is 1 at this node and 0 at the others.
     double coefficient(std::size_t k, std::size_t node) const {
-        const std::size_t j = std::min(node, degree - node);
-        const double share = k % 2 == 0 ? even[k / 2][j] : odd[k / 2][j];
-        return k % 2 == 1 && 2 * node < degree ? -share : share;
+        const std::size_t j = std::min<std::size_t>(node, degree - node);
+        if (k % 2 == 0)
+            return even[k / 2][j];
+        return j == half ? 0.0 : std::copysign(1.0, node_at[node]) * odd[k / 2][j];
     }
     /// int T_k - its mean, from -1 to v.
     static double integral_of(std::size_t k, double v) {

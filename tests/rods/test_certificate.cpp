@@ -126,7 +126,7 @@ TEST_CASE("Certificates of rods that turn are true, and many") {
         pair.couplings.kappa = std::clamp(pair.couplings.kappa, -20.0, 20.0);
     const Tally tally = tally_of(pairs, {1e-7, 1e-9});
     CHECK(tally.wrong == 0);
-    CHECK(tally.proved >= 50);
+    CHECK(tally.proved >= 96);
     CHECK(tally.open <= 10);
 }
 
