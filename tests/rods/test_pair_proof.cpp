@@ -153,7 +153,6 @@ TEST_CASE("The error of a run is below its bound, and above a millionth of it") 
             worst_of_little = std::max(worst_of_little, share_of_bound(pair, 1e-6, again));
         }
     CHECK(bounded >= 60);
-
     CHECK(worst < 1.0);
     CHECK(worst_of_little > 1.0);
 }
