@@ -1,10 +1,13 @@
 // Trajectories of random pairs to contact or t = 60 (kappa 0.3 to 300 of both signs): the batch,
 // rods::simulate with explicit Runge-Kutta, and boost::numeric::odeint's dopri5 on the scalar right-hand side
 // with a look for contact after each step, all in one run. Counters: trajectories a second; the median error
-// of the final state against a run at 1e-12, where both end alike.
+// of the final state against a run at 1e-12, where both end alike. `plain` and `certified`: 2000 pairs with
+// kappa up to the argument, without and with certificates; seconds a pair, and the shares that are proved and
+// checked.
 
 #include "instruction_set.hpp"
 #include "rodwake/core/rng.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <benchmark/benchmark.h>
@@ -23,18 +26,25 @@ using State = std::array<double, 6>;
 
 constexpr double contact = 0.1, first_step = 1e-2;
 
-std::vector<rods::PairProblem> random_pairs(std::size_t count) {
+template<class Kappa>
+std::vector<rods::PairProblem> random_pairs(std::size_t count, const Kappa& kappa_of) {
     RandomStream random(7);
     const auto angle = [&] { return random.uniform(-std::numbers::pi, std::numbers::pi); };
     std::vector<rods::PairProblem> pairs;
     while (pairs.size() < count) {
-        const double kappa = random.log_uniform(0.3, 300.0) * (random.uniform() < 0.5 ? -1.0 : 1.0);
+        const double kappa = kappa_of(random);
         const rods::Pose other{random.uniform(-6.0, 6.0), random.uniform(-6.0, 6.0), angle()};
         if (std::hypot(other.x, other.y) > 0.2)
             pairs.push_back(
                 {{1.0, 1.0}, {.kappa = kappa}, {rods::Pose{0.0, 0.0, angle()}, other}, 60.0, contact});
     }
     return pairs;
+}
+
+std::vector<rods::PairProblem> random_pairs(std::size_t count) {
+    return random_pairs(count, [](RandomStream& random) {
+        return random.log_uniform(0.3, 300.0) * (random.uniform() < 0.5 ? -1.0 : 1.0);
+    });
 }
 
 struct End {
@@ -129,6 +139,38 @@ void odeint_dopri5(benchmark::State& state) {
     one_by_one(state, [&](const auto& pair) { return with_odeint(pair, tolerance(state)); });
 }
 
+template<class Run>
+void with_kappa(benchmark::State& state, const Run& run) {
+    const double most = static_cast<double>(state.range(0));
+    const auto pairs = random_pairs(2000, [&](RandomStream& random) { return random.uniform(-most, most); });
+    std::vector<rods::PairResult> results(pairs.size());
+    for (auto _ : state)
+        run(pairs, rods::PairOptions{.rtol = 1e-7, .atol = 1e-9}, results);
+    using Counter = benchmark::Counter;
+    const auto count = static_cast<double>(pairs.size());
+    state.counters["a_pair"] = Counter(count, Counter::kIsIterationInvariantRate | Counter::kInvert);
+    const auto share = [&](Certificate certificate) {
+        const auto has = [&](const rods::PairResult& one) { return one.certificate == certificate; };
+        return static_cast<double>(std::ranges::count_if(results, has)) / count;
+    };
+    state.counters["proved"] = share(Certificate::proved);
+    state.counters["checked"] = share(Certificate::checked);
+}
+
+void plain(benchmark::State& state) {
+    with_kappa(state, [](const auto& pairs, const auto& options, auto& results) {
+        rods::simulate_pairs(pairs, options, results);
+    });
+}
+
+void certified(benchmark::State& state) {
+    with_kappa(state, [](const auto& pairs, const auto& options, auto& results) {
+        rods::simulate_certified(pairs, options, results);
+    });
+}
+
+BENCHMARK(plain)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMillisecond);
+BENCHMARK(certified)->Arg(1)->Arg(10)->Arg(100)->Unit(benchmark::kMillisecond);
 BENCHMARK(batch)->Arg(6)->Arg(9)->Unit(benchmark::kMillisecond);
 BENCHMARK(simulate_erk)->Arg(6)->Arg(9)->Unit(benchmark::kMillisecond);
 BENCHMARK(odeint_dopri5)->Arg(6)->Arg(9)->Unit(benchmark::kMillisecond);

@@ -14,8 +14,8 @@ namespace {
 // How two runs of rods that turn differ
 
 constexpr double tighter_by = 0.01, tightest = 1e-13;
-/// Proofs want shorter steps than those of explicit runs: they know a solution by the ends of its steps
-/// alone.
+/// Where the steps of a run do not prove its outcome, shorter ones may: proofs know a solution by the ends of
+/// its steps alone.
 constexpr double for_proof = 0.007;
 constexpr double times_the_difference = 10.0;
 
@@ -134,21 +134,32 @@ struct FollowedRun {
     PairTrack track;
 };
 
-FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double by) {
+FollowedRun follow(const RodProblem& problem, RodOptions options) {
     FollowedRun followed;
+    if (problem.rods.size() != 2) // nothing is proved of these
+        return {simulate(problem, options), {}};
+    followed.track.add(0.0, to_state(problem.rods));
+    options.ode.on_step = [&, told = options.ode.on_step](const integrate::Step& step) {
+        followed.track.add(step.time, step.state);
+        if (told)
+            told(step);
+    };
+    followed.run = simulate(problem, options);
+    return followed;
+}
+
+FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double by) {
     RodProblem again = problem;
     again.output_times.clear();
     integrate::OdeOptions& ode = options.ode;
     ode.rtol = tighter(ode.rtol, by);
     ode.atol *= by;
     ode.max_steps *= 10;
-    followed.track.add(0.0, to_state(problem.rods));
-    ode.on_step = [&](const integrate::Step& step) { followed.track.add(step.time, step.state); };
+    ode.on_step = nullptr;
     ode.on_segment = nullptr;
     options.on_checkpoint = nullptr;
     options.resume_from.reset();
-    followed.run = simulate(again, options);
-    return followed;
+    return follow(again, options);
 }
 
 bool proved(const PairProblem& pair, const PairTrack& track, Ending ending, const EndingCriteria& criteria,
@@ -232,26 +243,26 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
     return std::nullopt;
 }
 
-Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const RodResult& first,
+Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const FollowedRun& first,
                            bool thorough) {
-    const RodOutcome& outcome = first.outcome;
+    const RodOutcome& outcome = first.run.outcome;
     if (const auto told = certificate_at_once(problem, outcome, options.criteria))
         return *told;
     const auto pair = provable(problem, options);
     ProofSpace space;
-    const auto proves = [&](const FollowedRun& second) {
-        return done(second.run) && second.run.outcome.ending == outcome.ending &&
-               proved(*pair, second.track, outcome.ending, options.criteria, space);
+    const auto proves = [&](const FollowedRun& run) {
+        return pair && done(run.run) && run.run.outcome.ending == outcome.ending &&
+               proved(*pair, run.track, outcome.ending, options.criteria, space);
     };
     const double short_steps = options.ode.method == integrate::Method::erk ? for_proof : 1.0;
-    if (pair && proves(follow_tighter(problem, options, short_steps)))
+    if (proves(first) || (pair && short_steps < 1.0 && proves(follow_tighter(problem, options, short_steps))))
         return Certificate::proved;
-    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first)))
+    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first.run)))
         return Certificate::open;
     const FollowedRun tight = follow_tighter(problem, options, pair ? short_steps * tighter_by : tighter_by);
-    if (pair && proves(tight))
+    if (proves(tight))
         return Certificate::proved;
-    return checked(problem, options, first, tight.run) ? Certificate::checked : Certificate::open;
+    return checked(problem, options, first.run, tight.run) ? Certificate::checked : Certificate::open;
 }
 
 // Batches
@@ -282,45 +293,51 @@ std::optional<Certificate> certificate_at_once(const PairProblem& pair, const Pa
                  : certificate_at_once(to_rod_problem(pair), outcome_of(run), options.criteria);
 }
 
-/// Runs the pairs at a tighter tolerance and keeps their steps.
-std::vector<PairTrack> follow_tighter(std::span<const PairProblem> pairs, PairOptions options, double by,
-                                      std::span<PairResult> results) {
+/// Runs the pairs and keeps their steps.
+std::vector<PairTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
+                              std::span<PairResult> results) {
     std::vector<PairTrack> tracks(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
         tracks[i].add(0.0, to_state(pairs[i].rods));
-    options.rtol = tighter(options.rtol, by);
-    options.atol *= by;
-    options.max_attempts *= 10;
-    options.on_step = [&](std::size_t pair, const PairStep& step) {
+    options.on_step = [&, told = options.on_step](std::size_t pair, const PairStep& step) {
         tracks[pair].add(step.time, step.state);
+        if (told)
+            told(pair, step);
     };
     simulate_pairs(pairs, options, results);
     return tracks;
 }
 
-/// Whether the steps of a second run, which ends so, prove the outcome of the first.
-bool proved(const PairProblem& pair, const PairResult& run, const PairResult& second, const PairTrack& track,
-            const PairOptions& options, ProofSpace& space) {
-    return !second.handed_over() && second.ending == run.ending &&
-           proved(pair, track, run.ending, options.criteria, space);
+PairOptions tighter(PairOptions options, double by) {
+    options.rtol = tighter(options.rtol, by);
+    options.atol *= by;
+    options.max_attempts *= 10;
+    options.on_step = nullptr;
+    return options;
 }
 
-/// Those of the pairs whose outcomes the first run did not prove, once more.
-void look_again(std::span<const PairProblem> pairs, const PairOptions& options, std::span<PairResult> results,
-                std::span<const std::size_t> rest, ProofSpace& space) {
+/// Those of the pairs that are left once more, at a tolerance tighter by that. Of those that it does not
+/// prove: checks them, if it may.
+void look_again(std::span<const PairProblem> pairs, const PairOptions& options, double by, bool check,
+                std::span<PairResult> results, std::vector<std::size_t>& rest, ProofSpace& space) {
     std::vector<PairProblem> again;
     again.reserve(rest.size());
     for (const std::size_t i : rest)
         again.push_back(pairs[i]);
     std::vector<PairResult> ends(rest.size());
-    const std::vector<PairTrack> tracks = follow_tighter(again, options, for_proof * tighter_by, ends);
+    const std::vector<PairTrack> tracks = follow(again, tighter(options, by), ends);
+    std::vector<std::size_t> left;
     for (std::size_t k = 0; k < rest.size(); ++k) {
         PairResult& result = results[rest[k]];
-        if (proved(again[k], result, ends[k], tracks[k], options, space))
+        if (!ends[k].handed_over() && ends[k].ending == result.ending &&
+            proved(again[k], tracks[k], result.ending, options.criteria, space))
             result.certificate = Certificate::proved;
-        else if (checked(again[k], result, ends[k], options))
+        else if (check && checked(again[k], result, ends[k], options))
             result.certificate = Certificate::checked;
+        else
+            left.push_back(rest[k]);
     }
+    rest = left;
 }
 
 } // namespace
@@ -338,31 +355,29 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
 }
 
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough) {
-    RodResult first = simulate(problem, options);
-    if (done(first))
-        first.outcome.certificate = certificate_of(problem, options, first, thorough);
-    return first;
+    FollowedRun first = follow(problem, options);
+    if (done(first.run))
+        first.run.outcome.certificate = certificate_of(problem, options, first, thorough);
+    return first.run;
 }
 
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results) {
-    simulate_pairs(pairs, options, results);
-    std::vector<PairResult> ends(pairs.size());
-    const std::vector<PairTrack> tracks = follow_tighter(pairs, options, for_proof, ends);
-    const bool again = tighter_by * options.rtol >= tightest;
+    const std::vector<PairTrack> tracks = follow(pairs, options, results);
     std::vector<std::size_t> rest;
     ProofSpace space;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         PairResult& result = results[i];
         const auto told = certificate_at_once(pairs[i], result, options);
         result.certificate = told.value_or(Certificate::open);
-        if (!told && proved(pairs[i], result, ends[i], tracks[i], options, space))
+        if (!told && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
             result.certificate = Certificate::proved;
-        else if (!told && again)
+        else if (!told)
             rest.push_back(i);
     }
-    if (!rest.empty())
-        look_again(pairs, options, results, rest, space);
+    look_again(pairs, options, for_proof, false, results, rest, space);
+    if (tighter_by * options.rtol >= tightest)
+        look_again(pairs, options, for_proof * tighter_by, true, results, rest, space);
 }
 
 namespace {
@@ -424,7 +439,7 @@ bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOpti
     const PairBox box = box_of(corners);
     std::vector<PairResult> result(1);
     const std::vector<PairTrack> track =
-        follow_tighter(std::span(&box.middle, 1), options, for_proof, result);
+        follow(std::span(&box.middle, 1), tighter(options, for_proof), result);
     if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
         return false;
     ProofSpace space;

@@ -1,190 +1,43 @@
 // Compiled once for each instruction set (foreach_target includes this file again).
-//
-// With w+ = X + i Y, w- its conjugate (lengths in 2 xi) and d = d/dw-, every derivative of a potential is a
-// sum of Bessel functions (docs/physics.md, section 7):
-//
-//   d^j G_a = (-a/2)^j e^(-a X) sum_m C(j,m) e^(i m theta) K_m(a s),   d+ d G = -(a/2)(d+ + d) G
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pair_jets.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
 #include <hwy/highway.h>
 
-#include "elastic/wake_kernel.hpp"
 #include "pair_jets.hpp"
-#include "pair_rates_inl.hpp"
+#include "pair_jets_inl.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 HWY_BEFORE_NAMESPACE();
 namespace rodwake::rods::HWY_NAMESPACE {
 
-using elastic::HWY_NAMESPACE::Bearing;
-using elastic::HWY_NAMESPACE::BearingsOf;
-using elastic::HWY_NAMESPACE::SineCosine;
-
-struct Complex {
-    V re, im;
-};
-
-HWY_INLINE Complex Plus(Complex a, Complex b) { return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)}; }
-HWY_INLINE Complex Minus(Complex a, Complex b) { return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)}; }
-HWY_INLINE Complex Scaled(V c, Complex a) { return {hn::Mul(c, a.re), hn::Mul(c, a.im)}; }
-HWY_INLINE Complex Conjugate(Complex a) { return {a.re, hn::Neg(a.im)}; }
-HWY_INLINE Complex Times(Complex a, Complex b) {
-    const Lanes d;
-    return {Fms(d, a.re, b.re, hn::Mul(a.im, b.im)), Fma(d, a.re, b.im, hn::Mul(a.im, b.re))};
-}
-
-/// Of one potential: d, d^2, d^3, d+ d and d+ d^2.
-struct Ladder {
-    Complex one, two, three;
-    V mixed;
-    Complex mixed_two;
-};
-
-HWY_INLINE Ladder LadderOf(V a, V decay, const elastic::HWY_NAMESPACE::ScaledBessel<Lanes>& k, V inverse_z,
-                           Complex u) {
-    const Lanes d;
-    const V b = hn::Mul(hn::Set(d, -0.5), a);
-    const V g0 = hn::Mul(decay, k.k0), g1 = hn::Mul(decay, hn::Mul(k.zk1, inverse_z));
-    const V g2 = Fma(d, hn::Set(d, 2.0), hn::Mul(g1, inverse_z), g0),
-            g3 = Fma(d, hn::Set(d, 4.0), hn::Mul(g2, inverse_z), g1);
-    const Complex u2 = Times(u, u), u3 = Times(u2, u);
-    const auto real = [&](V v) HWY_ATTR { return Complex{v, hn::Zero(d)}; };
-    const auto times = [&](double c, V g) HWY_ATTR { return hn::Mul(hn::Set(d, c), g); };
-    Ladder l;
-    l.one = Scaled(b, Plus(real(g0), Scaled(g1, u)));
-    const V b2 = hn::Mul(b, b);
-    l.two = Scaled(b2, Plus(Plus(real(g0), Scaled(times(2.0, g1), u)), Scaled(g2, u2)));
-    l.three = Scaled(hn::Mul(b2, b), Plus(Plus(real(g0), Scaled(times(3.0, g1), u)),
-                                          Plus(Scaled(times(3.0, g2), u2), Scaled(g3, u3))));
-    l.mixed = hn::Mul(hn::Add(b, b), l.one.re);
-    l.mixed_two = Scaled(b, Plus(real(l.mixed), l.two));
-    return l;
-}
-
-/// A quantity with its derivatives by w- and w+.
-struct Drive {
-    Complex value, minus, plus;
-};
-
-HWY_INLINE Drive Combined(V c, const Drive& a, V e, const Drive& b) {
-    return {Plus(Scaled(c, a.value), Scaled(e, b.value)), Plus(Scaled(c, a.minus), Scaled(e, b.minus)),
-            Plus(Scaled(c, a.plus), Scaled(e, b.plus))};
-}
-
-/// (eps_xx - eps_yy)/2 + i eps_xy, over c_T/(2 pi).
-HWY_INLINE Drive ShearOf(const Ladder& t, const Ladder& l) {
-    const Lanes d;
-    const Complex mixed{t.mixed, hn::Zero(d)};
-    return {Plus(t.one, Minus(t.two, l.two)), Plus(t.two, Minus(t.three, l.three)),
-            Plus(mixed, Minus(t.mixed_two, l.mixed_two))};
-}
-
-/// grad div u and lap u as complex numbers, over c_T^2/pi.
-HWY_INLINE Drive GradientOf(const Ladder& l, V nu) {
-    const Lanes d;
-    const Complex mixed{l.mixed, hn::Zero(d)};
-    return {Scaled(nu, Plus(l.two, mixed)), Scaled(nu, Plus(l.three, l.mixed_two)),
-            Scaled(nu, Plus(l.mixed_two, Conjugate(l.mixed_two)))};
-}
-HWY_INLINE Drive LaplacianOf(const Ladder& t, const Drive& gradient) {
-    const Lanes d;
-    const Complex mixed{t.mixed, hn::Zero(d)};
-    return {Plus(gradient.value, Minus(mixed, t.two)), Plus(gradient.minus, Minus(t.mixed_two, t.three)),
-            Plus(gradient.plus, Minus(Conjugate(t.mixed_two), t.mixed_two))};
-}
-
-/// A rate in the source's frame: itself, by X, Y (in 2 xi) and by the angle between the headings.
-struct FrameRate {
-    V value, by_x, by_y, by_phi;
-};
-
-/// Im(drive f) for f = exp(-i m phi).
-HWY_INLINE FrameRate RateOf(const Drive& drive, Complex f, double m) {
-    const Lanes d;
-    const Complex value = Times(drive.value, f);
-    const Complex x = Times(Plus(drive.plus, drive.minus), f), y = Times(Minus(drive.plus, drive.minus), f);
-    return {value.im, x.im, y.re,
-            hn::Mul(hn::Set(d, -m), value.re)}; // i y: its imaginary part is y's real one
-}
-
 template<bool polar>
-HWY_INLINE FrameRate RateAt(const Bearing<Lanes>& bearing, const Radial<Lanes>& radial, V cosine, V sine,
-                            const Constants& c) {
+bool FillAll(PairJets& jets, const Constants& c) {
     const Lanes d;
-    const Complex u{bearing.c, bearing.q};
-    const Ladder t = LadderOf(hn::Set(d, 1.0), bearing.e_t, radial.shear, radial.inverse, u);
-    const Ladder l = LadderOf(c.medium.nu, bearing.e_l, radial.longitudinal,
-                              hn::Mul(radial.inverse, c.medium.inverse_nu), u);
-    const Complex f{cosine, hn::Neg(sine)};
-    Drive shear = ShearOf(t, l);
-    shear = {Scaled(c.kappa, shear.value), Scaled(c.kappa, shear.minus), Scaled(c.kappa, shear.plus)};
-    FrameRate rate = RateOf(shear, Times(f, f), 2.0);
-    if constexpr (polar) {
-        const Drive gradient = GradientOf(l, c.medium.nu);
-        const FrameRate more =
-            RateOf(Combined(c.gamma1, LaplacianOf(t, gradient), c.gamma2, gradient), f, 1.0);
-        rate = {hn::Add(rate.value, more.value), hn::Add(rate.by_x, more.by_x), hn::Add(rate.by_y, more.by_y),
-                hn::Add(rate.by_phi, more.by_phi)};
+    M good = hn::Eq(hn::Zero(d), hn::Zero(d));
+    for (std::size_t at = 0; at < jets.states; at += lane_count) {
+        const auto load = [&](std::size_t column)
+                              HWY_ATTR { return hn::LoadU(d, jets.at[column].data() + at); };
+        const auto store = [&](std::size_t column, V v)
+                               HWY_ATTR { hn::StoreU(v, d, jets.at[column].data() + at); };
+        const Jets one = JetsAt<polar>(
+            {load(PairJets::x), load(PairJets::y), {load(PairJets::heading0), load(PairJets::heading1)}}, c);
+        for (std::size_t rod = 0; rod < 2; ++rod) {
+            const std::size_t first = rod == 0 ? PairJets::rate0 : PairJets::rate1;
+            store(first, one.rate[rod]);
+            for (std::size_t k = 0; k < 4; ++k)
+                store(first + 1 + k, one.by[rod][k]);
+            store(PairJets::cosine0 + 2 * rod, one.n[rod].cosine);
+            store(PairJets::sine0 + 2 * rod, one.n[rod].sine);
+        }
+        good = hn::And(good, one.good);
     }
-    return rate;
-}
-
-/// Both rods at one vector of states; `sign` * (X, Y) is where the rod is in the frame of a source of
-/// direction n.
-template<bool polar>
-HWY_INLINE M JetsAt(PairJets& jets, std::size_t at, const Constants& c) {
-    const Lanes d;
-    const auto load = [&](std::size_t column) HWY_ATTR { return hn::LoadU(d, jets.at[column].data() + at); };
-    const Sight seen = SightOf(
-        {load(PairJets::x), load(PairJets::y), {load(PairJets::heading0), load(PairJets::heading1)}}, c);
-    const auto& [n, radial, X, Y, cosine, sine, good] = seen;
-    Bearing<Lanes> bearing[2];
-    const Radial<Lanes>* const both[2] = {&radial[0], &radial[0]};
-    BearingsOf<elastic::full_shape>(d, X, Y, both, c.medium, bearing);
-    for (std::size_t rod = 0; rod < 2; ++rod) {
-        const FrameRate r =
-            RateAt<polar>(bearing[rod], radial[0], cosine, rod == 0 ? sine : hn::Neg(sine), c);
-        const SineCosine<Lanes>& frame = n[1 - rod];
-        const V unit = rod == 0 ? c.medium.c_shear : hn::Neg(c.medium.c_shear);
-        const std::size_t first = rod == 0 ? PairJets::rate0 : PairJets::rate1;
-        const auto store = [&](std::size_t k, V v)
-                               HWY_ATTR { hn::StoreU(v, d, jets.at[first + k].data() + at); };
-        store(0, r.value);
-        store(1, hn::Mul(unit, Fms(d, frame.cosine, r.by_x, hn::Mul(frame.sine, r.by_y))));
-        store(2, hn::Mul(unit, Fma(d, frame.sine, r.by_x, hn::Mul(frame.cosine, r.by_y))));
-        const V by_source = hn::Sub(Fms(d, Y[rod], r.by_x, hn::Mul(X[rod], r.by_y)), r.by_phi);
-        store(rod == 0 ? 3 : 4, r.by_phi);
-        store(rod == 0 ? 4 : 3, by_source);
-    }
-    for (std::size_t rod = 0; rod < 2; ++rod) {
-        hn::StoreU(n[rod].cosine, d, jets.at[PairJets::cosine0 + 2 * rod].data() + at);
-        hn::StoreU(n[rod].sine, d, jets.at[PairJets::sine0 + 2 * rod].data() + at);
-    }
-    return good;
-}
-
-template<bool polar>
-HWY_INLINE bool FillAll(PairJets& jets, const Constants& c) {
-    bool good = true;
-    for (std::size_t at = 0; at < jets.states; at += lane_count)
-        good = hn::AllTrue(Lanes(), JetsAt<polar>(jets, at, c)) && good;
-    return good;
+    return hn::AllTrue(d, good);
 }
 
 bool FillJets(const elastic::Medium& medium, const Couplings& couplings, PairJets& jets) {
-    const Lanes d;
-    const auto m = elastic::KernelInternals::constants(elastic::Field(medium));
-    const auto& [kappa, gamma1, gamma2] = couplings;
-    const double unit = 0.5 * std::numbers::inv_pi * m.c_shear, polar_unit = 2.0 * unit * m.c_shear;
-    const Constants c{
-        elastic::bessel_table().rows(),
-        {hn::Set(d, m.c_shear), hn::Set(d, m.nu), hn::Set(d, m.delta), hn::Set(d, m.inverse_nu)},
-        hn::Set(d, unit * kappa),
-        hn::Set(d, polar_unit * gamma1),
-        hn::Set(d, polar_unit * gamma2)};
+    const Constants c = ConstantsOf(medium, couplings);
     return couplings.polar() ? FillAll<true>(jets, c) : FillAll<false>(jets, c);
 }
 

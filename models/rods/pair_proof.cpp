@@ -1,6 +1,5 @@
 #include "pair_proof.hpp"
 
-#include "step_polynomial.hpp"
 #include "turning_bound.hpp"
 
 #include <Eigen/Core>
@@ -18,48 +17,50 @@ using Matrix = Eigen::Matrix4d; ///< of x, y (of R_0 - R_1), theta_0, theta_1
 using Vector = Eigen::Vector4d;
 
 constexpr int most_splits = 6; ///< of a step
+constexpr int most_tries = 20; ///< of a bound over a piece
 constexpr double proof_ulp = std::numeric_limits<double>::epsilon();
 
-/// Columns that are expanded in Chebyshev polynomials over a step.
-enum Column {
-    defect_x,
-    defect_y,
-    defect_0,
-    defect_1,
-    rate_0,
-    by_0 = rate_0 + 2, ///< of rate 0 by x, y, theta_0 and theta_1
-    by_1 = by_0 + 4,
-    column_count = by_1 + 4
-};
-using Samples = Eigen::Matrix<double, nodes, column_count>;
+/// Where on a piece separations are looked at: every second node.
+constexpr std::array watched_at{node_at[0], node_at[2],  node_at[4], node_at[6],
+                                node_at[8], node_at[10], node_at[12]};
+constexpr std::size_t watched = watched_at.size();
 
 /// Bounds of errors: of the place, and of both headings.
 using Errors = Eigen::Vector3d;
 
-/// What a step does to the error, at most.
-struct StepBounds {
-    Matrix mean;        ///< Jacobian, of which over the step
-    double by_place[2]; ///< |d rate/d place|,
-    double by_heading[2][2];
-    double place_wobble[2], heading_wobble[2][2]; ///< no more than that differs
-    double turn[2];                               ///< how far a heading turns from its middle
-    Errors defect;
-    double change[2];     ///< of the rate by what the couplings differ by, if it is no share of it
-    double rate[2], room; ///< |rate| over the neighbourhood, whose size in the sense of wandering is left
-    double distance;      ///< in the middle
-    double rate_most[2], rate_least[2]; ///< of the polynomial: at most, and somewhere at least
+/// What a piece does to the error, at most: what pair_pieces.hpp tells, as matrices.
+class StepBounds {
+public:
+    explicit StepBounds(const ProofPiece& piece) : of_(piece) {}
 
+    const PieceReach<double>& reach() const { return of_.reach; }
+    const PieceExpansion<double>& seen() const { return of_.seen; }
+
+    static Eigen::Map<const Errors> errors(const double (&numbers)[3]) {
+        return Eigen::Map<const Errors>(numbers);
+    }
+    static auto block(const double (&numbers)[3][3]) {
+        return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&numbers[0][0]);
+    }
+    /// |e| of |d|, as the error is taken apart.
+    Errors whole(const Errors& d) const { return errors(seen().swing) + d + block(seen().turned) * d; }
     /// Of a rate: what is of first order in the error.
-    double linear(int rod, const Errors& e) const {
-        return (by_place[rod] + place_wobble[rod]) * e[0] +
-               (by_heading[rod][0] + heading_wobble[rod][0]) * e[1] +
-               (by_heading[rod][1] + heading_wobble[rod][1]) * e[2];
+    double linear(std::size_t rod, const Errors& e) const { return errors(seen().by[rod]).dot(e); }
+    /// The share of the room that an error takes.
+    double reached(const Errors& e) const {
+        return (std::numbers::sqrt2 * e[0] / reach().distance + e[1] + e[2]) / reach().room;
     }
-    /// Of a rate: what is of second order in the error.
-    double curvature(int rod, const Errors& e) const {
-        const double x = (std::numbers::sqrt2 * e[0] / distance + e[1] + e[2]) / room;
-        return x < 1.0 ? rate[rod] * x * x / (1.0 - x) : HUGE_VAL;
+    /// What is of second order in the error.
+    Errors curvature(const Errors& e) const {
+        const double x = reached(e);
+        const double share = x < 1.0 ? x * x / (1.0 - x) : HUGE_VAL;
+        return {0.5 * (e[1] * e[1] + e[2] * e[2]), reach().rate[0] * share, reach().rate[1] * share};
     }
+    /// |rate of turn| of the polynomial, at most.
+    double rate(std::size_t rod) const { return of_.piece.p[2 + rod].steepest() * 2.0 / of_.piece.length; }
+
+private:
+    const ProofPiece& of_;
 };
 
 /// Couplings that bound those of all pairs.
@@ -87,9 +88,12 @@ class Prover {
 public:
     Prover(const PairProblem& pair, const PairTrack& track, const EndingCriteria& criteria, ProofSpace& space,
            const PairSpread& spread)
-        : pair_(pair), track_(track), bound_(pair.medium, largest(pair.couplings, spread.couplings)),
-          change_(pair.medium, spread.couplings), share_(share_of(pair.couplings, spread.couplings)),
-          space_(space), late_from_((1.0 - criteria.steady_fraction) * pair.t_end) {
+        : pair_(pair), track_(track), couplings_{pair.couplings, largest(pair.couplings, spread.couplings),
+                                                 spread.couplings},
+          share_(share_of(pair.couplings, spread.couplings)), space_(space),
+          late_from_((1.0 - criteria.steady_fraction) * pair.t_end) {
+        if (share_)
+            couplings_.change = {0.0, 0.0, 0.0};
         for (int k = 0; k < 4; ++k)
             spread_[k] = spread.start[static_cast<std::size_t>(k)];
         now_ = Errors(length_of(spread_[0], spread_[1]), spread_[2], spread_[3]);
@@ -102,8 +106,9 @@ public:
             return std::nullopt;
         watched_ = !contact; // whoever is in contact at the end may have been before
         encounter_.contact = EncounterBounds::Contact::none;
-        for (std::size_t k = 0; k < pieces_.size(); ++k)
-            if (!advance(pieces_[k], space_.inner, k * nodes, most_splits))
+        constexpr std::size_t at_once = 32; // whoever fails early has not looked at the rest
+        for (std::size_t step = 0; step + 1 < track_.states.size(); step += at_once)
+            if (!advance_steps(step, std::min(step + at_once, track_.states.size() - 1)))
                 return std::nullopt;
         finish(contact);
         return encounter_;
@@ -112,26 +117,29 @@ public:
 private:
     std::array<double, 3> end_of(std::size_t state, int coordinate, double half) const;
     bool sample();
-    void put_nodes(const Piece& piece, PairJets& jets, std::size_t row) const;
-    StepBounds bounds_of(const Piece& piece, const PairJets& jets, std::size_t row) const;
-    bool advance(const Piece& piece, const PairJets& jets, std::size_t row, int depth);
-    bool advance_halves(const Piece& piece, int depth);
-    double varied(const StepBounds& bounds, int rod, const Errors& e) const;
-    bool propagate(const StepBounds& bounds, double length);
+    bool advance_steps(std::size_t from, std::size_t to);
+    Piece& add(int depth);
+    void halve(std::size_t k);
+    bool prepare(std::size_t first);
+    bool advance(std::size_t k);
+    Errors changed(const StepBounds& bounds, const Errors& e) const;
+    bool propagate(const StepBounds& bounds);
     bool stays_apart(const Piece& piece, double low, double high, double r_low, double r_high, double speed,
                      int depth) const;
     bool watch(const Piece& piece, const StepBounds& bounds);
+    void watch_late(const Piece& piece, const StepBounds& bounds, const std::array<double, watched>& r,
+                    double speed);
     void finish(bool contact);
 
     const PairProblem& pair_;
     const PairTrack& track_;
-    TurningBound bound_, change_; ///< of all pairs, and of what their couplings differ by
+    PieceCouplings couplings_;
     std::optional<double> share_; ///< of the rate, where that is one
     ProofSpace& space_;
     double late_from_;
     bool watched_ = true;
-    std::vector<Piece> pieces_;
-    Matrix frame_ = Matrix::Identity(); ///< the error is frame_ c, |c_i| <= spread_i
+    Vector middle_ = Vector::Zero(); ///< the error is middle_ + frame_ c, |c_i| <= spread_i
+    Matrix frame_ = Matrix::Identity();
     Vector spread_ = Vector::Zero();
     Errors most_ = Errors::Zero(), now_ = Errors::Zero(); ///< over the step, and at its end
     EncounterBounds encounter_;
@@ -155,10 +163,20 @@ std::array<double, 3> Prover::end_of(std::size_t state, int coordinate, double h
     return {e(static_cast<std::size_t>(coordinate), state), half * v[coordinate], half * half * second};
 }
 
-/// Rates and derivatives at step ends, the pieces, and rates at the nodes inside.
+/// What holds of it is not set: pieces are many.
+Piece& Prover::add(int depth) {
+    if (space_.used == space_.pieces.size())
+        space_.pieces.resize(2 * space_.used + 64);
+    ProofPiece& piece = space_.pieces[space_.used++];
+    piece.depth = depth;
+    piece.halves = 0;
+    return piece.piece;
+}
+
+/// Rates and derivatives at step ends.
 bool Prover::sample() {
     const std::size_t states = track_.states.size();
-    PairJets &ends = space_.ends, &inner = space_.inner;
+    PairJets& ends = space_.ends;
     ends.resize(states);
     for (std::size_t k = 0; k < states; ++k) {
         const std::array<double, 6>& y = track_.states[k];
@@ -167,151 +185,61 @@ bool Prover::sample() {
         ends.at[PairJets::heading0][k] = y[2];
         ends.at[PairJets::heading1][k] = y[5];
     }
-    if (states < 2 || !fill_jets(pair_.medium, pair_.couplings, ends))
-        return false;
-    inner.resize((states - 1) * nodes);
-    pieces_.resize(states - 1);
-    for (std::size_t k = 0; k + 1 < states; ++k) {
-        Piece& piece = pieces_[k];
+    return states > 1 && fill_jets(pair_.medium, pair_.couplings, ends);
+}
+
+bool Prover::advance_steps(std::size_t from, std::size_t to) {
+    space_.used = 0;
+    for (std::size_t k = from; k < to; ++k) {
+        Piece& piece = add(most_splits);
         piece.start = track_.times[k];
         piece.length = track_.times[k + 1] - track_.times[k];
-        for (int i = 0; i < 4; ++i) {
-            const auto coordinate = static_cast<std::size_t>(i);
-            piece.p[coordinate] =
+        for (int i = 0; i < 4; ++i)
+            piece.p[static_cast<std::size_t>(i)] =
                 Quintic::through(end_of(k, i, 0.5 * piece.length), end_of(k + 1, i, 0.5 * piece.length));
-        }
-        put_nodes(piece, inner, k * nodes);
     }
-    return fill_jets(pair_.medium, pair_.couplings, inner);
+    if (!prepare(0))
+        return false;
+    for (std::size_t k = 0; k < to - from; ++k)
+        if (!advance(k))
+            return false;
+    return true;
 }
 
-void Prover::put_nodes(const Piece& piece, PairJets& jets, std::size_t row) const {
-    for (std::size_t k = 0; k < 4; ++k)
-        for (std::size_t j = 0; j < nodes; ++j)
-            jets.at[k][row + j] = piece.p[k].at(node_at[j]);
+/// Bounds of the pieces from the first on; pieces that they do not reach, or over which errors grow much, are
+/// taken in halves. False: no bounds, however small the piece.
+bool Prover::prepare(std::size_t first) {
+    constexpr double well = 1e-8, much = 0.5; // an error that is not worth smaller pieces; growth
+    std::vector<ProofPiece>& pieces = space_.pieces;
+    std::vector<std::size_t>& which = space_.which;
+    while (first < space_.used) {
+        find_reach(pair_.medium, couplings_, std::span(pieces).subspan(first, space_.used - first));
+        const std::size_t end = space_.used;
+        which.clear();
+        for (std::size_t k = first; k < end; ++k)
+            if (pieces[k].reach.room > 0.0 && (pieces[k].reach.missed < well || pieces[k].depth == 0))
+                which.push_back(k);
+            else if (pieces[k].depth > 0)
+                halve(k);
+            else
+                return false;
+        if (!expand(pair_.medium, pair_.couplings, pieces, which))
+            return false;
+        for (const std::size_t k : which)
+            if (!(pieces[k].seen.growth < much) && pieces[k].depth > 0)
+                halve(k);
+        first = end;
+    }
+    return true;
 }
 
-/// From the jets at its nodes, which begin at this row.
-Samples samples_of(const Piece& piece, const PairJets& jets, std::size_t row) {
-    Samples samples;
-    const double speed = 2.0 / piece.length;
-    for (int j = 0; j < nodes; ++j, ++row) {
-        const double v = node_at[static_cast<std::size_t>(j)];
-        const double velocity[4] = {jets(PairJets::cosine0, row) - jets(PairJets::cosine1, row),
-                                    jets(PairJets::sine0, row) - jets(PairJets::sine1, row),
-                                    jets(PairJets::rate0, row), jets(PairJets::rate1, row)};
-        for (int i = 0; i < 4; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            samples(j, defect_x + i) = speed * piece.p[k].slope(v) - velocity[i];
-            samples(j, by_0 + i) = jets(PairJets::rate0 + 1 + k, row);
-            samples(j, by_1 + i) = jets(PairJets::rate1 + 1 + k, row);
-        }
-        samples(j, rate_0) = velocity[2];
-        samples(j, rate_0 + 1) = velocity[3];
+void Prover::halve(std::size_t k) {
+    const int depth = space_.pieces[k].depth - 1;
+    space_.pieces[k].halves = space_.used;
+    for (const bool upper : {false, true}) {
+        Piece& half = add(depth);
+        half = space_.pieces[k].piece.half(upper);
     }
-    return samples;
-}
-
-StepBounds Prover::bounds_of(const Piece& piece, const PairJets& jets, std::size_t row) const {
-    const Samples samples = samples_of(piece, jets, row);
-    const std::size_t middle = row + degree / 2;
-    const double cosine[2] = {jets(PairJets::cosine0, middle), jets(PairJets::cosine1, middle)},
-                 sine[2] = {jets(PairJets::sine0, middle), jets(PairJets::sine1, middle)};
-    Eigen::Matrix<double, 1, column_count> mean, beyond;
-    for (int k = 0; k < column_count; ++k) {
-        const Spread spread = spread_of(samples.col(k).data());
-        mean[k] = spread.mean;
-        beyond[k] = spread.beyond;
-    }
-    StepBounds b;
-    const double x = piece.p[0].c[0], y = piece.p[1].c[0];
-    const double h[2] = {piece.p[2].c[0], piece.p[3].c[0]};
-    b.distance = length_of(x, y);
-    double ahead[2], width = 1.0;
-    for (int rod = 0; rod < 2; ++rod) {
-        const double sign = rod == 0 ? 1.0 : -1.0;
-        ahead[rod] = b.distance + sign * (x * cosine[1 - rod] + y * sine[1 - rod]);
-        if (ahead[rod] < 1e-3 * b.distance) { // without the cancellation
-            const double across = y * cosine[1 - rod] - x * sine[1 - rod];
-            ahead[rod] = across * across / (2.0 * b.distance - ahead[rod]);
-        }
-        width = std::min(width, bound_.suitable_width(b.distance, ahead[rod]));
-    }
-    const double all = std::log1p(width), half = 0.7 * all;
-    const double whole = piece.wandering(1.0, b.distance);
-    const double rho = ellipse_of(piece, b.distance, whole, all),
-                 rho_slope = ellipse_of(piece, b.distance, whole, half);
-    b.room = all - whole;
-    b.mean.setZero();
-    for (int rod = 0; rod < 2; ++rod) {
-        const double sign = rod == 0 ? 1.0 : -1.0;
-        b.mean(0, 2 + rod) = -sign * sine[rod];
-        b.mean(1, 2 + rod) = sign * cosine[rod];
-        b.turn[rod] = piece.p[2 + static_cast<std::size_t>(rod)].excursion(1.0);
-    }
-    const double reach = 0.5 * (rho + 1.0 / rho);
-    double place_rest = 0.0;
-    for (int rod = 0; rod < 2; ++rod) {
-        const int by = rod == 0 ? by_0 : by_1;
-        const TurningBound::Value most = bound_.at(b.distance, ahead[rod], width);
-        b.rate[rod] = most.rate;
-        b.change[rod] = share_ ? 0.0 : change_.at(b.distance, ahead[rod], width).rate;
-        // where nothing is known of the ellipse the bound itself must do, on both sides of the expansion
-        const double rest = most.rate * std::min(remainder_factor(rho), 4.0);
-        const double slope_rest =
-            most.rate * std::min(remainder_factor(rho_slope) / (all - half), 4.0 / b.room);
-        const double rounding = 32.0 * proof_ulp * (most.parts + (std::abs(h[rod]) + 1.0) / piece.length);
-        b.defect[1 + rod] = std::abs(mean[defect_0 + rod]) + beyond[defect_0 + rod] + rest + rounding;
-        b.mean.row(2 + rod) = mean.segment<4>(by);
-        b.by_place[rod] = b.mean.row(2 + rod).head<2>().norm();
-        b.place_wobble[rod] = beyond.segment<2>(by).norm() + std::numbers::sqrt2 / b.distance * slope_rest;
-        for (int k = 0; k < 2; ++k) {
-            b.by_heading[rod][k] = std::abs(b.mean(2 + rod, 2 + k));
-            b.heading_wobble[rod][k] = beyond[by + 2 + k] + slope_rest;
-        }
-        b.rate_most[rod] = std::abs(mean[rate_0 + rod]) + beyond[rate_0 + rod] + rest;
-        b.rate_least[rod] = samples.col(rate_0 + rod).cwiseAbs().maxCoeff();
-        place_rest += std::expm1(piece.p[2 + static_cast<std::size_t>(rod)].excursion(reach));
-    }
-    const auto of_place = [&](int k) {
-        return std::abs(mean[k]) + beyond[k] + place_rest * remainder_factor(rho);
-    };
-    const double rounding = 32.0 * proof_ulp * (1.0 + b.distance / piece.length);
-    b.defect[0] = length_of(of_place(defect_x), of_place(defect_y)) + rounding;
-    return b;
-}
-
-/// The smallest g found with g >= f(g), f rising; nothing if it grows without end.
-template<class Map>
-std::optional<Errors> enclose(const Map& f) {
-    Errors g = f(Errors::Zero());
-    for (int k = 0; k < 40; ++k) {
-        const Errors larger = 1.01 * g, next = f(larger);
-        if ((next.array() <= larger.array()).all())
-            return larger;
-        if (!next.allFinite())
-            return std::nullopt;
-        g = next;
-    }
-    return std::nullopt;
-}
-
-/// exp(h J) by its series, scaled; what it leaves out is below `rest` of a unit error.
-Matrix propagator(const Matrix& jacobian, double length, double& rest) {
-    Matrix a = length * jacobian;
-    double norm = a.cwiseAbs().rowwise().sum().maxCoeff();
-    int squarings = 0;
-    for (; norm > 0.25 && squarings < 20; ++squarings, norm *= 0.5)
-        a *= 0.5;
-    Matrix p = Matrix::Identity() + a / 6.0;
-    for (int k = 5; k > 0; --k)
-        p = (Matrix::Identity() + a * p / k).eval();
-    rest = std::pow(norm, 7) / 5040.0 * std::exp(norm);
-    for (; squarings > 0; --squarings) {
-        rest = 2.0 * rest * p.cwiseAbs().rowwise().sum().maxCoeff() + rest * rest;
-        p = (p * p).eval();
-    }
-    return p;
 }
 
 /// q r = a by Gram and Schmidt, columns as they come.
@@ -326,45 +254,55 @@ void orthogonalise(const Matrix& a, Matrix& q) {
     }
 }
 
-/// What other couplings change of a rate, at most.
-double Prover::varied(const StepBounds& b, int rod, const Errors& e) const {
-    return b.change[rod] + share_.value_or(0.0) * (b.rate_most[rod] + b.linear(rod, e) + b.curvature(rod, e));
+/// What other couplings change of the rates, at most.
+Errors Prover::changed(const StepBounds& b, const Errors& e) const {
+    Errors change = Errors::Zero();
+    if (!couplings_.change.any() && share_.value_or(0.0) == 0.0)
+        return change;
+    const Errors curvature = b.curvature(e);
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const auto row = static_cast<int>(rod) + 1;
+        change[row] = b.reach().change[rod] + share_.value_or(0.0) * (b.rate(rod) + b.seen().defect[1 + rod] +
+                                                                      b.linear(rod, e) + curvature[row]);
+    }
+    return change;
 }
 
-bool Prover::propagate(const StepBounds& b, double length) {
-    const auto coupled = [&](const Errors& e, int rod) { return b.linear(rod, e) + varied(b, rod, e); };
-    const auto most = enclose([&](const Errors& e) {
-        return Errors(now_ + length * (b.defect + Errors(e[1] + e[2], coupled(e, 0) + b.curvature(0, e),
-                                                         coupled(e, 1) + b.curvature(1, e))));
-    });
-    if (!most)
+bool Prover::propagate(const StepBounds& b) {
+    const PieceExpansion<double>& seen = b.seen();
+    if (!(seen.growth < HUGE_VAL))
         return false;
-    most_ = *most;
-    const Errors& e = most_;
-    Errors source = b.defect;
-    source[0] += b.turn[0] * e[1] + b.turn[1] * e[2] + 0.5 * (e[1] * e[1] + e[2] * e[2]);
-    for (int rod = 0; rod < 2; ++rod)
-        source[1 + rod] += b.place_wobble[rod] * e[0] + b.heading_wobble[rod][0] * e[1] +
-                           b.heading_wobble[rod][1] * e[2] + b.curvature(rod, e) + varied(b, rod, e);
-    const auto plain = [&](const Errors& g, int rod) {
-        return b.by_place[rod] * g[0] + b.by_heading[rod][0] * g[1] + b.by_heading[rod][1] * g[2];
+    const double h = b.reach().length;
+    const auto mean = StepBounds::errors(seen.mean), known = StepBounds::errors(seen.known);
+    const auto grown = StepBounds::block(seen.grown), inverse = StepBounds::block(seen.inverse);
+    const auto second = [&](const Errors& d) -> Errors {
+        const Errors e = b.whole(d);
+        return inverse * (b.curvature(e) + changed(b, e));
     };
-    const auto added = enclose([&](const Errors& g) {
-        return Errors(length * (source + Errors(g[1] + g[2], plain(g, 0), plain(g, 1))));
-    });
-    if (!added)
-        return false;
-    double rest = 0.0;
-    const Matrix moved = propagator(b.mean, length, rest) * frame_;
-    rest *= e.sum();
-    Matrix next;
-    orthogonalise(moved, next);
-    const Vector g((*added)[0] + rest, (*added)[0] + rest, (*added)[1] + rest, (*added)[2] + rest);
-    spread_ = ((next.transpose() * moved).cwiseAbs() * spread_ + next.cwiseAbs().transpose() * g).eval();
+    const Errors first = grown * (now_ + h * (mean + known));
+    Errors d, curved = Errors::Zero(), next = first; // d: the smallest found that maps into itself
+    for (int k = 0; k == 0 || !(next.array() <= d.array()).all(); ++k) {
+        if (k == most_tries || !next.allFinite())
+            return false;
+        d = 1.01 * next;
+        curved = second(d);
+        next = first + h * (grown * curved);
+    }
+    most_ = b.whole(d);
+    const double size = std::max(d[0] / seen.scale, std::max(d[1], d[2]));
+    const Errors added = h * (grown * (known + StepBounds::block(seen.wobble) * d + curved)) +
+                         2.0 * seen.truncation * size * Errors(seen.scale, 1.0, 1.0);
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> propagator(&seen.propagator[0][0]);
+    const Matrix moved = propagator * frame_;
+    Matrix frame;
+    orthogonalise(moved, frame);
+    const Vector g(added[0], added[0], added[1], added[2]);
+    spread_ = ((frame.transpose() * moved).cwiseAbs() * spread_ + frame.cwiseAbs().transpose() * g).eval();
     spread_ *= 1.0 + 64.0 * proof_ulp;
-    frame_ = next;
-    const Vector end = frame_.cwiseAbs() * spread_;
-    now_ = Errors(length_of(end[0], end[1]), end[2], end[3]).cwiseMin(most_);
+    frame_ = frame;
+    middle_ = (propagator * middle_ - Eigen::Map<const Vector>(seen.drift)).eval();
+    const Vector end = middle_.cwiseAbs() + frame_.cwiseAbs() * spread_;
+    now_ = Errors(length_of(end[0], end[1]), end[2], end[3]);
     return now_.allFinite();
 }
 
@@ -384,71 +322,65 @@ bool Prover::stays_apart(const Piece& piece, double low, double high, double r_l
 /// Contact, and the last part of the run. False: contact cannot be excluded.
 bool Prover::watch(const Piece& piece, const StepBounds& b) {
     constexpr int most_halvings = 40;
-    const double angle = piece.p[2].c[0] - piece.p[3].c[0];
-    const double half = 0.5 * piece.length,
-                 speed =
-                     half * (std::min(2.0, 2.0 * std::abs(std::sin(0.5 * angle)) + b.turn[0] + b.turn[1]) +
-                             b.defect[0]);
-    std::array<double, nodes> r;
-    for (std::size_t j = 0; j < nodes; ++j)
-        r[j] = piece.separation(node_at[j]);
-    for (std::size_t j = 0; j + 1 < nodes; ++j)
-        if (!stays_apart(piece, node_at[j], node_at[j + 1], r[j], r[j + 1], speed, most_halvings))
-            return false;
-    if (piece.start + piece.length < late_from_)
+    const bool late = piece.start + piece.length >= late_from_;
+    if (!late && b.reach().distance - piece.place_excursion(1.0) > pair_.contact_distance + most_[0])
         return true;
-    const double from = (late_from_ - piece.start) / half - 1.0, error = most_[0];
+    const double angle = piece.p[2].c[0] - piece.p[3].c[0], turn = b.reach().turn[0] + b.reach().turn[1];
+    const double speed = 0.5 * piece.length *
+                         (std::min(2.0, 2.0 * std::abs(std::sin(0.5 * angle)) + turn) + b.seen().defect[0]);
+    std::array<double, watched> r;
+    for (std::size_t j = 0; j < watched; ++j)
+        r[j] = piece.separation(watched_at[j]);
+    for (std::size_t j = 0; j + 1 < watched; ++j)
+        if (!stays_apart(piece, watched_at[j], watched_at[j + 1], r[j], r[j + 1], speed, most_halvings))
+            return false;
+    if (late)
+        watch_late(piece, b, r, speed);
+    return true;
+}
+
+void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::array<double, watched>& r,
+                        double speed) {
+    const double from = (late_from_ - piece.start) / (0.5 * piece.length) - 1.0, error = most_[0];
     Interval &least = encounter_.late_least, &most = encounter_.late_most, &turning = encounter_.late_turning;
     const auto seen = [&](double separation) {
         least.high = std::min(least.high, separation + error);
         most.low = std::max(most.low, separation - error);
     };
-    for (std::size_t j = 0; j < nodes; ++j) {
-        if (node_at[j] >= from)
+    for (std::size_t j = 0; j < watched; ++j) {
+        if (watched_at[j] >= from)
             seen(r[j]);
-        if (j + 1 < nodes && node_at[j + 1] >= from) {
-            const double way = speed * (node_at[j + 1] - node_at[j]);
+        if (j + 1 < watched && watched_at[j + 1] >= from) {
+            const double way = speed * (watched_at[j + 1] - watched_at[j]);
             least.low = std::min(least.low, 0.5 * (r[j] + r[j + 1] - way) - error);
             most.high = std::max(most.high, 0.5 * (r[j] + r[j + 1] + way) + error);
         }
     }
     if (from > -1.0)
         seen(piece.separation(std::min(from, 1.0)));
-    for (int rod = 0; rod < 2; ++rod) {
-        const double off = b.linear(rod, most_) + b.curvature(rod, most_) + varied(b, rod, most_);
-        turning.high = std::max(turning.high, b.rate_most[rod] + off);
+    const Errors off = changed(b, most_) + b.curvature(most_);
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const double further =
+            b.seen().defect[1 + rod] + b.linear(rod, most_) + off[static_cast<int>(rod) + 1];
+        turning.high = std::max(turning.high, b.rate(rod) + further);
         if (from <= -1.0)
-            turning.low = std::max(turning.low, b.rate_least[rod] - off);
+            for (const double v : {-1.0, 0.0, 1.0})
+                turning.low =
+                    std::max(turning.low, std::abs(piece.p[2 + rod].slope(v)) * 2.0 / piece.length - further);
     }
-    return true;
 }
 
-/// A piece over which the error grows much, or that the bounds do not reach, is taken in halves.
-bool Prover::advance(const Piece& piece, const PairJets& jets, std::size_t row, int depth) {
-    constexpr double much = 0.5;
-    const StepBounds b = bounds_of(piece, jets, row);
-    double growth = 0.0;
-    for (int rod = 0; rod < 2; ++rod)
-        growth = std::max(growth, piece.length * (b.by_heading[rod][0] + b.by_heading[rod][1] +
-                                                  b.heading_wobble[rod][0] + b.heading_wobble[rod][1] +
-                                                  b.distance * (b.by_place[rod] + b.place_wobble[rod])));
-    if (depth > 0 && !(b.room > 0.0 && growth < much))
-        return advance_halves(piece, depth - 1);
-    if (b.room > 0.0 && propagate(b, piece.length))
-        return !watched_ || watch(piece, b);
-    return depth > 0 && advance_halves(piece, depth - 1);
-}
-
-bool Prover::advance_halves(const Piece& piece, int depth) {
-    for (const bool upper : {false, true}) {
-        const Piece half = piece.half(upper);
-        PairJets& few = space_.few;
-        few.resize(nodes);
-        put_nodes(half, few, 0);
-        if (!fill_jets(pair_.medium, pair_.couplings, few) || !advance(half, few, 0, depth))
-            return false;
-    }
-    return true;
+/// A piece over which the error does not stay small is taken in halves.
+bool Prover::advance(std::size_t k) {
+    if (const std::size_t halves = space_.pieces[k].halves)
+        return advance(halves) && advance(halves + 1);
+    const StepBounds b(space_.pieces[k]);
+    if (propagate(b))
+        return !watched_ || watch(space_.pieces[k].piece, b);
+    if (space_.pieces[k].depth == 0 || b.reached(now_) > 0.5) // else halves would do no better
+        return false;
+    halve(k);
+    return prepare(space_.pieces[k].halves) && advance(k);
 }
 
 /// Contact is certain if the rods, a little farther on, are nearer than that whatever they do.
@@ -473,7 +405,8 @@ void Prover::finish(bool contact) {
     if (!(rate < 0.0) || now_[0] > 0.5 * nearby * r)
         return;
     // d2r/dt2 <= v^2/r + both rates of turn, here for any direction of the other
-    const double bend = 4.0 / ((1.0 - 3.0 * nearby) * r) + bound_.at(r, 0.0, width).rate * 2.0;
+    const double bend = 4.0 / ((1.0 - 3.0 * nearby) * r) +
+                        TurningBound(pair_.medium, couplings_.largest).at(r, 0.0, width).rate * 2.0;
     const double left = pair_.t_end - track_.times[last];
     const double time = std::min({-rate / bend, left, nearby * r});
     if (r + now_[0] + time * (rate + 0.5 * bend * time) <

@@ -5,6 +5,7 @@
 
 #include "pair_decision.hpp"
 #include "pair_jets.hpp"
+#include "pair_pieces.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <array>
@@ -23,7 +24,10 @@ struct PairTrack {
 
 /// Memory that is used again from pair to pair.
 struct ProofSpace {
-    PairJets ends, inner, few;
+    PairJets ends;
+    std::vector<ProofPiece> pieces;
+    std::size_t used = 0; ///< of them
+    std::vector<std::size_t> which;
 };
 
 /// Pairs about one: half the widths of R_0 - R_1 and the headings at the start, and of the couplings.

@@ -1,7 +1,7 @@
 #pragma once
 // How large the turning rate of a rod in another's wake can be about a place, also at complex displacements:
 // by Cauchy's estimates a bound of all its derivatives. docs/physics.md, section 7. Reduced units, as in
-// rods/couplings.hpp; eta >= 0 on the infinite plane.
+// rods/couplings.hpp; eta >= 0 on the infinite plane. Many places at once: turning_bound_inl.hpp.
 
 #include "rodwake/elastic/medium.hpp"
 #include "rodwake/rods/couplings.hpp"
@@ -10,7 +10,8 @@ namespace rodwake::rods {
 
 class TurningBound {
 public:
-    TurningBound(const elastic::Medium& medium, const Couplings& couplings);
+    TurningBound(const elastic::Medium& medium, const Couplings& couplings)
+        : medium_(medium), couplings_(couplings) {}
 
     struct Value {
         double rate;  ///< |theta'| at most
@@ -24,7 +25,8 @@ public:
     double suitable_width(double distance, double ahead) const;
 
 private:
-    double c_shear_, nu_, kappa_, laplacian_, gradient_;
+    elastic::Medium medium_;
+    Couplings couplings_;
 };
 
 } // namespace rodwake::rods

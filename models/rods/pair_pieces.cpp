@@ -1,0 +1,634 @@
+// A piece a lane. Compiled once for each instruction set (foreach_target includes this file again).
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "pair_pieces.cpp"
+#include <hwy/foreach_target.h> // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "pair_jets_inl.hpp"
+#include "pair_pieces.hpp"
+#include "turning_bound_inl.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+HWY_BEFORE_NAMESPACE();
+namespace rodwake::rods::HWY_NAMESPACE {
+
+constexpr double ulps = 32.0 * std::numeric_limits<double>::epsilon(); // allowed for in each defect
+
+/// Of as many pieces as there are lanes.
+struct LanePieces {
+    V length, p[4][6];
+};
+
+/// `of(lane)` is the piece of a lane.
+template<class Of>
+LanePieces LoadPieces(const Of& of) {
+    const Lanes d;
+    LanePieces pieces;
+    LaneNumbers numbers;
+    const auto load = [&](const auto& number) {
+        for (std::size_t lane = 0; lane < lane_count; ++lane)
+            numbers[lane] = number(of(lane));
+        return hn::Load(d, numbers.at);
+    };
+    pieces.length = load([](const Piece& piece) { return piece.length; });
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t k = 0; k < 6; ++k)
+            pieces.p[i][k] = load([&](const Piece& piece) { return piece.p[i].c[k]; });
+    return pieces;
+}
+
+/// A struct of vectors to one of numbers for each of the first lanes.
+template<template<class> class Struct, class To>
+void StoreEach(const Struct<V>& vectors, std::size_t count, const To& to) {
+    constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
+    const auto* const from = reinterpret_cast<const V*>(&vectors);
+    std::array<LaneNumbers, numbers> all;
+    for (std::size_t k = 0; k < numbers; ++k)
+        hn::Store(from[k], Lanes(), all[k].at);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+        auto* const into = reinterpret_cast<double*>(&to(lane));
+        for (std::size_t k = 0; k < numbers; ++k)
+            into[k] = all[k][lane];
+    }
+}
+
+/// The other way: `of(lane)` is the struct of a lane.
+template<template<class> class Struct, class Of>
+Struct<V> LoadEach(const Of& of) {
+    constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
+    std::array<LaneNumbers, numbers> all;
+    for (std::size_t lane = 0; lane < lane_count; ++lane) {
+        const auto* const from = reinterpret_cast<const double*>(&of(lane));
+        for (std::size_t k = 0; k < numbers; ++k)
+            all[k][lane] = from[k];
+    }
+    Struct<V> vectors;
+    auto* const into = reinterpret_cast<V*>(&vectors);
+    for (std::size_t k = 0; k < numbers; ++k)
+        into[k] = hn::Load(Lanes(), all[k].at);
+    return vectors;
+}
+
+HWY_INLINE V LengthOf(V x, V y) { return hn::Sqrt(Fma(Lanes(), x, x, hn::Mul(y, y))); }
+
+/// How far (w+, w-) and the phases go from those at v = 0 within |v| <= reach, at most: ln of 1 + the
+/// relative change.
+struct Wandering {
+    V a[5]; ///< of v, v^2, ...
+
+    V At(V reach) const {
+        V sum = hn::Mul(reach, a[4]);
+        for (std::size_t k = 4; k-- > 0;)
+            sum = hn::Mul(reach, hn::Add(a[k], sum));
+        return sum;
+    }
+    /// A reach within `room`, near the largest: as the sum is of powers 1 to 5, a share less or the fifth
+    /// root of a share more do not leave it.
+    V Reach(V room) const {
+        const Lanes d;
+        const V one = Number(1.0), farthest = Number(32.0);
+        V reach = hn::Min(farthest, hn::Div(room, At(one)));
+        reach = hn::Mul(reach, hn::Min(one, hn::Div(room, At(reach))));
+        for (int k = 0; k < 2; ++k) {
+            const V more = hn::Sub(hn::Div(room, At(reach)), one); // (1 + x)^(1/5) >= 1 + x/(5 + 2 x)
+            reach = Fma(d, reach, hn::Div(more, Fma(d, Number(2.0), more, Number(5.0))), reach);
+        }
+        return hn::Min(farthest, reach);
+    }
+};
+
+Wandering WanderingOf(const LanePieces& piece, V distance) {
+    const Lanes d;
+    const V unit = hn::Div(Number(std::numbers::sqrt2), distance);
+    Wandering w;
+    for (std::size_t k = 0; k < 5; ++k)
+        w.a[k] = Fma(d, unit, LengthOf(piece.p[0][k + 1], piece.p[1][k + 1]),
+                     hn::Add(hn::Abs(piece.p[2][k + 1]), hn::Abs(piece.p[3][k + 1])));
+    return w;
+}
+
+V Excursion(const V (&p)[6], V reach) {
+    const Lanes d;
+    V sum = hn::Zero(d);
+    for (std::size_t k = 5; k > 0; --k)
+        sum = hn::Mul(reach, hn::Add(hn::Abs(p[k]), sum));
+    return sum;
+}
+
+/// 4 rho^-n/(rho - 1) for the ellipse with half axes `reach` and sqrt(reach^2 - 1): error of interpolation at
+/// the nodes of what 1 bounds there (Trefethen, theorem 8.2). At most 4, what a bound on the piece itself
+/// tells.
+V RemainderFactor(V reach) {
+    const Lanes d;
+    const V one = Number(1.0);
+    const V rho = hn::Add(reach, hn::Sqrt(hn::Max(hn::Zero(d), Fms(d, reach, reach, one))));
+    V power = one;
+    for (int k = 0; k < degree; ++k)
+        power = hn::Mul(power, rho);
+    const V factor = hn::Div(Number(4.0), hn::Mul(power, hn::Sub(rho, one)));
+    return hn::IfThenElse(hn::Gt(reach, Number(1.02)), hn::Min(factor, Number(4.0)), Number(4.0));
+}
+
+PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, const BoundWeights& largest,
+                      const BoundWeights& change) {
+    const Lanes d;
+    const V x = piece.p[0][0], y = piece.p[1][0], one = Number(1.0);
+    PieceReach<V> reach;
+    reach.distance = LengthOf(x, y);
+    const V headings[2] = {piece.p[2][0], piece.p[3][0]}, r = hn::Mul(medium.c_shear, reach.distance);
+    SineCosine<Lanes> n[2];
+    elastic::HWY_NAMESPACE::SinCos(d, headings, n);
+    V ahead[2];
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const SineCosine<Lanes>& of = n[1 - rod];
+        const V plain = Fma(d, x, of.cosine, hn::Mul(y, of.sine)), X = rod == 0 ? plain : hn::Neg(plain);
+        const V across = Fms(d, y, of.cosine, hn::Mul(x, of.sine)), far = hn::Add(reach.distance, hn::Abs(X));
+        const V near =
+            hn::Div(hn::Mul(across, across), far); // r + X behind the rod, without the cancellation
+        ahead[rod] = hn::Mul(medium.c_shear, hn::IfThenElse(hn::Lt(X, hn::Zero(d)), near, far));
+    }
+    const V width = hn::Min(SuitableWidth(r, ahead[0]), SuitableWidth(r, ahead[1]));
+    const Around around = AroundOf(r, ahead, width, medium.nu);
+    const V all = hn::Div(hn::Add(width, width), hn::Add(Number(2.0), width)); // below ln(1 + width)
+    const V part = hn::Mul(Number(0.7), all);
+    const Wandering wandering = WanderingOf(piece, reach.distance);
+    const V far = wandering.Reach(all);
+    reach.length = piece.length;
+    reach.room = hn::Sub(all, wandering.At(one));
+    const V rest = RemainderFactor(far), root2 = Number(std::numbers::sqrt2);
+    const V slope_rest = hn::Min(hn::Div(RemainderFactor(wandering.Reach(part)), hn::Sub(all, part)),
+                                 hn::Div(Number(4.0), reach.room));
+    reach.missed = reach.rest[0] = hn::Zero(d);
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const TurningBounds most = TurningBoundsOf(around, rod, largest, medium.nu);
+        reach.rate[rod] = most.rate;
+        reach.change[rod] = TurningBoundsOf(around, rod, change, medium.nu).rate;
+        reach.turn[rod] = Excursion(piece.p[2 + rod], one);
+        const V turned = Excursion(piece.p[2 + rod], far); // e^x - 1 <= x/(1 - x/2)
+        reach.direction_rest[rod] =
+            hn::Mul(hn::Mul(root2, rest), hn::Div(turned, Fma(d, Number(-0.5), turned, one)));
+        reach.phase_rest[rod] = hn::Mul(most.rate, slope_rest);
+        const V rounding = hn::Mul(
+            Number(ulps), hn::Add(most.parts, hn::Div(hn::Add(one, hn::Abs(headings[rod])), piece.length)));
+        reach.rest[1 + rod] = hn::Mul(rest, most.rate);
+        reach.missed = hn::Max(reach.missed, hn::Add(reach.rest[1 + rod], reach.direction_rest[rod]));
+        reach.rest[0] = hn::Add(reach.rest[0], reach.direction_rest[rod]);
+        reach.rest[1 + rod] = hn::Add(reach.rest[1 + rod], rounding);
+    }
+    reach.missed = hn::Mul(reach.missed, piece.length);
+    reach.rest[0] =
+        hn::Add(reach.rest[0], hn::Mul(Number(ulps), hn::Add(one, hn::Div(reach.distance, piece.length))));
+    return reach;
+}
+
+void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, std::span<ProofPiece> pieces) {
+    const Constants c = ConstantsOf(medium, couplings.own);
+    const BoundWeights largest = BoundWeightsOf(medium, couplings.largest),
+                       change = BoundWeightsOf(medium, couplings.change);
+    for (std::size_t at = 0; at < pieces.size(); at += lane_count) {
+        const auto of = [&](std::size_t lane) -> const Piece& {
+            return pieces[std::min(at + lane, pieces.size() - 1)].piece;
+        };
+        const PieceReach<V> reach = ReachOf(LoadPieces(of), c.medium, largest, change);
+        StoreEach(reach, std::min(lane_count, pieces.size() - at),
+                  [&](std::size_t lane) -> PieceReach<double>& { return pieces[at + lane].reach; });
+    }
+}
+
+/// Chebyshev coefficients from values at the nodes: of even order from sums of values at v and -v, the middle
+/// last, of odd order from differences; and means of the polynomials.
+struct ChebyshevRows {
+    static constexpr std::size_t half = degree / 2;
+    double even[half + 1][half + 1], odd[half][half], mean[half + 1];
+    double integral[nodes][nodes]; ///< of the polynomial less its mean, from v = -1 to a node, by its values
+
+    ChebyshevRows() {
+        for (std::size_t i = 0; i <= half; ++i) {
+            const double order = 2.0 * static_cast<double>(i);
+            mean[i] = 1.0 / (1.0 - order * order);
+            for (std::size_t j = 0; j <= half; ++j) {
+                const double ends = (i == 0 || i == half ? 0.5 : 1.0) * (j == 0 ? 0.5 : 1.0);
+                const double angle = std::numbers::pi * static_cast<double>(j) / degree;
+                even[i][j] = 2.0 / degree * ends * std::cos(order * angle);
+                if (i < half && j < half)
+                    odd[i][j] = 2.0 / degree * (j == 0 ? 0.5 : 1.0) * std::cos((order + 1.0) * angle);
+            }
+        }
+        for (std::size_t to = 0; to < nodes; ++to)
+            for (std::size_t from = 0; from < nodes; ++from) {
+                integral[to][from] = 0.0;
+                for (std::size_t k = 1; k < nodes; ++k)
+                    integral[to][from] += coefficient(k, from) * integral_of(k, node_at[to]);
+            }
+    }
+
+    /// Of T_k in the polynomial that is 1 at this node and 0 at the others.
+    double coefficient(std::size_t k, std::size_t node) const {
+        const std::size_t j = std::min<std::size_t>(node, degree - node);
+        if (k % 2 == 0)
+            return even[k / 2][j];
+        return j == half ? 0.0 : std::copysign(1.0, node_at[node]) * odd[k / 2][j];
+    }
+    /// int T_k - its mean, from -1 to v.
+    static double integral_of(std::size_t k, double v) {
+        const double n = static_cast<double>(k), angle = std::acos(v), sign = k % 2 == 0 ? 1.0 : -1.0;
+        if (k == 1)
+            return 0.5 * (v * v - 1.0);
+        const double raw =
+            0.5 * (std::cos((n + 1.0) * angle) / (n + 1.0) - std::cos((n - 1.0) * angle) / (n - 1.0));
+        const double low = -0.5 * sign * (1.0 / (n + 1.0) - 1.0 / (n - 1.0));
+        return raw - low - (k % 2 == 0 ? (v + 1.0) / (1.0 - n * n) : 0.0);
+    }
+};
+
+/// Of a polynomial: its mean over a piece, and the sums of the sizes of its coefficients but the first, and
+/// of those from the sixth order on.
+struct Expanded {
+    V mean, varies, tail;
+};
+
+HWY_INLINE Expanded ExpandedFrom(const V (&f)[nodes], const ChebyshevRows& rows) {
+    const Lanes d;
+    constexpr std::size_t half = ChebyshevRows::half;
+    V sum[half + 1], difference[half];
+    for (std::size_t j = 0; j < half; ++j) {
+        sum[j] = hn::Add(f[degree - j], f[j]);
+        difference[j] = hn::Sub(f[degree - j], f[j]);
+    }
+    sum[half] = f[half];
+    Expanded e{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    for (std::size_t i = 0; i <= half; ++i) {
+        V c = hn::Mul(Number(rows.even[i][0]), sum[0]);
+        RODWAKE_UNROLL
+        for (std::size_t j = 1; j <= half; ++j)
+            c = Fma(d, Number(rows.even[i][j]), sum[j], c);
+        e.mean = Fma(d, Number(rows.mean[i]), c, e.mean);
+        if (i > 0)
+            e.varies = hn::Add(e.varies, hn::Abs(c));
+        if (i > 2)
+            e.tail = hn::Add(e.tail, hn::Abs(c));
+    }
+    for (std::size_t i = 0; i < half; ++i) {
+        V c = hn::Mul(Number(rows.odd[i][0]), difference[0]);
+        RODWAKE_UNROLL
+        for (std::size_t j = 1; j < half; ++j)
+            c = Fma(d, Number(rows.odd[i][j]), difference[j], c);
+        e.varies = hn::Add(e.varies, hn::Abs(c));
+        if (i > 2)
+            e.tail = hn::Add(e.tail, hn::Abs(c));
+    }
+    return e;
+}
+
+/// What is expanded.
+enum Column {
+    defect_column,                    ///< of x, y, theta_0, theta_1
+    by_column = defect_column + 4,    ///< rates by the same
+    direction_column = by_column + 8, ///< cosine and sine of both headings
+    column_count = direction_column + 4
+};
+
+/// exp(h J) and h times the series sum (h J)^k/(k + 1)! of `acts`, to the sixth power: `mean` holds J's
+/// expansions.
+void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V length, PieceExpansion<V>& e) {
+    const Lanes d;
+    V a[4][4];
+    a[0][0] = a[0][1] = a[1][0] = a[1][1] = hn::Zero(d);
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const V cosine = hn::Mul(length, mean[direction_column + 2 * rod].mean),
+                sine = hn::Mul(length, mean[direction_column + 2 * rod + 1].mean);
+        a[0][2 + rod] = rod == 0 ? hn::Neg(sine) : sine;
+        a[1][2 + rod] = rod == 0 ? cosine : hn::Neg(cosine);
+        for (std::size_t k = 0; k < 4; ++k)
+            a[2 + rod][k] = hn::Mul(length, mean[by_column + 4 * rod + k].mean);
+    }
+    const auto times = [&](std::size_t i, const auto& column) HWY_ATTR {
+        const V right = Fma(d, a[i][2], column(2), hn::Mul(a[i][3], column(3)));
+        return i < 2 ? right : Fma(d, a[i][0], column(0), Fma(d, a[i][1], column(1), right));
+    };
+    constexpr int terms = 6;
+    for (std::size_t column = 0; column < 4; ++column) {
+        V p[4], next[4];
+        for (std::size_t i = 0; i < 4; ++i)
+            p[i] = Number(i == column ? 1.0 : 0.0);
+        for (int k = terms; k > 0; --k) {
+            RODWAKE_UNROLL
+            for (std::size_t i = 0; i < 4; ++i)
+                next[i] = Fma(d, Number(1.0 / k), times(i, [&](std::size_t j) HWY_ATTR { return p[j]; }),
+                              Number(i == column ? 1.0 : 0.0));
+            std::copy_n(next, 4, p);
+        }
+        for (std::size_t i = 0; i < 4; ++i)
+            e.propagator[i][column] = p[i];
+    }
+    V s[4], next[4];
+    for (std::size_t i = 0; i < 4; ++i)
+        s[i] = acts[i];
+    for (int k = terms; k > 0; --k) {
+        for (std::size_t i = 0; i < 4; ++i)
+            next[i] = Fma(d, Number(1.0 / (k + 1)), times(i, [&](std::size_t j) HWY_ATTR { return s[j]; }),
+                          acts[i]);
+        std::copy_n(next, 4, s);
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+        e.drift[i] = hn::Mul(length, s[i]);
+}
+
+/// Samples at the nodes. False: out of the range of the kernels.
+template<bool polar>
+M SamplesOf(const LanePieces& piece, const Constants& c, V (&samples)[column_count][nodes]) {
+    const Lanes d;
+    const V speed = hn::Div(Number(2.0), piece.length);
+    M good = hn::Eq(hn::Zero(d), hn::Zero(d));
+    for (std::size_t j = 0; j < nodes; ++j) {
+        const V v = Number(node_at[j]);
+        V value[4], slope[4];
+        RODWAKE_UNROLL
+        for (std::size_t i = 0; i < 4; ++i) {
+            value[i] = piece.p[i][5];
+            slope[i] = hn::Zero(d);
+            RODWAKE_UNROLL
+            for (std::size_t k = 1; k <= 5; ++k) { // Horner's rule and its derivative
+                slope[i] = Fma(d, slope[i], v, value[i]);
+                value[i] = Fma(d, value[i], v, piece.p[i][5 - k]);
+            }
+        }
+        const Jets jets = JetsAt<polar>({value[0], value[1], {value[2], value[3]}}, c);
+        good = hn::And(good, jets.good);
+        const V velocity[4] = {hn::Sub(jets.n[0].cosine, jets.n[1].cosine),
+                               hn::Sub(jets.n[0].sine, jets.n[1].sine), jets.rate[0], jets.rate[1]};
+        RODWAKE_UNROLL
+        for (std::size_t i = 0; i < 4; ++i) {
+            samples[defect_column + i][j] = Fms(d, speed, slope[i], velocity[i]);
+            samples[by_column + i][j] = jets.by[0][i];
+            samples[by_column + 4 + i][j] = jets.by[1][i];
+        }
+        for (std::size_t rod = 0; rod < 2; ++rod) {
+            samples[direction_column + 2 * rod][j] = jets.n[rod].cosine;
+            samples[direction_column + 2 * rod + 1][j] = jets.n[rod].sine;
+        }
+    }
+    return good;
+}
+
+/// Of places, heading 0 and heading 1: bounds of errors, and of what maps them. All numbers >= 0.
+struct Errors {
+    V of[3];
+};
+struct Block {
+    V of[3][3];
+};
+
+HWY_INLINE Errors Plus(const Errors& a, const Errors& b) {
+    return {hn::Add(a.of[0], b.of[0]), hn::Add(a.of[1], b.of[1]), hn::Add(a.of[2], b.of[2])};
+}
+HWY_INLINE Errors Times(V c, const Errors& a) {
+    return {hn::Mul(c, a.of[0]), hn::Mul(c, a.of[1]), hn::Mul(c, a.of[2])};
+}
+HWY_INLINE Errors Times(const Block& a, const Errors& b) {
+    const Lanes d;
+    Errors product;
+    for (std::size_t i = 0; i < 3; ++i)
+        product.of[i] =
+            Fma(d, a.of[i][0], b.of[0], Fma(d, a.of[i][1], b.of[1], hn::Mul(a.of[i][2], b.of[2])));
+    return product;
+}
+HWY_INLINE Block Times(const Block& a, const Block& b) {
+    Block product;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Errors column = Times(a, Errors{b.of[0][k], b.of[1][k], b.of[2][k]});
+        for (std::size_t i = 0; i < 3; ++i)
+            product.of[i][k] = column.of[i];
+    }
+    return product;
+}
+HWY_INLINE Block Combined(const Block& a, V c, const Block& b) {
+    Block sum;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            sum.of[i][k] = Fma(Lanes(), c, b.of[i][k], a.of[i][k]);
+    return sum;
+}
+
+/// 1/(1 - a). It is the sum of the powers of a if nothing in it is negative; `good` becomes false else.
+HWY_INLINE Block SumOfPowers(const Block& a, M& good) {
+    const Lanes d;
+    V m[3][3];
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            m[i][k] = hn::Sub(Number(i == k ? 1.0 : 0.0), a.of[i][k]);
+    Block inverse;
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            inverse.of[k][i] = Fms(d, m[i1][k1], m[i2][k2], hn::Mul(m[i1][k2], m[i2][k1]));
+        }
+    const V determinant = Fma(d, m[0][0], inverse.of[0][0],
+                              Fma(d, m[0][1], inverse.of[1][0], hn::Mul(m[0][2], inverse.of[2][0])));
+    const V share = hn::Div(Number(1.0), determinant);
+    for (auto& row : inverse.of)
+        for (V& number : row) {
+            number = hn::Mul(share, number);
+            good = hn::And(good, hn::Ge(number, hn::Zero(d)));
+        }
+    return inverse;
+}
+
+/// Sizes of a Jacobian's or an error's parts, from its columns.
+template<class Part>
+HWY_INLINE Block BlockOf(const Expanded (&all)[column_count], const Part& part) {
+    const auto both = [&](std::size_t k) HWY_ATTR { return LengthOf(part(all[k]), part(all[k + 1])); };
+    Block block;
+    block.of[0][0] = hn::Zero(Lanes());
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        const std::size_t by = by_column + 4 * rod;
+        block.of[0][1 + rod] = both(direction_column + 2 * rod);
+        block.of[1 + rod][0] = both(by);
+        block.of[1 + rod][1] = hn::Abs(part(all[by + 2]));
+        block.of[1 + rod][2] = hn::Abs(part(all[by + 3]));
+    }
+    return block;
+}
+template<class Part>
+HWY_INLINE Errors ErrorsOf(const Expanded (&all)[4], const Part& part) {
+    return {LengthOf(part(all[0]), part(all[1])), hn::Abs(part(all[2])), hn::Abs(part(all[3]))};
+}
+
+Block RestOf(const PieceReach<V>& reach) {
+    const V by_place = hn::Div(Number(std::numbers::sqrt2), reach.distance);
+    Block rest;
+    rest.of[0][0] = hn::Zero(Lanes());
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        rest.of[0][1 + rod] = reach.direction_rest[rod];
+        rest.of[1 + rod][0] = hn::Mul(by_place, reach.phase_rest[rod]);
+        rest.of[1 + rod][1] = rest.of[1 + rod][2] = reach.phase_rest[rod];
+    }
+    return rest;
+}
+
+/// E = -int of what the defect differs by from its mean, and J E at the nodes.
+void SecondOrder(const V (&samples)[column_count][nodes], V length, const ChebyshevRows& rows,
+                 V (&product)[4][nodes]) {
+    const Lanes d;
+    const V half = hn::Mul(Number(-0.5), length);
+    for (std::size_t j = 0; j < nodes; ++j) {
+        V e[4];
+        for (std::size_t i = 0; i < 4; ++i) {
+            const V(&defect)[nodes] = samples[defect_column + i];
+            V sum = hn::Mul(Number(rows.integral[j][0]), defect[0]);
+            RODWAKE_UNROLL
+            for (std::size_t k = 1; k < nodes; ++k)
+                sum = Fma(d, Number(rows.integral[j][k]), defect[k], sum);
+            e[i] = hn::Mul(half, sum);
+        }
+        const auto direction = [&](std::size_t k) HWY_ATTR { return samples[direction_column + k][j]; };
+        product[0][j] = Fms(d, direction(3), e[3], hn::Mul(direction(1), e[2]));
+        product[1][j] = Fms(d, direction(0), e[2], hn::Mul(direction(2), e[3]));
+        for (std::size_t rod = 0; rod < 2; ++rod) {
+            product[2 + rod][j] = hn::Zero(d);
+            for (std::size_t k = 0; k < 4; ++k)
+                product[2 + rod][j] = Fma(d, samples[by_column + 4 * rod + k][j], e[k], product[2 + rod][j]);
+        }
+    }
+}
+
+void Store(const Errors& errors, V (&to)[3]) { std::copy_n(errors.of, 3, to); }
+void Store(const Block& block, V (&to)[3][3]) {
+    for (std::size_t i = 0; i < 3; ++i)
+        std::copy_n(block.of[i], 3, to[i]);
+}
+
+/// The largest that comes of errors of 1, those of places over the scale.
+HWY_INLINE V NormOf(const Block& a, V scale) {
+    const Lanes d;
+    V norm = hn::Div(hn::Add(a.of[0][1], a.of[0][2]), scale);
+    for (std::size_t i = 1; i < 3; ++i)
+        norm = hn::Max(norm, Fma(d, a.of[i][0], scale, hn::Add(a.of[i][1], a.of[i][2])));
+    return norm;
+}
+
+/// Places count as much as headings if both take the other from as much: 2/scale = scale |d rate/d place|.
+/// The series of exp leave out n^7/5040 (1 + n/8 + ...), n = |h J|, which is to be below 4.
+M FindGrowth(const Block& mean, const Block& jacobian, const PieceReach<V>& reach, PieceExpansion<V>& e) {
+    const V far = hn::Mul(Number(10.0), hn::Add(reach.distance, reach.length));
+    e.scale = hn::Min(far, hn::Sqrt(hn::Div(Number(2.0), hn::Add(mean.of[1][0], mean.of[2][0]))));
+    e.growth = hn::Mul(reach.length, NormOf(jacobian, e.scale));
+    const V n = hn::Mul(reach.length, NormOf(mean, e.scale)), n2 = hn::Mul(n, n);
+    const V seventh = hn::Mul(hn::Mul(n2, n2), hn::Mul(n2, n));
+    e.truncation = hn::Mul(Number(1.0 / 2500.0), seventh);
+    return hn::Lt(n, Number(4.0));
+}
+
+/// What bounds the error (docs/physics.md, section 7), from expansions of the samples and of J E.
+void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], const V (&acts)[4],
+            const PieceReach<V>& reach, PieceExpansion<V>& e) {
+    const V length = reach.length, quarter = hn::Mul(Number(0.25), length), one = Number(1.0),
+            third4 = Number(4.0 / 3.0);
+    const auto mean_of = [](const Expanded& of) HWY_ATTR { return of.mean; };
+    const auto varies_of = [](const Expanded& of) HWY_ATTR { return of.varies; };
+    const auto tail_of = [](const Expanded& of) HWY_ATTR { return of.tail; };
+    Expanded first[4];
+    std::copy_n(all + defect_column, 4, first);
+    const Block mean = BlockOf(all, mean_of), varies = BlockOf(all, varies_of), rest = RestOf(reach),
+                tail = BlockOf(all, tail_of);
+    // T_k differs from its mean by 4/3 at most, and the integral of that stays below 1/2
+    const Block jacobian = Combined(Combined(mean, third4, varies), one, rest);
+    const Block zero = Combined(mean, Number(-1.0), mean), turned = Combined(zero, quarter, varies);
+    const Errors defect = ErrorsOf(first, varies_of), e1 = Times(quarter, defect),
+                 e2 = Times(quarter, ErrorsOf(second, varies_of));
+    const Errors mean_defect = ErrorsOf(first, mean_of), rests{reach.rest[0], reach.rest[1], reach.rest[2]};
+    // the product of T_i and T_k counts once in what interpolation of J E misses if i + k is above the
+    // degree: then i is 6 or more, or k above that, and orders above 6 in E come of those from 6 on in the
+    // defect
+    const Errors e1_tail = Times(hn::Mul(Number(1.0 / 14.0), length), ErrorsOf(first, tail_of));
+    const Errors folded = Plus(Times(tail, e1), Times(jacobian, e1_tail));
+    const Errors mean_acts{LengthOf(acts[0], acts[1]), hn::Abs(acts[2]), hn::Abs(acts[3])};
+    M good = hn::Eq(one, one);
+    const Block inverse = SumOfPowers(turned, good);
+    const Errors known =
+        Plus(Plus(Times(jacobian, e2), Times(turned, mean_acts)), Plus(Plus(folded, Times(rest, e1)), rests));
+    const Block wobble =
+        Times(inverse, Combined(Combined(Times(jacobian, turned), one, Times(turned, mean)), one, rest));
+    const Block grown = SumOfPowers(Combined(Combined(zero, length, mean), length, wobble), good);
+    Store(mean_acts, e.mean);
+    Store(Plus(e1, e2), e.swing);
+    Store(turned, e.turned);
+    Store(inverse, e.inverse);
+    Store(wobble, e.wobble);
+    Store(Times(inverse, known), e.known);
+    Store(grown, e.grown);
+    Store(Plus(Plus(mean_defect, Times(third4, defect)), rests), e.defect);
+    for (std::size_t rod = 0; rod < 2; ++rod)
+        std::copy_n(jacobian.of[1 + rod], 3, e.by[rod]);
+    good = hn::And(good, FindGrowth(mean, jacobian, reach, e));
+    e.growth = hn::IfThenElse(good, e.growth, Number(HUGE_VAL));
+}
+
+template<bool polar>
+M ExpansionOf(const LanePieces& piece, const PieceReach<V>& reach, const Constants& c,
+              const ChebyshevRows& rows, PieceExpansion<V>& e) {
+    V samples[column_count][nodes], product[4][nodes];
+    const M in_range = SamplesOf<polar>(piece, c, samples);
+    SecondOrder(samples, piece.length, rows, product);
+    Expanded all[column_count], second[4];
+    for (std::size_t k = 0; k < column_count; ++k)
+        all[k] = ExpandedFrom(samples[k], rows);
+    V acts[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+        second[i] = ExpandedFrom(product[i], rows);
+        acts[i] = hn::Sub(all[i].mean, second[i].mean);
+    }
+    Propagate(all, acts, piece.length, e);
+    Bounds(all, second, acts, reach, e);
+    return in_range;
+}
+
+bool Expand(const elastic::Medium& medium, const Couplings& couplings, std::span<ProofPiece> pieces,
+            std::span<const std::size_t> which) {
+    static const ChebyshevRows rows;
+    const Lanes d;
+    const Constants c = ConstantsOf(medium, couplings);
+    M good = hn::Eq(hn::Zero(d), hn::Zero(d));
+    for (std::size_t at = 0; at < which.size(); at += lane_count) {
+        const auto of = [&](std::size_t lane) -> const Piece& {
+            return pieces[which[std::min(at + lane, which.size() - 1)]].piece;
+        };
+        const LanePieces lanes = LoadPieces(of);
+        const auto reach = LoadEach<PieceReach>([&](std::size_t lane) -> const PieceReach<double>& {
+            return pieces[which[std::min(at + lane, which.size() - 1)]].reach;
+        });
+        PieceExpansion<V> e;
+        good = hn::And(good, couplings.polar() ? ExpansionOf<true>(lanes, reach, c, rows, e)
+                                               : ExpansionOf<false>(lanes, reach, c, rows, e));
+        StoreEach(e, std::min(lane_count, which.size() - at),
+                  [&](std::size_t lane) -> PieceExpansion<double>& { return pieces[which[at + lane]].seen; });
+    }
+    return hn::AllTrue(d, good);
+}
+
+} // namespace rodwake::rods::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rodwake::rods {
+
+HWY_EXPORT(FindReach);
+HWY_EXPORT(Expand);
+
+void find_reach(const elastic::Medium& medium, const PieceCouplings& couplings,
+                std::span<ProofPiece> pieces) {
+    HWY_DYNAMIC_DISPATCH(FindReach)(medium, couplings, pieces);
+}
+
+bool expand(const elastic::Medium& medium, const Couplings& couplings, std::span<ProofPiece> pieces,
+            std::span<const std::size_t> which) {
+    return HWY_DYNAMIC_DISPATCH(Expand)(medium, couplings, pieces, which);
+}
+
+} // namespace rodwake::rods
+#endif

@@ -1,0 +1,67 @@
+#pragma once
+// Pieces of a pair's solution: what is known of the rates of turn along and about them. docs/physics.md,
+// section 7. Reduced units, eta >= 0.
+
+#include "rodwake/elastic/medium.hpp"
+#include "rodwake/rods/couplings.hpp"
+#include "step_polynomial.hpp"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace rodwake::rods {
+
+/// What holds about a piece, by the bound of the turning rates alone. N: double, or a vector of them.
+template<class N>
+struct PieceReach {
+    N length;    ///< of time
+    N distance;  ///< in the middle
+    N room;      ///< how much farther from the piece the bounds hold, in the sense of wandering
+    N rate[2];   ///< of |theta'| there, at most
+    N change[2]; ///< the same of what the couplings may differ by
+    N turn[2];   ///< how far a heading turns from its middle
+    N rest[3];   ///< of the defect: what interpolation at the nodes leaves out, at most, and rounding
+    N direction_rest[2], phase_rest[2]; ///< the same of directions, and of derivatives of rates by phases
+    N missed;                           ///< what the rest adds to the error
+};
+
+/// What samples at the nodes tell of the error e over a piece: bounds for places, heading 0 and heading 1,
+/// and of what maps such errors. With e = E + (1 + W) d the rate of d is, but for the mean Jacobian's part
+/// and the drift, at most `known` + `wobble` |d| + `inverse` (curvature).
+template<class N>
+struct PieceExpansion {
+    N propagator[4][4]; ///< exp(h J) of the mean Jacobian J, of x, y (of R_0 - R_1) and both headings
+    N drift[4];         ///< int exp(s J) ds of what acts on d of itself
+    N truncation;       ///< error of both, of errors of 1, those of places over the scale
+    N mean[3];          ///< what acts on d of itself
+    N swing[3];         ///< |E|
+    N turned[3][3];     ///< |W|
+    N inverse[3][3];    ///< |(1 + W)^-1|
+    N wobble[3][3], known[3];
+    N grown[3][3]; ///< 1/(1 - h (|J| + wobble))
+    N defect[3];   ///< |p' - f(p)|
+    N by[2][3];    ///< |d rate|
+    N scale;       ///< of places, so that both kinds of error count alike
+    N growth;      ///< of errors over the piece, about; not finite: none of this holds
+};
+
+struct ProofPiece {
+    Piece piece;
+    int depth = 0;          ///< how often it may be halved
+    std::size_t halves = 0; ///< where the first is; 0: it is whole
+    PieceReach<double> reach;
+    PieceExpansion<double> seen;
+};
+
+/// What acts in a pair, and what bounds all pairs that a proof is about.
+struct PieceCouplings {
+    Couplings own, largest, change;
+};
+
+void find_reach(const elastic::Medium& medium, const PieceCouplings& couplings, std::span<ProofPiece> pieces);
+/// Needs the reach. False if one of these leaves the range of the kernels.
+bool expand(const elastic::Medium& medium, const Couplings& couplings, std::span<ProofPiece> pieces,
+            std::span<const std::size_t> which);
+
+} // namespace rodwake::rods
