@@ -8,8 +8,8 @@
 #define RODWAKE_RODS_PIECE_NUMBERS_INL
 #endif
 
-#include "pair_rates_inl.hpp"
 #include "step_polynomial.hpp"
+#include "turning_bound_inl.hpp"
 
 #include <algorithm>
 #include <cmath>
