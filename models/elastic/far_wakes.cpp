@@ -16,6 +16,8 @@ double error_of_one(double tolerance, double eta) {
 }
 
 constexpr std::size_t most_first = 48; ///< first nodes that are thought of
+/// Rods a xi^2: errors grow with the root of that, and are measured to be within the tolerance up to here.
+constexpr double densest = 4.0;
 
 struct Extent {
     double x, y, width, height;
@@ -175,7 +177,7 @@ FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
         static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
         static_cast<double>(rods.size()) / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
     Plan best{0, 0, 0.0, HUGE_VAL};
-    if (crowd.diagonal > largest_crowd)
+    if (crowd.diagonal > largest_crowd || crowd.density > densest)
         return best;
     for (std::size_t way = 0; way < nodes_.size(); ++way)
         for (std::size_t first = 1; first <= most_first; ++first)
@@ -199,7 +201,6 @@ NearHeat FarWakes::make_near_heat(const Plan& plan) const {
         felt.push_back(nodes.at(k));
     const double error = std::min(strain_error_, polar_ ? polar_error_ : 1.0);
     NearHeat near = elastic::near_heat(felt, nodes.eta, plan.reach, error, polar_);
-    near.fine = strain_error_ >= 1e-8;
     WakeFunctions own{};
     for (const HeatNode& node : felt)
         take_node(node, nodes.eta, 0.0, own);

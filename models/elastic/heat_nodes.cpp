@@ -95,16 +95,16 @@ HWY_INLINE Wake<Lanes> WakeOf(const V (&f)[NearHeat::functions], V x, V y, V s, 
 }
 
 /// Adds the exact field in these lanes.
-template<bool polar, class K>
-HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<K>& with, const V (&X)[1], const V (&Y)[1], V distance,
-                                      hn::Mask<Lanes> lanes, Wake<Lanes>& wake) {
+template<bool polar>
+HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<FullKind>& with, const V (&X)[1], const V (&Y)[1],
+                                      V distance, hn::Mask<Lanes> lanes, Wake<Lanes>& wake) {
     const Lanes d;
     const V distances[1] = {distance};
     Radial<Lanes> radial[1];
-    RadialAt<K::shape>(d, with.table, distances, with.medium, radial);
+    RadialAt<FullKind::shape>(d, with.table, distances, with.medium, radial);
     const Radial<Lanes>* const shown[1] = {&radial[0]};
     Wake<Lanes> exact[1];
-    WakeAt<polar, K::shape>(d, X, Y, shown, with.medium, exact);
+    WakeAt<polar, FullKind::shape>(d, X, Y, shown, with.medium, exact);
     const auto add = [&](V Wake<Lanes>::*part) HWY_ATTR {
         wake.*part = hn::Add(wake.*part, hn::IfThenElseZero(lanes, exact[0].*part));
     };
@@ -119,9 +119,9 @@ HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<K>& with, const V (&X)[1], c
 
 /// What a vector of sources gives at (x, y), less their heat. Rods that are too near for the table lose none:
 /// it is nothing beside their wake.
-template<bool polar, class K>
-HWY_INLINE Parts<K> NearAt(const Setting<K>& with, const NearHeat& heat, const NearSources& sources,
-                           std::size_t first, double x, double y) {
+template<bool polar>
+HWY_INLINE Parts<FullKind> NearAt(const Setting<FullKind>& with, const NearHeat& heat,
+                                  const NearSources& sources, std::size_t first, double x, double y) {
     const Lanes d;
     const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
     const V cosine = load(sources.cosine), sine = load(sources.sine), scale = hn::Set(d, with.c_shear);
@@ -133,16 +133,16 @@ HWY_INLINE Parts<K> NearAt(const Setting<K>& with, const NearHeat& heat, const N
     place.inverse = hn::Div(hn::Set(d, 1.0), place.s);
     const Radial<Lanes>* const shown[1] = {&place};
     Bearing<Lanes> bearing[1];
-    BearingsOf<K::shape>(d, X, Y, shown, with.medium, bearing);
+    BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
     V f[NearHeat::functions];
     const auto nearest = FunctionsAt(heat, place.s, f);
     Wake<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
     if (HWY_LIKELY(hn::AllFalse(d, nearest)))
         return LabParts<polar>(wake, cosine, sine, with.unit);
     const auto in_range = AddExact<polar>(with, X, Y, place.s, nearest, wake);
-    Parts<K> parts = LabParts<polar>(wake, cosine, sine, with.unit);
+    Parts<FullKind> parts = LabParts<polar>(wake, cosine, sine, with.unit);
     if (HWY_UNLIKELY(!hn::AllTrue(d, in_range)))
-        ReplaceLanes<polar, K>(parts, in_range, [&](std::size_t lane, double* exact) {
+        ReplaceLanes<polar, FullKind>(parts, in_range, [&](std::size_t lane, double* exact) {
             const std::size_t k = first + lane;
             exact_parts(*with.field, {sources.x[k], sources.y[k], sources.cosine[k], sources.sine[k]}, x, y,
                         polar, exact);
@@ -173,14 +173,14 @@ void PartsAt(const WakeFunctions& functions, const KernelMedium& medium, const F
     }
 }
 
-template<bool polar, class K>
+template<bool polar>
 HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const NearHeat& heat,
                           const NearSources& sources, double x, double y, std::span<double> sums) {
     const Lanes d;
-    const Setting<K> with = SettingOf<K>(medium, field);
+    const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
     double slots[all_parts][heat_lanes] = {}; // one a lane of the longest vector, whatever vectors there are
     for (std::size_t first = 0; first < sources.count; first += hn::Lanes(d)) {
-        const Parts<K> parts = NearAt<polar, K>(with, heat, sources, first, x, y);
+        const Parts<FullKind> parts = NearAt<polar>(with, heat, sources, first, x, y);
         const auto meant = hn::FirstN(d, sources.count - first);
         for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
             double* slot = slots[k] + first % heat_lanes;
@@ -194,9 +194,7 @@ HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const 
 
 void AddNearEither(const KernelMedium& medium, const Field& field, const NearHeat& heat,
                    const NearSources& sources, double x, double y, bool polar, std::span<double> sums) {
-    const auto add = polar       ? heat.fine ? AddNear<true, FineKind> : AddNear<true, FullKind>
-                           : heat.fine ? AddNear<false, FineKind>
-                                 : AddNear<false, FullKind>;
+    const auto add = polar ? AddNear<true> : AddNear<false>;
     add(medium, field, heat, sources, x, y, sums);
 }
 
@@ -299,7 +297,7 @@ double fit_piece(std::span<const HeatNode> nodes, double eta, std::size_t piece,
 } // namespace
 
 NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar) {
-    NearHeat heat{reach, false, {}};
+    NearHeat heat{reach, {}};
     for (std::size_t terms = 4; terms <= NearHeat::most_terms; ++terms) {
         heat.powers.assign(terms, {});
         double worst = 0.0;

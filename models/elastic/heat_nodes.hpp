@@ -53,7 +53,6 @@ struct NearHeat {
     using Coefficients = std::array<std::array<double, pieces>, functions>;
 
     double reach; ///< in xi
-    bool fine;    ///< whether Accuracy::fine will do for the exact field
     std::vector<Coefficients> powers;
     double own[all_parts][heat_lanes] = {}; ///< what the rod itself lacks if it is along x, in each lane
 };

@@ -82,11 +82,12 @@ HWY_INLINE V LengthOf(V x, V y) { return hn::Sqrt(Fma(Lanes(), x, x, hn::Mul(y, 
 struct Wandering {
     V a[5]; ///< of v, v^2, ...
 
+    /// Above 0, so that one may divide by it where nothing changes.
     V At(V reach) const {
         V sum = hn::Mul(reach, a[4]);
         for (std::size_t k = 4; k-- > 0;)
             sum = hn::Mul(reach, hn::Add(a[k], sum));
-        return sum;
+        return hn::Max(sum, Number(1e-300));
     }
     /// A reach within `room`, near the largest: as the sum is of powers 1 to 5, a share less or the fifth
     /// root of a share more do not leave it.
@@ -162,8 +163,11 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
     reach.length = piece.length;
     reach.room = hn::Sub(all, wandering.At(one));
     const V rest = RemainderFactor(far), root2 = Number(std::numbers::sqrt2);
-    const V slope_rest = hn::Min(hn::Div(RemainderFactor(wandering.Reach(part)), hn::Sub(all, part)),
-                                 hn::Div(Number(4.0), reach.room));
+    const V slope_reach = wandering.Reach(part), on_piece = hn::Div(Number(4.0), reach.room);
+    const V slope_rest = // within `part` the derivatives are bounded only where the piece does not leave it
+        hn::IfThenElse(hn::Gt(slope_reach, Number(1.02)),
+                       hn::Min(hn::Div(RemainderFactor(slope_reach), hn::Sub(all, part)), on_piece),
+                       on_piece);
     reach.missed = reach.rest[0] = hn::Zero(d);
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const TurningBounds most = TurningBoundsOf(around, rod, largest, medium.nu);

@@ -330,3 +330,21 @@ TEST_CASE("A box of pairs of more than one kind, or of another ending, is not pr
     high.medium.eta = 1.1;
     CHECK_FALSE(all_end(std::array{low, high}, ending, options));
 }
+
+TEST_CASE("Derivatives are bounded by what is left of the width where a piece needs most of it") {
+    int pieces = 0;
+    for (const PairProblem& pair : random_pairs(20, 23, true)) {
+        double low = 0.0, high = 20.0; // of the length at which the bounds end
+        for (int k = 0; k < 40; ++k) {
+            const double middle = 0.5 * (low + high);
+            (wrong_piece(pair, middle, 0.0).of.reach.room > 0.0 ? low : high) = middle;
+        }
+        const PieceReach<double> reach = wrong_piece(pair, low, 0.0).of.reach;
+        if (!(reach.room > 0.0 && reach.room < 0.01))
+            continue;
+        ++pieces;
+        for (const std::size_t rod : {0, 1}) // 4: Cauchy's estimate, and interpolation at the nodes
+            CHECK(reach.phase_rest[rod] >= 3.99 * reach.rate[rod] / reach.room);
+    }
+    CHECK(pieces > 5);
+}

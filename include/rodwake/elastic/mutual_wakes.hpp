@@ -8,7 +8,7 @@
 // vector, the instruction set or the threads. With far wakes they depend on the C library, too.
 //
 // Far wakes: with tolerances and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a time
-// that grows hardly faster than N, if that is cheaper; near pairs are then good to a part of the tolerances.
+// that grows hardly faster than N, if that is cheaper, up to four rods a xi^2; near pairs are exact.
 // Tolerances below 1e-10 f/mu/xi (polar: /xi^2) go pair by pair. Errors keep to the tolerances by
 // measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod to rod.
 //
