@@ -164,13 +164,17 @@ void tell(const std::string& text) {
 
 void end_well_without_memory() {
     std::set_terminate([] {
+        const auto end = [](std::string_view message) {
+            [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
+            std::_Exit(1);
+        };
         try {
             if (const auto error = std::current_exception())
                 std::rethrow_exception(error);
+            if (std::uncaught_exceptions() > 0) // it would have left a function that may not throw
+                end("rodwake: not enough memory, or an error that a library cannot tell\n");
         } catch (const std::bad_alloc&) {
-            constexpr std::string_view message = "rodwake: not enough memory\n";
-            [[maybe_unused]] const auto written = ::write(STDERR_FILENO, message.data(), message.size());
-            std::_Exit(1);
+            end("rodwake: not enough memory\n");
         } catch (...) { // a defect: abort tells more
         }
         std::abort();
