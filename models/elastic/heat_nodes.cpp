@@ -304,8 +304,9 @@ NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, do
         for (std::size_t piece = 0; piece < NearHeat::pieces; ++piece)
             worst = std::max(worst, fit_piece(nodes, eta, piece, polar, heat));
         if (worst <= error)
-            break;
+            return heat;
     }
+    heat.powers.clear();
     return heat;
 }
 

@@ -57,7 +57,8 @@ struct NearHeat {
     double own[all_parts][heat_lanes] = {}; ///< what the rod itself lacks if it is along x, in each lane
 };
 
-/// Of nodes whose polynomials may be wrong by `error`; the rest of a NearHeat but for `own`.
+/// Of nodes whose polynomials may be wrong by `error`; all of a NearHeat but for `own`. Without powers: no
+/// number of terms is that good.
 NearHeat near_heat(std::span<const HeatNode> nodes, double eta, double reach, double error, bool polar);
 
 /// Sources, filled up to whole vectors with some that are not meant.

@@ -259,12 +259,15 @@ std::optional<std::size_t> add_far_and_near(const Task& task, const FarWakes& fa
     const FarWakes::Plan plan = far.plan(in_xi);
     if (plan.cost > all_pairs_cost(task))
         return std::nullopt;
+    const NearHeat& near = far.near_heat(plan);
+    if (near.powers.empty())
+        return std::nullopt;
     std::vector<double> part(static_cast<std::size_t>(task.parts()) * rods.size());
     Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
     for (int k = 0; k < task.parts(); ++k)
         sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * rods.size();
     add_far(sorted, far, plan, in_xi);
-    const std::size_t done = add_near_pairs(sorted, far.near_heat(plan));
+    const std::size_t done = add_near_pairs(sorted, near);
     for (int k = 0; k < task.parts(); ++k)
         for (std::size_t i = 0; i < rods.size(); ++i)
             task.sum[k][order[i]] = sorted.sum[k][i];

@@ -184,6 +184,21 @@ TEST_CASE("far wakes have the same bits for any number of threads and every inst
     for_each_instruction_set(same);
 }
 
+TEST_CASE("crowds denser than was measured, and near pairs that no polynomial tells, go pair by pair") {
+    const FarWakes far({1.0, 1.0}, 1e-6, 1e-6, true);
+    for (const double density : {3.9, 4.1}) {
+        const std::size_t count = 100'000;
+        const double side = std::sqrt(static_cast<double>(count) / density);
+        std::vector<KernelSource> rods;
+        for (const Source& rod : crowd(count, side, side).rods)
+            rods.push_back({rod.x, rod.y, 1.0, 0.0});
+        CHECK(std::isfinite(far.plan(rods).cost) == (density < 4.0));
+    }
+    const HeatNode node{4.0, 1.0};
+    CHECK_FALSE(near_heat({&node, 1}, 1.0, 20.0, 1e-6, true).powers.empty());
+    CHECK(near_heat({&node, 1}, 1.0, 20.0, 1e-30, true).powers.empty());
+}
+
 TEST_CASE("a single far tolerance, few rods and media out of range go pair by pair") {
     const Crowd all = crowd(2000, 80.0, 80.0);
     const std::size_t pairs = 2000 * 1999;
