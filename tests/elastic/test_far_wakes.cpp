@@ -229,13 +229,18 @@ TEST_CASE("rods at one place are refused among near pairs, too") {
 }
 
 TEST_CASE("the work grows hardly faster than the number of rods") {
-    std::vector<double> near;
+    const FarWakes far({1.0, 1.0}, 1e-3, 0.0, false);
+    std::vector<double> near, cost;             // of a rod
     for (const std::size_t n : {4000, 16000}) { // of one density
         const double side = 2.3 * std::sqrt(static_cast<double>(n));
         const Crowd all = crowd(n, side, side);
-        near.push_back(
-            static_cast<double>(sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false).done) /
-            static_cast<double>(n));
+        const Result got = sums_of(all.rods, {1.0, 1.0}, {.strain_tolerance = 1e-3}, false);
+        std::vector<KernelSource> rods;
+        for (const Source& rod : all.rods)
+            rods.push_back({rod.x, rod.y, std::cos(rod.heading), std::sin(rod.heading)});
+        near.push_back(static_cast<double>(got.done) / static_cast<double>(n));
+        cost.push_back(far.plan(rods).cost / static_cast<double>(n));
     }
-    CHECK(near[1] < 2.5 * near[0]); // of all pairs 4; another plan may reach twice as many
+    CHECK(cost[1] < 1.3 * cost[0]); // of all pairs 4
+    CHECK(near[1] < 2.5 * near[0]); // another plan may reach twice as many
 }
