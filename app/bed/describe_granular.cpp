@@ -141,8 +141,7 @@ void add_idealisations(const GranularProblem& problem, Lines& lines) {
 double frames_bytes(const BedPlan& plan) {
     const scene::Granular& bed = *plan.of.scene.granular;
     return (plan.schedule.h5md ? h5md_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0) +
-           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0) +
-           (plan.schedule.gsd ? gsd_bytes * stored_spheres(bed, plan.problem) * frame_count(bed) : 0.0);
+           (plan.schedule.xyz ? xyz_bytes(bed, plan.problem) : 0.0);
 }
 
 } // namespace
@@ -182,8 +181,6 @@ std::string describe_output(const BedPlan& plan) {
         formats.emplace_back("h5md");
     if (plan.schedule.xyz)
         formats.emplace_back("xyz");
-    if (plan.schedule.gsd)
-        formats.emplace_back("gsd");
     std::string text = formats.empty()
                            ? "no frames"
                            : fmt::format("{:.0f} frames of {:.0f} spheres ({}), at most {}", frames, count,

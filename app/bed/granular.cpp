@@ -209,7 +209,6 @@ GranularSchedule granular_schedule(const scene::Granular& bed, const granular::G
             bed.stop_at_travel.value_or(0.0),
             wants("h5md"),
             wants("xyz") || (wants("xyz_if_short") && is_short),
-            wants("gsd"),
             bed.output.last_period,
             static_cast<std::size_t>(bed.output.every_bead),
             bed.output.archive ? granular::whole_steps(*bed.output.archive, problem.time_step, 1) : 0};

@@ -5,7 +5,6 @@
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/extended_xyz.hpp"
 #include "rodwake/store/generations.hpp"
-#include "rodwake/store/gsd.hpp"
 
 #include <fmt/format.h>
 
@@ -105,7 +104,7 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
       row_doubles_(field_count<granular::TableRow> + field_count<granular::TrackPoint> * layout_.rods()) {
     std::filesystem::create_directories(folder_);
     rows_.emplace(folder_ / "rows.log", row_doubles_ * sizeof(double), kept.rows);
-    if (schedule_.h5md || schedule_.xyz || schedule_.gsd)
+    if (schedule_.h5md || schedule_.xyz)
         frames_.emplace(folder_ / "frames.log", frame_doubles_ * sizeof(double), kept.frames);
     if (schedule_.last_period)
         period_.emplace(folder_ / "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
@@ -212,13 +211,10 @@ void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& 
                                      const store::H5mdInfo& info, bool for_viewers) {
     std::optional<store::H5mdWriter> h5md;
     std::optional<store::ExtendedXyzWriter> text;
-    std::optional<store::GsdWriter> gsd;
     if (schedule_.h5md || !for_viewers)
         h5md.emplace(folder_ / (name + ".h5md"), layout_, info);
     if (for_viewers && schedule_.xyz)
         text.emplace(folder_ / (name + ".xyz"), layout_, problem_.bead_radius);
-    if (for_viewers && schedule_.gsd)
-        gsd.emplace(folder_ / (name + ".gsd"), layout_, problem_.bead_radius);
     for (std::size_t i = 0; i < log.records(); ++i) {
         const std::vector<double> record = doubles(log.read(i));
         const store::Frame frame = frame_of(record, layout_.particles(), layout_.rods());
@@ -226,15 +222,11 @@ void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& 
             h5md->add_frame(frame);
         if (text)
             text->add_frame(frame);
-        if (gsd)
-            gsd->add_frame(frame);
     }
     if (h5md)
         h5md->commit();
     if (text)
         text->commit();
-    if (gsd)
-        gsd->commit();
 }
 
 void GranularFiles::finish(const store::H5mdInfo& info) {

@@ -1,6 +1,6 @@
 #pragma once
 // The files of one granular run. While it goes on, frames and rows are appended to logs whose lengths a
-// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz, .gsd) and
+// checkpoint remembers; at its end they become table.csv, tracks.csv, trajectory.h5md (.xyz) and
 // last_period.h5md.
 
 #include "rodwake/app/granular.hpp"

@@ -232,7 +232,6 @@ bool has_files(const GranularPlan& plan, const fs::path& folder, const GranularC
     return there(true, "table.csv") && there(!plan.bed.problem.rods.empty(), "tracks.csv") &&
            there(s.h5md, "trajectory.h5md") &&
            there(s.xyz && plan.bed.of.scene.granular->runs == 1, "trajectory.xyz") &&
-           there(s.gsd && plan.bed.of.scene.granular->runs == 1, "trajectory.gsd") &&
            there(s.archive_every > 0, "archive.rwc") &&
            there(last.logs.period_frames > 0, "last_period.h5md");
 }

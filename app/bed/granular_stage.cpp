@@ -252,7 +252,6 @@ std::vector<FileKind> granular_files() {
              columns_of<granular::RowTime, Each<granular::TrackPoint>>()},
             {"trajectory.h5md", kept, "places and velocities of all spheres in every stored frame"},
             {"trajectory.xyz", kept, "the same as extended XYZ"},
-            {"trajectory.gsd", kept, "the same as GSD, in single precision"},
             {"last_period.h5md", kept, "frames of the last period of the plates"},
             {"final.rwc", kept, "last state, for granular.restart_from"},
             {"archive.rwc", kept, "states at even intervals, for rodwake replay"},

@@ -3,6 +3,7 @@
 #include "film_rods.hpp"
 #include "fit/fit_data.hpp"
 #include "measure_frames.hpp"
+#include "rodwake/app/convert.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/tracks.hpp"
 #include "rodwake/store/atomic_file.hpp"
@@ -86,8 +87,8 @@ fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
 store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
     const scene::TracksColumns& c = keys.columns;
     const bool own_times = !keys.frames_per_second && keys.time_column.empty();
-    store::TrackColumns columns{c.frame,   c.id,           c.x,       c.y, "", c.kind, keys.time_column, {},
-                                own_times, keys.rod_kinds, keys.group};
+    store::TrackColumns columns{c.frame,          c.id, c.x,       c.y,           "", c.kind,
+                                keys.time_column, {},   own_times, keys.rod_kinds};
     if (of_rods) {
         columns.heading = c.heading;
         columns.ends = c.ends;
@@ -107,30 +108,52 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     append(rows.id, rods.id);
     append(rows.y, rods.y);
     append(rows.heading, rods.heading);
+    append(rows.image_x, rods.image_x);
+    append(rows.image_y, rods.image_y);
     append(rows.x, rods.x); // last: it is what the others are as long as
+    if (rows.image_x.size() != rows.size()) // one of the files has them, the other does not
+        rows.image_x = rows.image_y = {};
+    append(rows.warnings, rods.warnings);
+    rows.dangling += rods.dangling;
     if (rows.without_place == 0)
         rows.first_without_place = rods.first_without_place;
     rows.without_place += rods.without_place;
 }
 
-store::TrackFormat format_of(scene::TracksFormat format) {
-    switch (format) {
-    case scene::TracksFormat::csv:
-        return store::TrackFormat::csv;
-    case scene::TracksFormat::trackmate:
-        return store::TrackFormat::trackmate;
-    case scene::TracksFormat::lammps:
-        return store::TrackFormat::lammps;
-    case scene::TracksFormat::xyz:
-        return store::TrackFormat::xyz;
-    case scene::TracksFormat::gsd:
-        return store::TrackFormat::gsd;
-    case scene::TracksFormat::h5md:
-        return store::TrackFormat::h5md;
-    case scene::TracksFormat::automatic:
-        break;
+/// Rows of a file: of CSV at once, of any other format from the film that is made of it in `folder`, whose
+/// name goes to `films`. No rows after a stop.
+TrackRows rows_of(const scene::Tracks& keys, const fs::path& file, TrackFormat format, bool are_rods,
+                  const fs::path& folder, const RunContext& context, std::vector<fs::path>& films,
+                  const std::function<void(double)>& on_progress) {
+    const store::TrackColumns columns = columns_of(keys, are_rods || keys.rods_file.empty());
+    const auto go_on = [&](double from, double part) {
+        on_progress(from + (1.0 - from) * part);
+        return !context.stopped();
+    };
+    if (format == TrackFormat::automatic)
+        format = store::track_format(file);
+    if (format == TrackFormat::csv)
+        return store::read_track_csv(file, columns, [&](double part) { return go_on(0.0, part); });
+    if (!keys.time_column.empty() && format != TrackFormat::xyz)
+        throw InputError(file.string() + ": has no columns of times: leave tracks.time_column out, or give "
+                                         "tracks.frames_per_second");
+    const fs::path film =
+        film_of(keys, file, format, folder, context, [&](double part) { on_progress(0.8 * part); });
+    if (film.empty())
+        return {};
+    films.push_back(film);
+    return store::read_film(film, file.string(), columns.own_times || !columns.time.empty(),
+                            [&](double part) { return go_on(0.8, part); });
+}
+
+/// Films of files that the scene named before, or that have changed.
+void remove_other_films(const fs::path& folder, const std::vector<fs::path>& films) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("film_") && name.ends_with(".h5md") &&
+            std::ranges::count(films, entry.path()) == 0)
+            fs::remove(entry.path());
     }
-    return store::TrackFormat::automatic;
 }
 
 /// The box of the file is as good as one of the scene, which goes first.
@@ -235,22 +258,22 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
                                     Progress& progress, const Logger& log) {
     const scene::Tracks& keys = *scene.tracks;
     const fs::path file = file_of(scene, "file", keys.file);
-    TrackRows rows = store::read_tracks(file, format_of(keys.format),
-                                        columns_of(keys, keys.rods_file.empty()), [&](double part) {
-                                            progress.update(0.5 * part);
-                                            return !context.stopped();
-                                        });
+    std::vector<fs::path> films;
+    TrackRows rows = rows_of(keys, file, keys.format, false, folder, context, films,
+                             [&](double part) { progress.update(0.5 * part); });
+    if (!context.stopped() && !keys.rods_file.empty())
+        append_rods(rows, rows_of(keys, file_of(scene, "rods_file", keys.rods_file), TrackFormat::automatic,
+                                  true, folder, context, films, [](double) {}));
     if (context.stopped())
         return std::nullopt;
-    if (!keys.rods_file.empty())
-        append_rods(rows, store::read_tracks(file_of(scene, "rods_file", keys.rods_file),
-                                             store::TrackFormat::automatic, columns_of(keys, true),
-                                             [&](double) { return !context.stopped(); }));
+    remove_other_films(folder, films);
     TrackRows facts; // what the reader left out; the rows themselves are given away
     facts.without_place = rows.without_place;
     facts.first_without_place = rows.first_without_place;
     facts.branches = rows.branches;
     facts.hidden = rows.hidden;
+    facts.dangling = rows.dangling;
+    facts.warnings = rows.warnings;
     facts.length_unit = rows.length_unit;
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());

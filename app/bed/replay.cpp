@@ -123,7 +123,7 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     done.file = folder / "trajectory.h5md";
     GranularSchedule schedule = kept.bed.schedule;
     schedule.h5md = true;
-    schedule.xyz = schedule.gsd = schedule.last_period = false;
+    schedule.xyz = schedule.last_period = false;
     schedule.archive_every = 0;
     GranularFiles files(folder, p, schedule, {});
     Progress progress(context, "replay", kept.time(steps.to) - done.begun_at, "s");

@@ -294,6 +294,45 @@ void add_replay(CLI::App& app, Options& options) {
     add_quiet(*replay, options);
 }
 
+void add_convert(CLI::App& app, Options& options) {
+    CLI::App* convert = add_verb(
+        app, options, Verb::convert, "convert",
+        "tracks and trajectories between CSV, H5MD, GSD, extended XYZ and LAMMPS dumps; from TrackMate",
+        "  rodwake convert results/bed -o bed.gsd\n"
+        "  rodwake convert results/bed -o bed.xyz --frames 0::10 --rods poses\n"
+        "  rodwake convert tracks.xml -o film.h5md\n"
+        "  rodwake convert dump.lammpstrj -o film.csv --rod-kind 2");
+    app::ConvertRequest& c = options.convert;
+    convert
+        ->add_option("IN", options.target, "file of tracks, trajectory, or the folder of a run or ensemble")
+        ->required();
+    convert
+        ->add_option("-o,--output", options.output,
+                     "file to write; its ending is the format: .h5md, .gsd, .xyz, .dump, .csv")
+        ->required();
+    convert->add_option("--frames", c.frames, "frames FROM:TO:STRIDE, numbers from 0 [all]");
+    convert
+        ->add_option("--rods", c.rods,
+                     "poses, or spheres where the file has them [poses in CSV, else spheres]")
+        ->check(one_of({"poses", "spheres"}));
+    convert->add_option("--unit", c.unit, "of the lengths written: a or m [a for beds, else as in the file]")
+        ->check(one_of({"a", "m"}));
+    convert->add_option("--format", options.format, "of IN [by its content, else its ending]")
+        ->check(one_of({"csv", "trackmate", "lammps", "xyz", "gsd", "h5md"}));
+    convert->add_option("--group", c.group, "particles of an H5MD file with several groups");
+    convert
+        ->add_option("--rod-kind", c.columns.rod_kinds, "a type, species or kind that is a rod; repeatable")
+        ->allow_extra_args(false);
+    convert
+        ->add_option("--column", options.columns,
+                     "name of a column: frame, id, x, y, heading or kind, as in id=label; repeatable")
+        ->allow_extra_args(false);
+    convert->add_option("--time-column", c.columns.time,
+                        "column of CSV, or key of extended XYZ, with the times in s");
+    add_force(*convert, options, "replace the file if it is there");
+    add_quiet(*convert, options);
+}
+
 void add_explore(CLI::App& app, Options& options) {
     CLI::App* explore =
         add_verb(app, options, Verb::explore, "explore",
@@ -332,6 +371,7 @@ void add_verbs(CLI::App& app, Options& options) {
         ->required();
     add_dry_run(*impact, options);
     add_camera(app, options);
+    add_convert(app, options);
     add_replay(app, options);
     add_explore(app, options);
     CLI::App* plot =

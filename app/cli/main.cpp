@@ -37,6 +37,8 @@ int dispatch(const Options& options) {
         return verb_design(options);
     case Verb::camera:
         return verb_camera(options);
+    case Verb::convert:
+        return verb_convert(options);
     case Verb::replay:
         return verb_replay(options);
     case Verb::explore:

@@ -1,6 +1,7 @@
 #pragma once
 // The command line, parsed.
 
+#include "rodwake/app/convert.hpp"
 #include "rodwake/app/fit_design.hpp"
 #include "rodwake/app/replay.hpp"
 #include "rodwake/app/tradeoff.hpp"
@@ -34,6 +35,7 @@ enum class Verb {
     design,
     run,
     camera,
+    convert,
     replay,
     explore,
     plot,
@@ -69,6 +71,9 @@ struct Options {
     bool no_figures = false;         ///< run --no-figures
     measure::Camera camera;          ///< camera; its lengths as they were typed, its angle in degrees
     std::string pixel = "0.05 a", localisation = "0"; ///< camera --pixel, --noise
+    app::ConvertRequest convert;                      ///< convert; its files are target and output
+    std::string format;                               ///< convert --format; empty: automatic
+    std::vector<std::string> columns;                 ///< convert --column, "id=NAME"
     app::ReplayRequest replay;                        ///< replay --from, --to, --frames
     bool verify = false;                              ///< replay --verify
     bool pdf = false;                                 ///< plot --pdf

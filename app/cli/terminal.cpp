@@ -2,6 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "verbs.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -196,6 +197,8 @@ app::RunContext context_of(const Options& options) {
     context.command = options.command;
     context.log = [screen](Severity severity, const std::string& message) { screen->log(severity, message); };
     context.progress = [screen](const app::ProgressReport& report) { screen->progress(report); };
+    context.converter = {RODWAKE_FIGURES_PYTHON,
+                         (shipped_folder() / "convert" / "rodwake_convert.py").string()};
     context.stop = [] { return stop_signal() != 0; };
     context.checkpoint_requests = checkpoint_requests;
     context.scan.part = part_of(options).value_or(scan::Part{});

@@ -9,6 +9,7 @@
 #include "rodwake/scene/document.hpp"
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/hdf5_reader.hpp"
+#include "rodwake/store/track_file.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -211,13 +212,15 @@ std::string file_text(const fs::path& file) {
         return table_text(file);
     if (ending == ".json")
         return json_text(file);
-    if (ending == ".gsd")
-        return fmt::format("frames as GSD, schema hoomd; {} bytes\n", fs::file_size(file));
     std::ifstream again = opened(file);
     if (ends_in(ending, {".toml", ".txt", ".xyz", ".vti", ".lock"}))
         return text_text(again);
     if (const std::string what = app::what_of(file); ending == ".log" && !what.empty())
         return fmt::format("{}; {} bytes\n", what, fs::file_size(file));
+    if (const TrackFormat format = store::track_format(file);
+        format != TrackFormat::h5md && format != TrackFormat::csv)
+        return fmt::format("tracks in the format {}; {} bytes; rodwake convert FILE -o OUT.csv shows them\n",
+                           to_string(format), fs::file_size(file));
     return hdf5_text(file);
 }
 

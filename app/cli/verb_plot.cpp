@@ -1,5 +1,6 @@
 // rodwake plot, and the figures at the end of rodwake run: the plotting program, run on a folder of results.
 
+#include "rodwake/app/child_program.hpp"
 #include "rodwake/app/explore.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
@@ -10,23 +11,13 @@
 #include "verbs.hpp"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <chrono>
-#include <csignal>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <thread>
 #include <vector>
-
-extern char** environ;
 
 namespace rodwake::cli {
 
@@ -35,35 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int usage_error = 2; ///< of the plotting program
-
-/// Passes a signal that asks us to stop on to the child; Ctrl-C reaches it anyway, SIGTERM does not.
-int wait_for(pid_t child) {
-    int status = 0;
-    for (pid_t ended = 0; ended != child; ended = ::waitpid(child, &status, WNOHANG)) {
-        if (ended < 0 && errno != EINTR)
-            throw RunError(
-                fmt::format("how the plotting program ended is not known: {}", std::strerror(errno)));
-        if (stop_signal())
-            ::kill(child, SIGTERM);
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return status;
-}
-
-int run(const std::vector<std::string>& command) {
-    std::vector<char*> arguments;
-    arguments.reserve(command.size() + 1);
-    for (const std::string& word : command)
-        arguments.push_back(
-            const_cast<char*>(word.c_str())); // posix_spawn takes char* and does not write through it
-    arguments.push_back(nullptr);
-    pid_t child = 0;
-    if (::posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
-        throw RunError(command[0] + ": cannot be run; figures need python3 with matplotlib and h5py "
-                                    "(tools/quickstart --deps-only or pip installs them)");
-    const int status = wait_for(child);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
-}
 
 /// What the plotting program is asked of the look of all figures; it checks the values.
 std::vector<std::string> looks_of(const Options& options) {
@@ -122,7 +84,11 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
         std::ranges::any_of(looks, [](const auto& look) { return look.starts_with("--output="); });
     if (!elsewhere)
         write_explorer(run_directory);
-    const int code = run(command);
+    const int code = app::run_child(command,
+                                    "figures need python3 with matplotlib and h5py (tools/quickstart "
+                                    "--deps-only or pip installs them)",
+                                    [] { return stop_signal() != 0; })
+                         .code;
     if (code == usage_error && !looks.empty()) // Python itself ends with that code, too
         throw InputError("nothing was drawn (see above)");
     if (code != 0 && !stop_signal())

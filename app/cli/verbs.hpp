@@ -20,6 +20,7 @@ int verb_stages(
 int verb_tradeoff(const Options& options);
 int verb_design(const Options& options);
 int verb_camera(const Options& options);
+int verb_convert(const Options& options);
 int verb_replay(const Options& options);
 int verb_explore(const Options& options);
 int verb_plot(const Options& options);

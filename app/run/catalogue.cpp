@@ -22,6 +22,7 @@ std::vector<FileKind> general_files() {
         {"log.txt", record, "messages of every command that worked on the run"},
         {"manifest.json", record, "this list"},
         {"rodwake.lock", record, "host and process that works on the run, or did last"},
+        {"film_<k>.h5md", record, "the film of [tracks], made once of a file in another format"},
         {"result.h5", result, "field and trajectories as datasets with units"},
         {"report.html", result, "figures and numbers of the run on one page"},
         {explorer_file, result, "the two rods of the run, to be dragged in a browser"}};

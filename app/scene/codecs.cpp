@@ -103,7 +103,8 @@ const std::string* word_of(const Input& in, Names names) {
     else if (const std::string fault = in.key.fault(*found); !fault.empty())
         in.wrong(fault);
     else if (!names.empty() && !contains(names, *found))
-        in.wrong(one_of_text(names, *found));
+        in.wrong(one_of_text(names, *found) +
+                 (in.key.reason.empty() ? "" : fmt::format("; {}", in.key.reason)));
     else
         return found;
     return nullptr;

@@ -298,10 +298,10 @@ void fields(Visitor& v, GranularOutput& output) {
       output.table);
     v(key("formats")
           .items(0, 3)
-          .one_of({"h5md", "xyz", "xyz_if_short", "gsd"})
-          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB, GSD; "
-               "[] "
-               "stores no frames")
+          .one_of({"h5md", "xyz", "xyz_if_short"})
+          .because("others are made of a finished run, as in rodwake convert RUN -o film.gsd")
+          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] "
+               "stores no frames. rodwake convert makes others of a finished run")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);
     v(key("every_bead")

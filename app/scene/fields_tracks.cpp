@@ -29,13 +29,13 @@ void file_fields(Visitor& v, Tracks& tracks) {
           .example("\"rods.csv\""),
       tracks.rods_file);
     v(key("format").doc("of the file; automatic: by how it begins, else by its ending").example("\"csv\""),
-      choice(tracks.format, {{"automatic", TracksFormat::automatic},
-                             {"csv", TracksFormat::csv},
-                             {"trackmate", TracksFormat::trackmate},
-                             {"lammps", TracksFormat::lammps},
-                             {"xyz", TracksFormat::xyz},
-                             {"gsd", TracksFormat::gsd},
-                             {"h5md", TracksFormat::h5md}}));
+      choice(tracks.format, {{"automatic", TrackFormat::automatic},
+                             {"csv", TrackFormat::csv},
+                             {"trackmate", TrackFormat::trackmate},
+                             {"lammps", TrackFormat::lammps},
+                             {"xyz", TrackFormat::xyz},
+                             {"gsd", TrackFormat::gsd},
+                             {"h5md", TrackFormat::h5md}}));
     v(key("frames_per_second")
           .unit(rate)
           .above(0.0, 1e6)
@@ -151,8 +151,8 @@ namespace {
 
 /// Whether the file may have a box and times of its own: the reader knows.
 bool may_have_own(const Tracks& t) {
-    if (t.format != TracksFormat::automatic)
-        return t.format != TracksFormat::csv && t.format != TracksFormat::trackmate;
+    if (t.format != TrackFormat::automatic)
+        return t.format != TrackFormat::csv && t.format != TrackFormat::trackmate;
     constexpr std::string_view never[] = {".csv", ".tsv", ".txt", ".xml"};
     return std::ranges::none_of(never, [&](std::string_view ending) { return t.file.ends_with(ending); });
 }
@@ -167,8 +167,8 @@ void check_tracks(const Scene& scene, const Report& report) {
         report("tracks.frames_per_second", "frames_per_second and time_column are given: leave one out");
     if (!t.frames_per_second && t.time_column.empty() && !may_have_own(t))
         report("tracks.frames_per_second", "give frames_per_second, or time_column where the file has times");
-    if (t.format != TracksFormat::automatic && t.format != TracksFormat::csv &&
-        t.format != TracksFormat::xyz && !t.time_column.empty())
+    if (t.format != TrackFormat::automatic && t.format != TrackFormat::csv && t.format != TrackFormat::xyz &&
+        !t.time_column.empty())
         report(
             "tracks.time_column",
             "only CSV and extended XYZ have such columns: give frames_per_second, or leave it out where the "

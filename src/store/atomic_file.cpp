@@ -115,4 +115,20 @@ std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed) {
     return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 
+std::uint64_t content_hash(const std::filesystem::path& path, std::string_view salt) {
+    const Descriptor file(path, O_RDONLY | O_CLOEXEC);
+    if (file.get() < 0)
+        unreadable(path);
+    std::uint64_t hash = xxh3(salt);
+    for (std::string block(std::size_t{1} << 22, '\0');;) {
+        const ssize_t got = ::read(file.get(), block.data(), block.size());
+        if (got < 0 && errno != EINTR)
+            unreadable(path);
+        if (got == 0)
+            return hash;
+        if (got > 0)
+            hash = xxh3(std::string_view(block).substr(0, static_cast<std::size_t>(got)), hash);
+    }
+}
+
 } // namespace rodwake::store

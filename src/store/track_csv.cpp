@@ -1,10 +1,10 @@
 // Tracks from CSV in one pass: blocks of the file, no copy of a cell.
 
 #include "text_lines.hpp"
-#include "track_formats.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "rodwake/store/track_file.hpp"
 
 #include <fmt/format.h>
 
@@ -296,7 +296,7 @@ private:
 
     std::uint8_t rod(std::string_view cell) const {
         if (!given_.rod_kinds.empty())
-            return names_rod(given_, cell);
+            return std::ranges::find(given_.rod_kinds, cell) != given_.rod_kinds.end();
         if (is_nothing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
             return 0;
         if (cell == "1" || cell == "1.0" || alike(cell, "rod") || alike(cell, "motile") ||

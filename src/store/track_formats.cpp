@@ -1,10 +1,9 @@
 // Which format a file of tracks has.
 
-#include "track_formats.hpp"
-
 #include "rodwake/core/error.hpp"
+#include "rodwake/store/track_file.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cctype>
 #include <fstream>
 
@@ -56,31 +55,11 @@ TrackFormat format_by_name(const std::filesystem::path& file) {
 
 } // namespace
 
-TrackRows read_tracks(const std::filesystem::path& file, TrackFormat format, const TrackColumns& columns,
-                      const TrackProgress& on_progress) {
+TrackFormat track_format(const std::filesystem::path& file) {
     if (!std::filesystem::is_regular_file(file))
         throw InputError(file.string() + ": no such file of tracks");
-    if (format == TrackFormat::automatic)
-        format = format_by_content(file);
-    if (format == TrackFormat::automatic)
-        format = format_by_name(file);
-    if (!columns.time.empty() && format != TrackFormat::csv && format != TrackFormat::xyz)
-        throw InputError(file.string() + ": has no columns of times: leave tracks.time_column out, or give "
-                                         "tracks.frames_per_second");
-    switch (format) {
-    case TrackFormat::trackmate:
-        return read_trackmate(file, columns);
-    case TrackFormat::lammps:
-        return read_lammps_dump(file, columns, on_progress);
-    case TrackFormat::xyz:
-        return read_xyz_tracks(file, columns, on_progress);
-    case TrackFormat::gsd:
-        return read_gsd_tracks(file, columns, on_progress);
-    case TrackFormat::h5md:
-        return read_h5md_tracks(file, columns, on_progress);
-    default:
-        return read_track_csv(file, columns, on_progress);
-    }
+    const TrackFormat format = format_by_content(file);
+    return format == TrackFormat::automatic ? format_by_name(file) : format;
 }
 
 } // namespace rodwake::store

@@ -32,7 +32,7 @@ struct GranularSchedule {
     double order_cutoff = 0.0;                   ///< of psi6, m; 0 without beads
     std::int64_t row_every = 1, frame_every = 1; ///< steps between rows of the table, and between frames
     double stop_at_travel = 0.0;                 ///< mean advance of the rods, m; 0: to the end
-    bool h5md = true, xyz = false, gsd = false, last_period = true;
+    bool h5md = true, xyz = false, last_period = true;
     std::size_t every_bead = 1;     ///< beads 0, every_bead, 2 every_bead, ... are in the frames
     std::int64_t archive_every = 0; ///< steps between kept states; 0: none are kept
 };
@@ -57,7 +57,6 @@ double table_interval(const scene::Granular& bed);
 /// Frames of a run that goes to its end, and their size as extended XYZ, about.
 double frame_count(const scene::Granular& bed);
 double xyz_bytes(const scene::Granular& bed, const granular::GranularProblem& problem);
-inline constexpr double gsd_bytes = 36.0; ///< of a sphere in a frame: place, velocity, image
 
 /// Beads and spheres of rods that a frame holds.
 double stored_spheres(const scene::Granular& bed, const granular::GranularProblem& problem);

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -41,6 +42,8 @@ struct RunContext {
     std::function<bool()> stop;                          ///< true: end at the next step, keep what is done
     std::function<int()> checkpoint_requests; ///< how often a checkpoint was asked for; granular runs compare
 
+    /// The command that reads and writes films of other programs (convert.hpp): an interpreter and its file.
+    std::vector<std::string> converter;
     ScanRequest scan;
     TradeoffRequest tradeoff;
     /// Who evaluates the points of a scan, and runs the beds; empty: threads of this process.

@@ -8,12 +8,21 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rodwake {
 
 /// The id of a spot that belongs to no track.
 inline constexpr std::int64_t no_track = std::numeric_limits<std::int64_t>::min();
+
+/// What programs write tracks in. CSV is read here; films of the others are made by rodwake convert.
+enum class TrackFormat { automatic, csv, trackmate, lammps, xyz, gsd, h5md };
+inline constexpr std::string_view track_format_names[] = {"automatic", "csv", "trackmate", "lammps",
+                                                          "xyz",       "gsd", "h5md"};
+constexpr std::string_view to_string(TrackFormat format) {
+    return track_format_names[static_cast<std::size_t>(format)];
+}
 
 /// As the file has them, column by column, in any order.
 struct TrackRows {
@@ -27,15 +36,15 @@ struct TrackRows {
     std::vector<std::int32_t> image_x, image_y;
     /// Ids of a simulation never change hands; a tracker of pictures may give one to another particle.
     bool certain_ids = false;
-    std::size_t without_place = 0;    ///< rows that were left out
-    std::string first_without_place;  ///< where: "file:line"
-    std::size_t branches = 0;         ///< links cut where a track splits or merges
-    std::size_t hidden = 0;           ///< spots that TrackMate's filters took out
-    std::size_t dangling = 0;         ///< links to spots that the file does not have
+    std::size_t without_place = 0;     ///< rows that were left out
+    std::string first_without_place;   ///< where: "file:line"
+    std::size_t branches = 0;          ///< links cut where a track splits or merges
+    std::size_t hidden = 0;            ///< spots that TrackMate's filters took out
+    std::size_t dangling = 0;          ///< links to spots that the file does not have
     std::vector<std::string> warnings; ///< of the reader, a sentence each
-    std::string length_unit;          ///< as the file names it; empty: it does not
-    std::optional<PeriodicBox> box;   ///< periodic in x and y, as the file says; in units of the file
-    std::string no_box;               ///< why the file's periodic box is none here; else empty
+    std::string length_unit;           ///< as the file names it; empty: it does not
+    std::optional<PeriodicBox> box;    ///< periodic in x and y, as the file says; in units of the file
+    std::string no_box;                ///< why the file's periodic box is none here; else empty
 
     std::size_t size() const { return x.size(); }
 };

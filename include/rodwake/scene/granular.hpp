@@ -36,7 +36,7 @@ struct Contacts {
 struct GranularOutput {
     std::optional<double> frames; ///< interval, s; absent: duration / 100
     std::optional<double> table;  ///< interval, s; absent: 0.01 s
-    /// Of the frames: "h5md", "xyz", "xyz_if_short", "gsd"; empty: no frames.
+    /// Of the frames: "h5md", "xyz", "xyz_if_short"; empty: no frames.
     std::vector<std::string> formats = {"h5md", "xyz_if_short"};
     long every_bead = 1;           ///< of the beads in frames: numbers 0, every_bead, 2 every_bead, ...
     bool last_period = true;       ///< about 50 frames of one plate period at the end

@@ -13,8 +13,6 @@
 
 namespace rodwake::scene {
 
-enum class TracksFormat { automatic, csv, trackmate, lammps, xyz, gsd, h5md };
-
 /// tracks.columns: names in the file; empty: the usual ones.
 struct TracksColumns {
     std::string frame, id, x, y, heading, kind;
@@ -43,7 +41,7 @@ struct TracksWindow {
 struct Tracks {
     std::string file;
     std::string rods_file; ///< of the rods alone; empty: they are in `file`
-    TracksFormat format = TracksFormat::automatic;
+    TrackFormat format = TrackFormat::automatic;
     std::optional<double> frames_per_second; ///< 1/s; or time_column, or the file has times of its own
     std::string time_column;
     double pixel = 0.0;          ///< what 1 of the file is worth, m

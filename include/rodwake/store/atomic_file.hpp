@@ -1,6 +1,7 @@
 #pragma once
 // Files appear whole or not at all: written beside their place under a temporary name, synced, renamed.
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
@@ -32,6 +33,9 @@ private:
 
 /// Throws RunError naming the file and the system's reason.
 void write_atomically(const std::filesystem::path& target, std::string_view content);
+
+/// A hash of the content (XXH3, block by block), which begins with that of `salt`. Throws RunError.
+std::uint64_t content_hash(const std::filesystem::path& file, std::string_view salt);
 
 /// fsync of the folder that this file is in: what was renamed and removed there stays so, and comes before
 /// what follows. Throws RunError.

@@ -1,18 +1,11 @@
 #pragma once
-// Files of tracks as programs for films write them: rows of (frame, particle, x, y), in any order.
+// Files of tracks: rows of (frame, particle, x, y), in any order, as programs for films write them.
 //
-//   CSV        of trackpy, pandas and TrackMate: one header line; commas, semicolons or tabs; columns in any
-//              order; an index without a name, fields in quotes, '#' lines and a byte order mark are fine.
-//              TrackMate's three further header lines are passed over
-//   TrackMate  XML: spots, the edges that link them, and which tracks count. Where a track splits or merges
-//              it is cut: who goes on as whom is not known
-//   LAMMPS     dumps: x, xu, xs or xsu; ids in any order; box, and times where the dump has them
-//   extended XYZ   Lattice, Properties, Time, Step; without ids a line is who it is by its place in the frame
-//   GSD        schema hoomd: position, box, step, typeid, orientation
-//   H5MD       of any program: 2 or 3 dimensions, ids that change with time, fixed steps and times
-//
-// The content tells which it is, else the name's ending. The last four know their box and their steps, and
-// some their times.
+//   CSV    of trackpy, pandas and TrackMate: one header line; commas, semicolons or tabs; columns in any
+//          order; an index without a name, fields in quotes, '#' lines and a byte order mark are fine.
+//          TrackMate's three further header lines are passed over
+//   film   H5MD that rodwake convert wrote from any other format (docs/files.md): beads and rods apart,
+//          padded to the largest frame, with the box, the image indices and the times that the file has
 //
 // Places that are no numbers (empty, NaN) are left out and counted. Anything else that is wrong is an
 // InputError that names file, line and column.
@@ -26,23 +19,26 @@
 
 namespace rodwake::store {
 
-enum class TrackFormat { automatic, csv, trackmate, lammps, xyz, gsd, h5md };
-
-/// Names of the columns (of CSV, LAMMPS) and what they mean; empty: by the usual names, where there are such.
+/// Names of the columns of CSV and what they mean; empty: by the usual names, where there are such.
 struct TrackColumns {
     std::string frame, id, x, y, heading, kind;
     std::string time;              ///< in place of frame, s
     std::vector<std::string> ends; ///< of a rod, in place of heading: x, y of the thin end, x, y of the other
     bool own_times = false;        ///< neither frames nor a column of times count: the file's own times
     std::vector<std::string> rod_kinds; ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
-    std::string group;                  ///< of H5MD, the particles; empty: trajectory, or the only one
 };
 
 /// Hears the fraction read now and then; false: stop.
 using TrackProgress = std::function<bool(double)>;
 
-/// Throws InputError; after a stop the rows are those read so far.
-TrackRows read_tracks(const std::filesystem::path& file, TrackFormat format, const TrackColumns& columns,
-                      const TrackProgress& on_progress);
+/// How the file begins tells its format, else its name's ending. Throws InputError if there is no such file.
+TrackFormat track_format(const std::filesystem::path& file);
+
+/// Throw InputError; after a stop the rows are those read so far. A film gives its times with `own_times`,
+/// else its steps as frames; `source` is the file that it was made from, for messages.
+TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& columns,
+                         const TrackProgress& on_progress);
+TrackRows read_film(const std::filesystem::path& film, const std::string& source, bool own_times,
+                    const TrackProgress& on_progress);
 
 } // namespace rodwake::store
