@@ -41,4 +41,9 @@ TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& 
 TrackRows read_film(const std::filesystem::path& film, const std::string& source, bool own_times,
                     const TrackProgress& on_progress);
 
+/// Columns frame (or t, where there are times), particle, x, y, and theta and kind where the rows have them;
+/// an empty cell is a spot of no track or an unknown heading. Numbers read back to the bit; boxes and image
+/// indices are not kept. Throws RunError.
+void write_plain_csv(const TrackRows& rows, const std::filesystem::path& file);
+
 } // namespace rodwake::store
