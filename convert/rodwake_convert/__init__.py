@@ -1,0 +1,1 @@
+"""Films of particles in the formats of other programs, to and from the H5MD that rodwake reads."""
