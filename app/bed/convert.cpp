@@ -144,6 +144,18 @@ bool convert_file(const ConvertRequest& request, const fs::path& in, const fs::p
 
 } // namespace
 
+void name_column(ConvertRequest& request, std::string_view role, const std::string& name) {
+    store::TrackColumns& c = request.columns;
+    const std::pair<std::string_view, std::string*> known[] = {
+        {"frame", &c.frame}, {"id", &c.id},           {"x", &c.x},
+        {"y", &c.y},         {"heading", &c.heading}, {"kind", &c.kind}};
+    const auto* const at = std::ranges::find(known, role, &std::pair<std::string_view, std::string*>::first);
+    if (at == std::end(known) || name.empty())
+        throw InputError(
+            fmt::format("column {}={}: expected frame, id, x, y, heading or kind, and a name", role, name));
+    *at->second = name;
+}
+
 bool convert(const ConvertRequest& request, const RunContext& context) {
     const std::vector<fs::path> all = trajectories(request.in);
     for (std::size_t k = 0; k < all.size(); ++k) {

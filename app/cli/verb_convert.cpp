@@ -21,20 +21,8 @@ int verb_convert(const Options& options) {
         request.format = static_cast<TrackFormat>(format - std::begin(track_format_names));
     for (const std::string& column : options.columns) {
         const std::size_t equals = std::min(column.find('='), column.size());
-        const std::pair<std::string_view, std::string*> known[] = {{"frame", &request.columns.frame},
-                                                                   {"id", &request.columns.id},
-                                                                   {"x", &request.columns.x},
-                                                                   {"y", &request.columns.y},
-                                                                   {"heading", &request.columns.heading},
-                                                                   {"kind", &request.columns.kind}};
-        const auto* const at = std::ranges::find(known, std::string_view(column).substr(0, equals),
-                                                 &std::pair<std::string_view, std::string*>::first);
-        if (at == std::end(known) || equals + 1 >= column.size())
-            throw InputError(
-                fmt::format("--column {}: expected frame, id, x, y, heading or kind and a name, as "
-                            "in id=label",
-                            column));
-        *at->second = column.substr(equals + 1);
+        app::name_column(request, std::string_view(column).substr(0, equals),
+                         column.substr(std::min(equals + 1, column.size())));
     }
     if (app::convert(request, context_of(options)))
         return 0;

@@ -3,6 +3,7 @@
 #include "rodwake/app/run.hpp"
 #include "bind.hpp"
 #include "rod_problem.hpp"
+#include "rodwake/app/convert.hpp"
 #include "rodwake/core/error.hpp"
 #include "signals.hpp"
 
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <mutex>
 
 namespace rodwake::python {
@@ -103,11 +105,12 @@ std::string name_of(app::StageEnd end) {
 std::string run(const scene::Scene& scene, const fs::path& folder, const std::optional<Words>& names,
                 std::size_t threads, std::optional<std::uint64_t> seed, bool force,
                 const std::string& command, const py::object& on_log, const py::object& on_progress,
-                const py::object& execute) {
+                const py::object& execute, const Words& converter) {
     Reports reports;
     std::atomic<bool> stopped = false;
     app::RunContext context = context_of(threads, seed, force, reports, stopped);
     context.command = command;
+    context.converter = converter;
     if (!execute.is_none())
         context.executor = executor_in_python(execute);
     const std::vector<Stage> stages = stages_of(scene, names);
@@ -118,10 +121,37 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
     return name_of(end);
 }
 
+/// Raises KeyboardInterrupt after Ctrl-C.
+void convert(const fs::path& source, const fs::path& target, const std::string& frames,
+             const std::string& unit, const std::string& rods, const std::string& group,
+             const std::map<std::string, std::string>& columns, const Words& rod_kinds,
+             const std::string& time_column, bool force, const Words& converter, const py::object& on_log,
+             const py::object& on_progress) {
+    app::ConvertRequest request;
+    request.in = source;
+    request.out = target;
+    request.frames = frames;
+    request.unit = unit;
+    request.rods = rods;
+    request.group = group;
+    request.columns.rod_kinds = rod_kinds;
+    request.columns.time = time_column;
+    for (const auto& [role, name] : columns)
+        app::name_column(request, role, name);
+    request.force = force;
+    Reports reports;
+    std::atomic<bool> stopped = false;
+    app::RunContext context = context_of(1, {}, force, reports, stopped);
+    context.converter = converter;
+    attended([&] { app::convert(request, context); }, [&] { reports.deliver(on_log, on_progress); },
+             [&] { stopped = true; });
+}
+
 } // namespace
 
 void bind_run(py::module_& module) {
     module.def("run", &run);
+    module.def("convert", &convert);
     module.def("manifest", [](const fs::path& folder) { return app::manifest_json(folder); });
 }
 

@@ -22,9 +22,11 @@ Words stage_names(const scene::Scene& scene) {
     return names;
 }
 
-std::string check(const scene::Scene& scene, const fs::path& folder, std::size_t threads, bool cost) {
+std::string check(const scene::Scene& scene, const fs::path& folder, std::size_t threads, bool cost,
+                  const Words& converter) {
     app::RunContext context;
     context.threads = threads;
+    context.converter = converter;
     const py::gil_scoped_release release;
     const app::Plan plan = app::plan_check(scene, folder, context);
     const std::vector<app::PlanLine> lines = app::describe(plan);

@@ -25,14 +25,14 @@ from .rods import classify, simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
 from .scans import scan
 from .scenes import Scene
-from .tracks import Measured, Tracks
+from .tracks import Measured, Tracks, convert
 
 __all__ = [
     "Bed", "Error", "Estimate", "Event", "FitProblem", "FitResult", "FittedMap", "FittedProfile", "FittedTrack", "Hit", "InputError", "Likelihood", "Map",
     "Marginal", "Measured", "Medium",
     "NoiseResult", "OdeResult", "Posterior", "Problem", "Profile", "Quantity",
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Tracks", "Trajectory", "Wakes", "__version__",
-    "classify", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "posterior",
+    "classify", "convert", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run", "posterior",
     "run_bed", "scan", "simulate", "simulate_noise", "strain", "wakes",
 ]
 

@@ -10,17 +10,12 @@ import sys
 from pathlib import Path
 from typing import Any, Callable, Iterator, Union
 
-from . import arguments
+from . import arguments, shipped
 from .errors import Error, InputError, RunError
 from .fitting import FitResult
 from .reading import reading
 from .runs import Run, open_run
 from .scenes import Folder
-
-_HERE = Path(__file__).resolve().parent
-# Beside the package (pip), in the source tree, and below the prefix of an installation.
-_PLACES = (_HERE.parent, _HERE.parents[1] / "plots", _HERE.parents[3] / "share/rodwake/plots")
-
 
 def kinds() -> list[str]:
     """What can be drawn: 'trajectories', 'cut', 'snapshot', 'phase_diagram', ... (docs/scene.md, kinds of figures)."""
@@ -75,10 +70,9 @@ def correlation(found: FitResult, title: str = "") -> Any:
 
 def _plots(module: str) -> Any:
     """A module of the plotting package."""
-    for place in _PLACES:
-        if (place / "rodwake_plots").is_dir() and str(place) not in sys.path:
-            sys.path.append(str(place))
-            break
+    place = str(shipped.folder("plots"))
+    if place not in sys.path:
+        sys.path.append(place)
     return importlib.import_module(f"rodwake_plots.{module}")
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Callable, Optional, Union
 
-from . import _core, arguments
+from . import _core, arguments, shipped
 from .errors import InputError, RunError
 from .runs import Run, open_run
 from .toml import toml
@@ -87,7 +87,7 @@ class Scene:
     def check(self, folder: Folder = ".", *, cost: bool = False) -> str:
         """What will be modelled, what will not and why; with `cost` also how long it will take, which is measured for about half a
         second. Raises InputError for what cannot be modelled. Data files are also looked for in `folder`."""
-        return _core.check(self._core, arguments.path("folder", folder), 0, bool(cost))
+        return _core.check(self._core, arguments.path("folder", folder), 0, bool(cost), shipped.converter())
 
     def run(self, folder: Folder, *, stages: Union[str, Iterable[str], None] = None, threads: int = 0, seed: Optional[int] = None,
             force: bool = False, progress: Optional[Progress] = None) -> Run:
@@ -116,7 +116,7 @@ class Scene:
         if progress is not None:
             arguments.function("progress", progress)
         command = self._command(folder, stages=stages, seed=seed)
-        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, _log.log, progress, execute)
+        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, _log.log, progress, execute, shipped.converter())
         if end == "failed":
             raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
         return open_run(folder)

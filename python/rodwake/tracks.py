@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import os
 import tempfile
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Optional, Union
@@ -12,12 +14,13 @@ from typing import Any, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import arguments
+from . import _core, arguments, shipped
 from .errors import InputError
 from .runs import Run
 from .scenes import Folder, Progress, Scene
 from .toml import toml
 
+_log = logging.getLogger("rodwake")
 _OF_ROWS = ("frame", "particle", "x", "y", "heading", "kind", "t")
 
 
@@ -106,6 +109,28 @@ class Tracks:
     def __repr__(self) -> str:
         held = self._file or f"{len(self._columns['x'])} rows"
         return f"<Tracks: {held}>"
+
+
+def convert(source: Folder, target: Folder, *, frames: str = "", rods: str = "", unit: str = "", group: str = "",
+            columns: Optional[Mapping[str, str]] = None, rod_kinds: Iterable[str] = (), time_column: str = "", force: bool = False,
+            progress: Optional[Progress] = None) -> Path:
+    """Writes tracks or a trajectory in another format, as `rodwake convert` does: convert("results/bed", "bed.gsd").
+
+    source       file of tracks (CSV, TrackMate's XML, LAMMPS dump, extended XYZ, GSD, H5MD), or the folder of a run or an ensemble
+    target       file to write; its ending is the format: .h5md, .gsd, .xyz, .dump, .csv. Each run of an ensemble gets its own
+    frames       "from:to:stride", numbers from 0; empty: all
+    rods         "poses" or "spheres"; empty: spheres where the file has them, but in CSV
+    unit         of lengths in the target: "a", "m"; empty: a for beds, else as in the source
+    columns      names of columns by what they are: {"id": "label", "heading": "angle"}
+    rod_kinds    types, species or kinds that are rods
+    force        replace a target that is there
+
+    What the format loses is said to the logger 'rodwake'. Returns the target.
+    """
+    target = Path(arguments.path("target", target, "the name of a file"))
+    _core.convert(arguments.path("source", source, "the name of a file or folder"), target, frames, unit, rods, group,
+                  dict(columns or {}), list(rod_kinds), time_column, bool(force), shipped.converter(), _log.log, progress)
+    return target
 
 
 def _columns(rows: Any) -> dict[str, NDArray[Any]]:

@@ -1,10 +1,11 @@
-// Files of tracks of every format, damaged at random: read and put in order, or an InputError; never a crash,
-// a hang or memory beyond measure. [.long] does it 10^5 times a format.
+// CSV of tracks, damaged at random: read and put in order, or an InputError; never a crash, a hang or memory
+// beyond measure. [.long] does it 10^5 times.
 
-#include "film_files.hpp"
+#include "scratch.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/measure/tracks.hpp"
+#include "rodwake/store/track_file.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -74,43 +75,16 @@ void damage(std::string& text, Random& random) {
     }
 }
 
-struct Format {
-    const char* name;
-    std::string whole;
-};
-
-std::vector<Format> formats() {
-    const Scratch scratch;
-    write_gsd_film(scratch / "film.gsd");
-    write_h5md_film(scratch / "film.h5md");
-    const std::string xml = "<?xml version=\"1.0\"?>\n<TrackMate><Model "
-                            "spatialunits=\"pixel\"><AllSpots>\n<SpotsInFrame frame=\"0\">"
-                            "<Spot ID=\"1\" FRAME=\"0\" POSITION_X=\"1\" POSITION_Y=\"2\"/>\n<Spot ID=\"2\" "
-                            "FRAME=\"0\" POSITION_X=\"5\" "
-                            "POSITION_Y=\"2\"/></SpotsInFrame>\n<SpotsInFrame frame=\"1\"><Spot ID=\"3\" "
-                            "FRAME=\"1\" POSITION_X=\"1.5\" "
-                            "POSITION_Y=\"4\"/>\n</SpotsInFrame></AllSpots><AllTracks><Track "
-                            "TRACK_ID=\"0\"><Edge SPOT_SOURCE_ID=\"1\" "
-                            "SPOT_TARGET_ID=\"3\"/>\n</Track></AllTracks><FilteredTracks><TrackID "
-                            "TRACK_ID=\"0\"/></FilteredTracks></Model>"
-                            "</TrackMate>\n";
-    return {{"film.csv", csv_film},
-            {"film.xml", xml},
-            {"film.dump", dump_of(true)},
-            {"film.xyz", xyz_film},
-            {"film.gsd", content(scratch / "film.gsd")},
-            {"film.h5md", content(scratch / "film.h5md")}};
-}
+const std::string csv_film =
+    "frame,particle,x,y\n0,4,1,2\n0,5,3,2.5\n1,4,1.25,2\n1,5,9.5,2.5\n2,4,1.5,2\n2,5,9,2.5\n";
 
 struct Outcomes {
     int read = 0, refused = 0;
 };
 
 /// As `rodwake run` does it: reads, puts in order, looks at each frame.
-void use(const fs::path& file, bool own_times) {
-    store::TrackColumns columns;
-    columns.own_times = own_times;
-    TrackRows rows = read_film(file, columns);
+void use(const fs::path& file) {
+    TrackRows rows = store::read_track_csv(file, {}, [](double) { return true; });
     REQUIRE(rows.id.size() == rows.x.size());
     REQUIRE(rows.frame.size() + rows.time.size() == rows.size());
     REQUIRE((rows.heading.empty() || rows.heading.size() == rows.size()));
@@ -122,21 +96,21 @@ void use(const fs::path& file, bool own_times) {
     REQUIRE(frames > 1);
 }
 
-Outcomes damaged(const Format& format, int times, unsigned seed) {
+Outcomes damaged(int times, unsigned seed) {
     const Scratch scratch;
     Random random(seed);
     Outcomes found;
     for (int k = 0; k < times; ++k) {
-        std::string text = format.whole;
+        std::string text = csv_film;
         for (auto n = 1 + random() % 3; n > 0; --n)
             damage(text, random);
-        fs::remove(scratch / format.name); // a file that is written over goes to the disk at once
-        const fs::path file = scratch.file(format.name, text);
+        fs::remove(scratch / "film.csv"); // a file that is written over goes to the disk at once
+        const fs::path file = scratch.file("film.csv", text);
         try {
-            use(file, k % 4 == 0);
+            use(file);
             ++found.read;
         } catch (const InputError& error) {
-            REQUIRE(has(error.what(), format.name));
+            REQUIRE(has(error.what(), "film.csv"));
             ++found.refused;
         }
     }
@@ -153,28 +127,17 @@ double most_memory() {
 } // namespace
 
 TEST_CASE("Damaged files of tracks are read or refused, and nothing else") {
-    for (const Format& format : formats()) {
-        INFO(format.name);
-        const bool forks = std::string(format.name) == "film.h5md"; // some 3 ms each
-        const Outcomes found = damaged(format, forks ? 60 : 400, 1);
-        CHECK(found.read > 0);
-        CHECK(found.refused > 10);
-    }
+    const Outcomes found = damaged(400, 1);
+    CHECK(found.read > 0);
+    CHECK(found.refused > 10);
 }
 
-// RODWAKE_DAMAGE_SEED: other damage; RODWAKE_DAMAGE_FORMAT: of this file alone; RODWAKE_DAMAGE_TIMES: not
-// 10^5.
-TEST_CASE("Files of tracks damaged 10^5 times each", "[.long]") {
+// RODWAKE_DAMAGE_SEED: other damage; RODWAKE_DAMAGE_TIMES: not 10^5.
+TEST_CASE("A file of tracks damaged 10^5 times", "[.long]") {
     const char* seed = std::getenv("RODWAKE_DAMAGE_SEED");
-    const char* only = std::getenv("RODWAKE_DAMAGE_FORMAT");
     const char* times = std::getenv("RODWAKE_DAMAGE_TIMES");
-    for (const Format& format : formats()) {
-        if (only && only != std::string(format.name))
-            continue;
-        const Outcomes found = damaged(format, times ? std::atoi(times) : 100000,
-                                       seed ? static_cast<unsigned>(std::atoi(seed)) : 2);
-        WARN(format.name << ": " << found.read << " read, " << found.refused << " refused, " << most_memory()
-                         << " MB at most");
-    }
+    const Outcomes found =
+        damaged(times ? std::atoi(times) : 100000, seed ? static_cast<unsigned>(std::atoi(seed)) : 2);
+    WARN(found.read << " read, " << found.refused << " refused, " << most_memory() << " MB at most");
     CHECK(most_memory() < 1500.0); // a film of 10^7 frames, hardly any with rows, is refused
 }

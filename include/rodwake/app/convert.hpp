@@ -29,6 +29,9 @@ struct ConvertRequest {
     bool force = false;          ///< replace `out`
 };
 
+/// Names the column of `role`: frame, id, x, y, heading or kind. Throws InputError for any other.
+void name_column(ConvertRequest& request, std::string_view role, const std::string& name);
+
 /// Throws InputError for a file that is none of its format, RunError if `out` cannot be written. False after
 /// a stop. What is lost on the way, and what the reader noticed, is logged.
 bool convert(const ConvertRequest& request, const RunContext& context);
