@@ -1,6 +1,7 @@
 """What turns two rods in the bed (studies/validate_mechanism.py): judged from the weights of rivals that it has kept.
 
-A law that leaves strain out and has an AIC lower by 10 or more than all with strain refutes strain; one that is not lower at all leaves it.
+A law that leaves strain out and has an AIC lower by 10 or more than all with strain refutes the row's statement; one that is not lower at all
+leaves it. In the crystal no law fits and residuals are correlated, so differences of AIC are no odds.
 """
 
 from math import nan
@@ -10,7 +11,7 @@ from . import judge, results
 
 KEPT = Path(__file__).parents[1] / "mechanism.csv"
 MADE = "studies/validate_mechanism.py --only weigh"
-DECIDES = 10.0  # of AIC: odds of 150
+DECIDES = 10.0  # of AIC: a likelihood ratio of 150, if a model fitted and residuals were independent
 STRAIN = ("strain", "rows_strain")
 
 
