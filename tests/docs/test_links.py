@@ -59,7 +59,7 @@ class PagesTest(unittest.TestCase):
         paper = (SOURCE / "docs/paper.md").read_text()
         rows = tuple(paper.count(f"| **{verdict}**") for verdict in ("matches", "differs", "cannot tell"))
         self.assertGreater(min(rows), 10)
-        for page, words in (("docs/paper.md", "{} matches, {} differs, {} cannot tell"), ("README.md", "{} match, {} differ, {} cannot be told"),
+        for page, words in (("docs/paper.md", "{} matches, {} differs, {} cannot tell"), ("README.md", "{} agree, {} disagree and {} are inconclusive"),
                             ("docs/faq.md", "{} of its statements yes, {} no, {} cannot be told")):
             self.assertIn(words.format(*rows), " ".join((SOURCE / page).read_text().split()), page)
 
