@@ -27,8 +27,8 @@ QUOTED = (
     ("$|\\theta'|\\,\\alpha r^2/4", ("physics", "findings")), ("parameters of a line", ("findings", "measures", "validation_measure")))
 # What pages said that was wrong or is no more so.
 GONE = ("auxetic media", "129 times less", "1.06 times", "-10.9 a", "-10.9 ±", "1.2 s a right-hand side", "14 tried", "Assumed, not yet measured",
-        "\\xi/v_0 \\ll", "Every number stands", "hard discs near melting", "rod's stiffness holds", "*Soft*", "needs 455", "decay length of the theory",
-        "begins to fade", "In the crystal its rows turn the rods", "its rows do, then")
+        "\\xi/v_0 \\ll", "Every number stands", "hard discs near melting", "rod's stiffness holds", "*Soft*", "needs 455",
+        "decay length of the theory", "begins to fade", "In the crystal its rows turn the rods", "its rows do, then")
 
 
 def in_contents(text):
