@@ -247,7 +247,7 @@ def mirror_errors(file):
 def change(folder):
     """Of the separation of a pair that starts 15 a apart, a."""
     last = rows(folder / "rods.csv")[-1]
-    return (float(last["y0"]) - float(last["y1"])) * 4.08 - 15.0  # f/mu of the scene, a
+    return (float(last["y0"]) - float(last["y1"])) * 4.08 - 15.0  # f/mu of the scene (of a line, not of the medium), a
 
 
 def measured_pair(lab):

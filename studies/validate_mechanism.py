@@ -22,6 +22,7 @@ KEPT, WEIGHED, A, BATCH, RUNS = SOURCE / "studies/bed_pairs.csv", SOURCE / "stud
 SETTINGS = [(kind, phi, rows) for kind in ("motile", "apolar") for phi in (0.78, 0.70) for rows in (0, 90)]
 NUMBERS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 # f/mu in a, eta, alpha: docs/findings.md, "A line does not tell the medium, the map beside it does".
+# "line" has parameters of U_x(x, 0), which are not those of the medium.
 MEDIA = {"medium": (1.48, 2.00, 0.0025), "line": (4.08, 4.4, 0.078)}
 TOUCH = 6.0  # a, between their centres
 SIGMA_POSITION, SIGMA_HEADING = 0.05, 0.01  # a, rad: the rods' rattling in a period, far below what they wander

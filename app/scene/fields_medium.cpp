@@ -42,14 +42,16 @@ void eta_keys(Visitor& v, EtaForms& k, bool written) {
           .above(-1.0)
           .written_if(written)
           .because("the longitudinal modulus 1 + eta must be positive")
-          .doc("(lambda_L + mu)/mu, the coefficient of grad div over mu; in 2-D also K/mu")
+          .doc("(lambda_L + mu)/mu, the coefficient of grad div over mu; in 2-D also K/mu, so > 0 in a "
+               "stable free-standing material; -1 < eta < 0 is admissible only mathematically")
           .example("1.0"),
       k.eta);
     v(key("poisson_ratio")
           .symbol("\\nu")
           .above(-1.0, 1.0 - 1e-12)
           .because("the bulk modulus of a 2-D medium is positive and finite only for -1 < nu < 1")
-          .doc("2-D Poisson ratio nu = lambda_L/(lambda_L + 2 mu); eta = (1 + nu)/(1 - nu)")
+          .doc("2-D Poisson ratio nu = lambda_L/(lambda_L + 2 mu), below 0 in auxetic materials; eta = "
+               "(1 + nu)/(1 - nu), which is > 0, as in every stable free-standing material")
           .example("0.3"),
       k.poisson_ratio);
     v(key("lame_lambda")

@@ -62,11 +62,12 @@ py::tuple values_of(const Medium& m) { return py::make_tuple(m.elastic.eta, m.el
 
 constexpr const char* about_medium = R"(The elastic medium that rods move in.
 
-eta       lambda/mu, compression over shear modulus K/mu; above -1
+eta       lambda/mu, compression over shear modulus K/mu; above -1. Stable free-standing materials have eta > 0;
+          -1 < eta < 0 is admissible only mathematically
 xi        screening length mu/(zeta v0) in f/mu; above 0. Or alpha = 1/xi
 periodic  side of a periodic box in f/mu, or both, (Lx, Ly); None: infinite plane
 
-poisson_ratio gives eta = (1 + p)/(1 - p) instead. Without arguments eta = 1, xi = 1. Immutable.)";
+poisson_ratio, -1 < p < 1, gives eta = (1 + p)/(1 - p) > 0 instead. Without arguments eta = 1, xi = 1. Immutable.)";
 
 } // namespace
 

@@ -157,9 +157,10 @@ def screening(speed):
 
 
 def told_by(field, xi):
-    """Of U [component, row, column]: U_x on the axis at 2 xi behind and ahead, slope behind from 3 to 8 xi, decay length ahead.
+    """Of U [component, row, column]: U_x on the axis at 2 xi behind and ahead, slope behind from 3 to 8 xi, local decay length ahead.
 
-    The length: of an exponential through U_x less its mean from 4 to 8 xi ahead, from NEAR over one xi. NaN where a logarithm has none."""
+    The length: of an exponential through U_x less its mean from 4 to 8 xi ahead, from NEAR over one xi. NaN where a logarithm has none.
+    It is local: the exponential of the theory, exp(-x/((1 + eta) xi)), sets in beyond (1 + eta) xi, where U_x is below its errors."""
     x, _ = bins()
     axis = field[0, ROWS]
     behind, ahead = (np.interp(2 * xi * side, x, axis) for side in (-1, 1))
@@ -208,7 +209,7 @@ def row(lab, speed):
 
 def part(lab):
     table("Wake of a moving force", ["speed, a/s (runs)", "xi, a", "amplitude over prediction", "U_x at 2 xi behind, a (theory; steady)", "ahead",
-                                     "slope behind, 3 to 8 xi", "decay length ahead, a", "chi2 (bins)"], [row(lab, speed) for speed in SEEDS])
+                                     "slope behind, 3 to 8 xi", "local decay length ahead, 12 a to 12 a + xi, a", "chi2 (bins)"], [row(lab, speed) for speed in SEEDS])
     x, _ = bins()
     both = [(fields(lab, speed)[:, 0, ROWS], theory(speed)[0, ROWS]) for speed in SEEDS]
     lines = []

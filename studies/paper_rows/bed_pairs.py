@@ -118,7 +118,7 @@ def captured(folder):
 SCATTER = "Single runs scatter widely."
 GRAINS = "From a random start the bed is a mosaic of grains, whose borders turn rods as well."
 ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
-LAWS = "The crystal's rows turn rods, and beside them the velocity of the medium rather than its strain (docs/findings.md)."
+LAWS = "A lattice-anchoring term improves every description more than strain does; no model tested fits (docs/findings.md)."
 PAIRS = Subject("The bed: two rods", (
     Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
     Row("trajectory_c_fit", "Fig. 1 trajectory (c)", "the same in a box that does not strain the crystal, rows along the rods", changes(-1), (UNSTRAINED,),
@@ -141,7 +141,7 @@ PAIRS = Subject("The bed: two rods", (
         mechanism.strain_turns(0.78), why=LAWS, made=mechanism.MADE),
     Row("strain_fluid", "Eq. thetaeq", "the same at φ_b = 0.70", mechanism.strain_turns(0.70), made=mechanism.MADE),
     Row("strain_sign", "Eq. thetaeq", "κ > 0 at φ_b = 0.78 (beside the turning of the rows: rows along, rows across)", mechanism.kappa(0.78),
-        why="Strain is not the law that describes these tracks best.", made=mechanism.MADE),
+        why="Strain is not in the model with the lowest AIC, and no model tested fits.", made=mechanism.MADE),
     Row("apolar_pair", "section IV", "apolar rods neither attract nor repel, φ_b = 0.70, 0.80 (less than half of what motile rods do)", no_interaction,
         (APOLAR, CRYSTAL), ("tracks",), SCATTER),
     Row("nonrecip_b", "Fig. 12 nonreciptheory (b)", "φ_b = 0.78, 39.4 a apart: the rear rod turns, the front one does not", rear_turns, (PURSUIT,),

@@ -108,7 +108,7 @@ def pulled_tail(folder):
 
 
 def told_of_force():
-    """U_x 2 xi behind, 2 xi ahead, power behind, decay length ahead: values, errors, theory in the same box; 50 a/s, eight runs."""
+    """U_x 2 xi behind, 2 xi ahead, power behind, local decay length ahead: values, errors, theory in the same box; 50 a/s, eight runs."""
     return zip(*moving_force.of_stored_runs(50))
 
 
@@ -119,8 +119,10 @@ def force_one_sided():
 
 
 def force_ahead():
+    """Between 12 and 40 a the wake is not exponential yet, in the theory either: its asymptotic length is (1 + eta) xi, 76 a."""
     *_, (length, error, theory) = told_of_force()
-    return judge.number(length, error, theory, 0.0, "a")
+    found = judge.number(length, error, theory, 0.0, "a")
+    return judge.unknown(f"from theory in this box by {found.difference}", found.ours)
 
 
 def force_power():
@@ -146,15 +148,16 @@ WAKE_ROWS = Subject("The bed's displacement field and the fit of the theory", (
         ("Ux_behind",)),
     Row("tail_sides", "abstract", "long behind, short ahead: where the screening length is 28 a (a force that moves at 50 a/s), U_x is larger 2 ξ behind than "
         "2 ξ ahead", force_one_sided, made=MADE_BY_FORCE),
-    Row("tail_ahead", "abstract", "the same: exponential ahead, with the decay length of the theory", force_ahead, made=MADE_BY_FORCE),
+    Row("tail_ahead", "abstract", "the same: exponential ahead (here: local decay length of U_x less its mean far ahead, from 12 to 40 a)", force_ahead,
+        why="Agrees with the theory in this range (local decay length, 12 to 40 a); exponential decay not tested: it sets in at distances of "
+        "(1 + η)ξ = 76 a and more.", made=MADE_BY_FORCE),
     Row("tail_power", "abstract", "the same: U_x falls as |x|^(-1/2) behind, here from 3 to 8 ξ", force_power,
         why="The box's own images bend theory there; the bed falls faster still, within 2 errors of theory in the box.", made=MADE_BY_FORCE),
     Row("wake_map", "Fig. 6 ufield", "the wake measured anew: U_x falls off faster ahead than behind", ahead_falls_faster, (WAKE,),
         ("map", "ufield_a")),
     Row("wake_side", "Fig. 6 ufield (c)", "the wake measured anew: U_y changes sign as x goes through 0", side_sign, (WAKE,), ("ufield_c",)),
     Row("fit_f", "Fig. 7 ufield2, text", "f/μ = 2.2 a", fitted("f_over_mu", 2.2, 0.05, "a"), (MONOPOLE,), ("ufield2",), PLANE),
-    Row("fit_eta", "Fig. 7 ufield2, text", "η = 1.3", fitted("eta", 1.3, 0.05), (MONOPOLE,), ("likelihood_eta",),
-        PLANE + " η near 5 is that of a crystal of hard discs near melting."),
+    Row("fit_eta", "Fig. 7 ufield2, text", "η = 1.3", fitted("eta", 1.3, 0.05), (MONOPOLE,), ("likelihood_eta",), PLANE),
     Row("fit_alpha", "Fig. 7 ufield2, text", "α = 0.1", fitted("alpha", 0.1, 0.05), (MONOPOLE,), ("likelihood_xi",),
         "One printed digit leaves 0.05 to 0.15; α is not defined in the paper, we read it as (f/μ)/ξ. This is the α of a line; "
         "sound and pushes give the medium 0.0025 to 0.004."),

@@ -1,6 +1,7 @@
 """What turns two rods in the bed (studies/validate_mechanism.py): judged from the weights of rivals that it has kept.
 
-A law that leaves strain out and has an AIC lower by 10 or more than all with strain refutes strain; one that is not lower at all leaves it.
+A law that leaves strain out and has an AIC lower by 10 or more than all with strain refutes strain, if it fits; one that is not lower at all
+leaves it. Where the best law does not fit (as in the crystal, where residuals are correlated too), differences of AIC refute nothing.
 """
 
 from math import nan
@@ -10,7 +11,8 @@ from . import judge, results
 
 KEPT = Path(__file__).parents[1] / "mechanism.csv"
 MADE = "studies/validate_mechanism.py --only weigh"
-DECIDES = 10.0  # of AIC: odds of 150
+DECIDES = 10.0  # of AIC: a likelihood ratio of 150, if a model fitted and residuals were independent
+FITS = 0.01     # probability of a larger misfit
 STRAIN = ("strain", "rows_strain")
 
 
@@ -30,10 +32,11 @@ def strain_turns(phi):
                 return judge.unknown("no runs at these settings")
             best = min((name for name in laws if name not in STRAIN), key=laws.get)
             more = min(laws[name] for name in STRAIN) - laws[best]
-            verdict = judge.DIFFERS if more >= DECIDES else judge.MATCHES if more <= 0 else judge.UNKNOWN
-            parts.append(judge.Judged(verdict, f"rows at {rows}°: AIC {more:+.1f} beside {best.replace('_', ' and ')}"))
+            misfit = float(kept(phi, rows)[best]["misfit"])
+            verdict = judge.MATCHES if more <= 0 else judge.DIFFERS if more >= DECIDES and misfit >= FITS else judge.UNKNOWN
+            parts.append(judge.Judged(verdict, f"rows at {rows}°: AIC {more:+.1f} beside {best.replace('_', ' and ')}, which has p = {misfit:.2g}"))
         both = judge.together(*parts)
-        return judge.Judged(both.verdict, both.ours, f"asked: no law without strain with an AIC lower by {DECIDES:.0f}")
+        return judge.Judged(both.verdict, both.ours, f"asked: no law that fits (p > {FITS}) without strain and with an AIC lower by {DECIDES:.0f}")
     return judged
 
 

@@ -133,10 +133,10 @@ class DensityTest(unittest.TestCase):
 
 
 class MechanismTest(unittest.TestCase):
-    def verdict(self, judged, *aic):
+    def verdict(self, judged, *aic, misfit=0.4):
         """With these AIC of strain, rows, rows_strain in both directions; of fewer runs there are others."""
-        head = "phi,rows,medium,runs,model,aic,couplings,values,errors"
-        lines = [f"0.78,{rows},{medium},{runs},{name},{one - bonus},gamma_rows kappa,0.01 2.0,0.01 0.5" for rows in (0, 90)
+        head = "phi,rows,medium,runs,model,aic,misfit,couplings,values,errors"
+        lines = [f"0.78,{rows},{medium},{runs},{name},{one - bonus},{misfit},gamma_rows kappa,0.01 2.0,0.01 0.5" for rows in (0, 90)
                  for medium, runs, bonus in (("medium", 50, 0), ("medium", 25, 1000), ("line", 50, 1000))
                  for name, one in zip(("strain", "rows", "rows_strain"), aic) if name != "rows" or bonus == 0]
         with tempfile.TemporaryDirectory() as folder:
@@ -149,6 +149,8 @@ class MechanismTest(unittest.TestCase):
         for aic, verdict in (((90.0, 95.0, 92.0), MATCHES), ((100.0, 95.0, 104.0), UNKNOWN), ((110.0, 95.0, 106.0), DIFFERS)):
             self.assertEqual(self.verdict(mechanism.strain_turns(0.78), *aic).verdict, verdict, aic)
         self.assertEqual(self.verdict(mechanism.strain_turns(0.70), 1.0, 2.0, 3.0).verdict, UNKNOWN)
+        unfit = self.verdict(mechanism.strain_turns(0.78), 110.0, 95.0, 106.0, misfit=1e-4)  # a law that does not fit refutes nothing
+        self.assertEqual((unfit.verdict, unfit.ours.count("p = 0.0001")), (UNKNOWN, 2))
 
     def test_kappa_is_that_beside_the_rows(self):
         found = self.verdict(mechanism.kappa(0.78), 1.0, 2.0, 3.0)

@@ -18,8 +18,10 @@ namespace rodwake::elastic {
 
 /// Steady medium as seen by a rod of speed v0. Lengths in the caller's unit (reduced: f/mu).
 struct Medium {
-    double eta = 1.0; ///< lambda/mu = (lambda_L + mu)/mu = K/mu, dimensionless; -1 < eta <= max_eta
-    double xi = 1.0;  ///< screening length mu/(zeta v0), min_xi <= xi <= max_xi
+    /// lambda/mu = (lambda_L + mu)/mu = K/mu, dimensionless; -1 < eta <= max_eta. Above 0 in a stable
+    /// free-standing material; -1 < eta < 0 is admissible only mathematically (K < 0).
+    double eta = 1.0;
+    double xi = 1.0; ///< screening length mu/(zeta v0), min_xi <= xi <= max_xi
 
     /// Beyond this the medium is incompressible to every digit.
     static constexpr double max_eta = 1e12;
@@ -40,8 +42,8 @@ double eta_from_lame(double lame_lambda, double mu);
 /// eta from the 2-D bulk modulus: K/mu. mu > 0, K > -mu.
 double eta_from_bulk_modulus(double bulk_modulus, double mu);
 
-/// eta from the 2-D Poisson ratio lambda_L/(lambda_L + 2 mu): (1 + p)/(1 - p), -1 < p < 1; p -> 1 is
-/// incompressible.
+/// eta from the 2-D Poisson ratio lambda_L/(lambda_L + 2 mu): (1 + p)/(1 - p), -1 < p < 1, so eta > 0; p < 0
+/// is auxetic (eta < 1), p -> 1 incompressible.
 double eta_from_poisson_ratio(double poisson_ratio);
 
 /// Inverse of eta_from_poisson_ratio: (eta - 1)/(eta + 1).
