@@ -5,6 +5,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "rodwake/store/atomic_file.hpp"
 
 #include <fmt/format.h>
 
@@ -327,6 +328,35 @@ private:
 TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& columns,
                          const TrackProgress& on_progress) {
     return CsvTracks(file, columns).read(on_progress);
+}
+
+void write_plain_csv(const TrackRows& rows, const std::filesystem::path& file) {
+    PendingFile pending(file);
+    fmt::memory_buffer text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "{},particle,x,y{}{}\n", rows.time.empty() ? "frame" : "t",
+                   rows.heading.empty() ? "" : ",theta", rows.is_rod.empty() ? "" : ",kind");
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+        if (rows.time.empty())
+            fmt::format_to(out, "{},", rows.frame[row]);
+        else
+            fmt::format_to(out, "{},", rows.time[row]);
+        if (rows.id[row] != no_track)
+            fmt::format_to(out, "{}", rows.id[row]);
+        fmt::format_to(out, ",{},{}", rows.x[row], rows.y[row]);
+        if (!rows.heading.empty()) {
+            text.push_back(',');
+            if (!std::isnan(rows.heading[row]))
+                fmt::format_to(out, "{}", rows.heading[row]);
+        }
+        fmt::format_to(out, "{}\n", rows.is_rod.empty() ? "" : rows.is_rod[row] ? ",rod" : ",bead");
+        if (text.size() > (std::size_t{1} << 20)) { // a film may be larger than the memory left
+            pending.write({text.data(), text.size()});
+            text.clear();
+        }
+    }
+    pending.write({text.data(), text.size()});
+    pending.commit();
 }
 
 } // namespace rodwake::store

@@ -45,4 +45,9 @@ using TrackProgress = std::function<bool(double)>;
 TrackRows read_tracks(const std::filesystem::path& file, TrackFormat format, const TrackColumns& columns,
                       const TrackProgress& on_progress);
 
+/// Columns frame (or t, where there are times), particle, x, y, and theta and kind where the rows have them;
+/// an empty cell is a spot of no track or an unknown heading. Numbers read back to the bit; boxes and image
+/// indices are not kept. Throws RunError.
+void write_plain_csv(const TrackRows& rows, const std::filesystem::path& file);
+
 } // namespace rodwake::store
