@@ -22,20 +22,21 @@ struct TrackRows {
     std::vector<std::int64_t> id;
     std::vector<double> x, y;         ///< in units of the file, finite
     std::vector<double> heading;      ///< rad; empty: no such column; NaN: not known
+    bool from_ends = false;           ///< headings are directions from one end of a rod to the other
     std::vector<std::uint8_t> is_rod; ///< empty: no column of kinds, all are beads
     /// Image indices: x + image_x L is unwrapped. Empty: the file does not have them.
     std::vector<std::int32_t> image_x, image_y;
     /// Ids of a simulation never change hands; a tracker of pictures may give one to another particle.
     bool certain_ids = false;
-    std::size_t without_place = 0;    ///< rows that were left out
-    std::string first_without_place;  ///< where: "file:line"
-    std::size_t branches = 0;         ///< links cut where a track splits or merges
-    std::size_t hidden = 0;           ///< spots that TrackMate's filters took out
-    std::size_t dangling = 0;         ///< links to spots that the file does not have
+    std::size_t without_place = 0;     ///< rows that were left out
+    std::string first_without_place;   ///< where: "file:line"
+    std::size_t branches = 0;          ///< links cut where a track splits or merges
+    std::size_t hidden = 0;            ///< spots that TrackMate's filters took out
+    std::size_t dangling = 0;          ///< links to spots that the file does not have
     std::vector<std::string> warnings; ///< of the reader, a sentence each
-    std::string length_unit;          ///< as the file names it; empty: it does not
-    std::optional<PeriodicBox> box;   ///< periodic in x and y, as the file says; in units of the file
-    std::string no_box;               ///< why the file's periodic box is none here; else empty
+    std::string length_unit;           ///< as the file names it; empty: it does not
+    std::optional<PeriodicBox> box;    ///< periodic in x and y, as the file says; in units of the file
+    std::string no_box;                ///< why the file's periodic box is none here; else empty
 
     std::size_t size() const { return x.size(); }
 };

@@ -2,8 +2,8 @@
 // Files of tracks as programs for films write them: rows of (frame, particle, x, y), in any order.
 //
 //   CSV        of trackpy, pandas and TrackMate: one header line; commas, semicolons or tabs; columns in any
-//              order; an index without a name, fields in quotes, '#' lines and a byte order mark are fine.
-//              TrackMate's three further header lines are passed over
+//              order; an index without a name, fields in quotes, lines that begin with '#' or '%', a byte
+//              order mark and gzip are fine. TrackMate's three further header lines are passed over
 //   TrackMate  XML: spots, the edges that link them, and which tracks count. Where a track splits or merges
 //              it is cut: who goes on as whom is not known
 //   LAMMPS     dumps: x, xu, xs or xsu; ids in any order; box, and times where the dump has them
@@ -34,8 +34,9 @@ struct TrackColumns {
     std::string time;              ///< in place of frame, s
     std::vector<std::string> ends; ///< of a rod, in place of heading: x, y of the thin end, x, y of the other
     bool own_times = false;        ///< neither frames nor a column of times count: the file's own times
-    std::vector<std::string> rod_kinds; ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
-    std::string group;                  ///< of H5MD, the particles; empty: trajectory, or the only one
+    std::vector<std::string> rod_kinds;  ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
+    std::string group;                   ///< of H5MD, the particles; empty: trajectory, or the only one
+    std::size_t most_rows = 100'000'000; ///< a CSV with more is refused, before the memory is used up
 };
 
 /// Hears the fraction read now and then; false: stop.
