@@ -4,6 +4,7 @@
 #include "fit/fit_data.hpp"
 #include "measure_frames.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/measure/tracks.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/track_file.hpp"
@@ -111,6 +112,8 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     if (rows.without_place == 0)
         rows.first_without_place = rods.first_without_place;
     rows.without_place += rods.without_place;
+    rows.from_ends = rods.from_ends;
+    append(rows.warnings, rods.warnings);
 }
 
 store::TrackFormat format_of(scene::TracksFormat format) {
@@ -140,7 +143,7 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
                               keys.bead_radius,
                               keys.box,
                               {},
-                              keys.columns.ends.empty() ? keys.angle : 1.0,
+                              rows.from_ends ? 1.0 : keys.angle,
                               keys.thin_end == scene::ThinEnd::ahead};
     const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
     if (own && !keys.box) {
@@ -252,10 +255,12 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     facts.branches = rows.branches;
     facts.hidden = rows.hidden;
     facts.length_unit = rows.length_unit;
+    for (const std::string& warning : rows.warnings)
+        log->warn("{}", warning);
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
     const TracksReport report = report_of(keys, file, facts, tracks);
-    store::write_atomically(folder / "tracks.json", record_json(report).dump(2) + "\n");
+    store::write_atomically(folder / "tracks.json", json_text(record_json(report), 2) + "\n");
     log->info("{}", line_of(report));
     return tracks;
 }
@@ -277,10 +282,25 @@ std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Trac
 
 } // namespace
 
-void require_tracks(const Scene& scene) {
-    file_of(scene, "file", scene.tracks->file);
-    if (!scene.tracks->rods_file.empty())
-        file_of(scene, "rods_file", scene.tracks->rods_file);
+std::vector<std::string> require_tracks(const Scene& scene) {
+    const scene::Tracks& keys = *scene.tracks;
+    std::vector<std::string> warnings;
+    const auto open = [&](const char* key, const std::string& name, store::TrackFormat format, bool of_rods) {
+        const fs::path file = file_of(scene, key, name);
+        const fs::path ending = file.extension();
+        const bool is_table = ending == ".csv" || ending == ".tsv" || ending == ".txt" || ending == ".gz";
+        if (format != store::TrackFormat::csv && !(format == store::TrackFormat::automatic && is_table))
+            return; // only tables have columns that may be missing
+        // The reader of the run, stopped at the first row that has a place.
+        const TrackRows rows =
+            store::read_tracks(file, format, columns_of(keys, of_rods), [](double) { return false; });
+        for (const std::string& warning : rows.warnings)
+            warnings.push_back(file.filename().string() + ": " + warning);
+    };
+    open("file", keys.file, format_of(keys.format), keys.rods_file.empty());
+    if (!keys.rods_file.empty())
+        open("rods_file", keys.rods_file, store::TrackFormat::automatic, true);
+    return warnings;
 }
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
@@ -318,6 +338,8 @@ void describe_tracks(const Plan& plan, Lines& lines) {
     lines.push_back(
         {true, fmt::format("tracks of {} in place of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
                            keys.pixel / keys.bead_radius, to_string(keys.window.kind))});
+    for (const std::string& warning : require_tracks(plan.scene))
+        lines.push_back({true, warning});
     for (const MeasureKind& kind : measure_kinds()) {
         const bool wanted = kind.wanted(*plan.scene.measure);
         lines.push_back({wanted, fmt::format("measure {}: {}", kind.name,

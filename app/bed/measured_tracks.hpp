@@ -8,8 +8,9 @@
 
 namespace rodwake::app {
 
-/// Throws InputError if the file that [tracks] names is not there.
-void require_tracks(const scene::Scene& scene);
+/// Opens the files that [tracks] names and returns what their reader warns of. Throws InputError, as the run
+/// does, if one is not there, or is a table without a column that is needed.
+std::vector<std::string> require_tracks(const scene::Scene& scene);
 
 /// Of a scene with [tracks] and [measure]. Nothing if a signal stopped it. Throws InputError for a file that
 /// is no film.
