@@ -153,7 +153,7 @@ std::string text_text(std::istream& in) {
 std::string json_text(const fs::path& file) {
     std::ifstream in = opened(file);
     try {
-        std::istringstream text(json_text(shortened(ordered_json::parse(in)), 2));
+        std::istringstream text(rodwake::json_text(shortened(ordered_json::parse(in)), 2));
         return text_text(text);
     } catch (const ordered_json::exception& error) {
         throw InputError(fmt::format("{}: not valid JSON: {}", file.string(), error.what()));
