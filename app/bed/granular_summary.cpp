@@ -1,5 +1,6 @@
 #include "granular_summary.hpp"
 
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/store/csv.hpp"
 #include "run/catalogue.hpp"
 #include "run/record_json.hpp"
@@ -207,7 +208,7 @@ std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
     out["runs"] = 1;
     out.update(header(bed));
     out["cost"] = cost_json(s.cost);
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs, std::size_t asked) {
@@ -222,7 +223,7 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     out["finished_runs"] = runs.size();
     out.update(header(bed));
     out["cost"] = cost_json(cost_of(runs));
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 std::vector<std::string> rod_numbers(std::size_t rods) {

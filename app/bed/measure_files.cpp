@@ -2,6 +2,7 @@
 
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
 #include "rodwake/store/vti.hpp"
@@ -89,7 +90,7 @@ std::string measure_json(const CaseResults& r, const MeasureOrigin& origin) {
                          {"seed", origin.seed},
                          {"version", build_info().version},
                          {"git", build_info().git}};
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 /// measure.h5: the grids of all measures, by the names of their groups; no file without any.
@@ -242,7 +243,7 @@ void write_series(const std::filesystem::path& folder, const std::vector<CaseRes
         content += line_of(one);
     store::write_atomically(folder / "series.csv", content);
     if (const Values told = comparisons(cases); !told.empty())
-        store::write_atomically(folder / "series.json", values_json(told).dump(2) + "\n");
+        store::write_atomically(folder / "series.json", json_text(values_json(told), 2) + "\n");
 }
 
 } // namespace rodwake::app

@@ -221,8 +221,10 @@ void require_recorded(const Plan& plan, const fs::path& folder) {
 }
 
 void require_measurable(const Plan& plan, const fs::path& folder, const RunContext& context) {
-    if (plan.scene.tracks)
-        return require_tracks(plan.scene);
+    if (plan.scene.tracks) {
+        look_at_tracks(plan.scene, nullptr);
+        return;
+    }
     if (!plan.scene.measure->trajectory.empty())
         return require_trajectory(plan);
     if (!only_measures(plan))

@@ -5,6 +5,7 @@
 #include "measure_frames.hpp"
 #include "rodwake/app/convert.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/measure/tracks.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/track_file.hpp"
@@ -110,7 +111,7 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     append(rows.heading, rods.heading);
     append(rows.image_x, rods.image_x);
     append(rows.image_y, rods.image_y);
-    append(rows.x, rods.x); // last: it is what the others are as long as
+    append(rows.x, rods.x);                 // last: it is what the others are as long as
     if (rows.image_x.size() != rows.size()) // one of the files has them, the other does not
         rows.image_x = rows.image_y = {};
     append(rows.warnings, rods.warnings);
@@ -118,6 +119,8 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     if (rows.without_place == 0)
         rows.first_without_place = rods.first_without_place;
     rows.without_place += rods.without_place;
+    rows.from_ends = rods.from_ends;
+    append(rows.warnings, rods.warnings);
 }
 
 /// Rows of a file: of CSV at once, of any other format from the film that is made of it in `folder`, whose
@@ -163,7 +166,7 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
                               keys.bead_radius,
                               keys.box,
                               {},
-                              keys.columns.ends.empty() ? keys.angle : 1.0,
+                              rows.from_ends ? 1.0 : keys.angle,
                               keys.thin_end == scene::ThinEnd::ahead};
     const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
     if (own && !keys.box) {
@@ -275,10 +278,12 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     facts.dangling = rows.dangling;
     facts.warnings = rows.warnings;
     facts.length_unit = rows.length_unit;
+    for (const std::string& warning : rows.warnings)
+        log->warn("{}: {}", file.filename().string(), warning);
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
     const TracksReport report = report_of(keys, file, facts, tracks);
-    store::write_atomically(folder / "tracks.json", record_json(report).dump(2) + "\n");
+    store::write_atomically(folder / "tracks.json", json_text(record_json(report), 2) + "\n");
     log->info("{}", line_of(report));
     return tracks;
 }
@@ -300,10 +305,26 @@ std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Trac
 
 } // namespace
 
-void require_tracks(const Scene& scene) {
-    file_of(scene, "file", scene.tracks->file);
-    if (!scene.tracks->rods_file.empty())
-        file_of(scene, "rods_file", scene.tracks->rods_file);
+std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* context) {
+    const scene::Tracks& keys = *scene.tracks;
+    std::vector<std::string> found;
+    const auto look = [&](const char* key, const std::string& name, TrackFormat format, bool of_rods) {
+        const fs::path file = file_of(scene, key, name);
+        if (format == TrackFormat::automatic)
+            format = store::track_format(file);
+        std::vector<std::string> told;
+        if (format == TrackFormat::csv) // the reader of the run, stopped at the first row that has a place
+            told =
+                store::read_track_csv(file, columns_of(keys, of_rods), [](double) { return false; }).warnings;
+        else if (context)
+            told.push_back("its first frames: " + look_into(keys, file, format, *context));
+        for (const std::string& line : told)
+            found.push_back(file.filename().string() + ": " + line);
+    };
+    look("file", keys.file, keys.format, keys.rods_file.empty());
+    if (!keys.rods_file.empty())
+        look("rods_file", keys.rods_file, TrackFormat::automatic, true);
+    return found;
 }
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
@@ -341,6 +362,8 @@ void describe_tracks(const Plan& plan, Lines& lines) {
     lines.push_back(
         {true, fmt::format("tracks of {} in place of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
                            keys.pixel / keys.bead_radius, to_string(keys.window.kind))});
+    for (const std::string& line : plan.tracks)
+        lines.push_back({true, line});
     for (const MeasureKind& kind : measure_kinds()) {
         const bool wanted = kind.wanted(*plan.scene.measure);
         lines.push_back({wanted, fmt::format("measure {}: {}", kind.name,

@@ -8,8 +8,10 @@
 
 namespace rodwake::app {
 
-/// Throws InputError if the file that [tracks] names is not there.
-void require_tracks(const scene::Scene& scene);
+/// Opens the files that [tracks] names, as far as their first rows. Lines on what the readers assume there,
+/// and, with a context to run the converter in, on what the first frames of other formats hold. Throws
+/// InputError for what the run would refuse there.
+std::vector<std::string> look_at_tracks(const scene::Scene& scene, const RunContext* context);
 
 /// Of a scene with [tracks] and [measure]. Nothing if a signal stopped it. Throws InputError for a file that
 /// is no film.

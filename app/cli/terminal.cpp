@@ -1,6 +1,7 @@
 #include "terminal.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "verbs.hpp"
 
@@ -51,8 +52,7 @@ class JsonPayload : public spdlog::custom_flag_formatter {
 public:
     void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
         const std::string_view payload(message.payload.data(), message.payload.size());
-        const std::string text =
-            nlohmann::json(payload).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+        const std::string text = json_text(nlohmann::json(payload));
         out.append(text.data(), text.data() + text.size());
     }
     std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JsonPayload>(); }

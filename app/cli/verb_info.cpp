@@ -4,6 +4,7 @@
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scan/ledger.hpp"
 #include "rodwake/scene/document.hpp"
@@ -153,7 +154,7 @@ std::string text_text(std::istream& in) {
 std::string json_text(const fs::path& file) {
     std::ifstream in = opened(file);
     try {
-        std::istringstream text(shortened(ordered_json::parse(in)).dump(2));
+        std::istringstream text(rodwake::json_text(shortened(ordered_json::parse(in)), 2));
         return text_text(text);
     } catch (const ordered_json::exception& error) {
         throw InputError(fmt::format("{}: not valid JSON: {}", file.string(), error.what()));

@@ -6,6 +6,7 @@
 #include "rodwake/app/rods.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
 
 #include <fmt/format.h>
@@ -90,7 +91,7 @@ ordered_json start_state(const scene::Scene& scene) {
 /// JSON that may stand in a script: no "</script>" in it.
 std::string for_script(const ordered_json& value) {
     std::string text;
-    for (const char c : value.dump())
+    for (const char c : json_text(value))
         text += c == '<' ? std::string("\\u003c") : std::string(1, c);
     return text;
 }

@@ -5,6 +5,7 @@
 #include "rodwake/app/rods.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/fitting/posterior.hpp"
@@ -316,7 +317,7 @@ void write_designs(const WeighedDesigns& found, const DesignRequest& request,
         csv += one.empty() ? "" : varied[line++] + one + "\n";
     std::filesystem::create_directories(folder);
     store::write_atomically(folder / "design.csv", csv);
-    store::write_atomically(folder / "design.json", out.dump(2) + "\n");
+    store::write_atomically(folder / "design.json", json_text(out, 2) + "\n");
 }
 
 } // namespace rodwake::app

@@ -2,6 +2,7 @@
 
 #include "fit_records.hpp"
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
@@ -320,7 +321,7 @@ std::string fit_json(const FitPlan& plan, const FitResults& results, const FitOr
     out["seed"] = plan.method.seed;
     out["provenance"] = {
         {"command", origin.command}, {"version", build_info().version}, {"git", build_info().git}};
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 void write_profile(const fs::path& folder, std::size_t i, const FitProfileData& data,

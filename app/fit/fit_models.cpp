@@ -7,6 +7,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "run/record_json.hpp"
@@ -216,7 +217,7 @@ void write_models(const fs::path& folder, const FitPlan& plan, const std::vector
         at = end;
     }
     store::write_atomically(folder / "models.csv", named);
-    store::write_atomically(folder / "models.json", out.dump(2) + "\n");
+    store::write_atomically(folder / "models.json", json_text(out, 2) + "\n");
 }
 
 void log_models(const std::vector<WeighedModel>& models, const std::vector<std::string>& text,

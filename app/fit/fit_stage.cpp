@@ -6,6 +6,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/cost_parts.hpp"
@@ -303,7 +304,7 @@ std::string medium_json(const FittedMedium& m, const std::string& length_unit) {
                                          {"f_over_mu_" + length_unit, m.strength.value},
                                          {"f_over_mu_" + length_unit + "_stderr", error_json(m.strength)},
                                          {"units", {{"eta", "1"}, {"xi", "f/mu"}, {"alpha", "1"}}}};
-    return json.dump(2) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 std::string with_error(const char* name, const Estimate& d) {

@@ -1,6 +1,7 @@
 #include "fit_files.hpp"
 
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/csv.hpp"
@@ -76,7 +77,7 @@ std::string posterior_json(const FitPlan& plan, const fitting::Posterior& found,
     out["seed"] = plan.method.seed;
     out["remarks"] = found.remarks;
     out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 // posterior.nc: NetCDF4 in the layout of ArviZ, a group a kind of variable, each with its own coordinates.

@@ -1,7 +1,9 @@
 #include "log.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/basic_file_sink.h>
 
@@ -31,17 +33,31 @@ public:
 
 private:
     void sink_it_(const spdlog::details::log_msg& message) override {
-        log_(severity(message.level), std::string(message.payload.data(), message.payload.size()));
+        log_(severity(message.level), printable({message.payload.data(), message.payload.size()}));
     }
     void flush_() override {}
 
     std::function<void(Severity, const std::string&)> log_;
 };
 
+/// %P: the message in UTF-8, whatever names of files it quotes.
+class PrintablePayload : public spdlog::custom_flag_formatter {
+public:
+    void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& out) override {
+        const std::string text = printable({message.payload.data(), message.payload.size()});
+        out.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<custom_flag_formatter> clone() const override {
+        return std::make_unique<PrintablePayload>();
+    }
+};
+
 spdlog::sink_ptr file_sink(const std::filesystem::path& path) {
     try {
         auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path.string(), false);
-        sink->set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %v");
+        auto formatter = std::make_unique<spdlog::pattern_formatter>();
+        formatter->add_flag<PrintablePayload>('P').set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %P");
+        sink->set_formatter(std::move(formatter));
         return sink;
     } catch (const spdlog::spdlog_ex& error) {
         throw RunError(path.string() + ": cannot write the log: " + error.what());

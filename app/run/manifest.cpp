@@ -2,6 +2,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
@@ -222,12 +223,12 @@ LostFiles lost_files(const fs::path& folder) {
     return lost;
 }
 
-std::string manifest_json(const fs::path& folder) { return manifest_of_files(folder).dump(2) + "\n"; }
+std::string manifest_json(const fs::path& folder) { return json_text(manifest_of_files(folder), 2) + "\n"; }
 
 void write_manifest(const fs::path& folder) {
     ordered_json manifest = manifest_of_files(folder);
     keep_lost(folder, manifest["files"]);
-    store::write_atomically(folder / "manifest.json", manifest.dump(2) + "\n");
+    store::write_atomically(folder / "manifest.json", json_text(manifest, 2) + "\n");
 }
 
 } // namespace rodwake::app

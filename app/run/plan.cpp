@@ -45,7 +45,8 @@ std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
 }
 
 Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInputs inputs) {
-    Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {}, {}};
+    Plan plan{scene, {stages.begin(), stages.end()}, {}, {}, std::move(inputs.fit), {},
+              {},    std::move(inputs.tracks)};
     const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
     const bool bed_order = plan.has(Stage::order) && order_of_bed(scene);
     if (plan.has(Stage::granular) || (plan.has(Stage::measure) && scene.granular) || bed_order || scans_beds)

@@ -4,6 +4,7 @@
 #include "bed/granular_jobs.hpp"
 #include "bed/measure_stage.hpp"
 #include "bed/measured_file.hpp"
+#include "bed/measured_tracks.hpp"
 #include "fit/fit_stage.hpp"
 #include "rodwake/app/run_context.hpp"
 #include "rodwake/app/run_folder.hpp"
@@ -86,6 +87,8 @@ Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& co
     if (scene.fit)
         inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);
     inputs.list = read_scan_list(scene);
+    if (scene.tracks && scene.measure)
+        inputs.tracks = look_at_tracks(scene, &context);
     return make_plan(scene, stages_of(scene), std::move(inputs));
 }
 

@@ -1,6 +1,7 @@
 #include "rodwake/app/describe.hpp"
 
 #include "rodwake/app/measure_kind.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
 
 #include <nlohmann/json.hpp>
@@ -18,7 +19,7 @@ std::string value_entry(const MeasureKind& kind, const ValueInfo& value) {
         out["factor"] = value.factor;
     }
     out["meaning"] = value.meaning;
-    return out.dump();
+    return json_text(out);
 }
 
 } // namespace

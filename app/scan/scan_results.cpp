@@ -1,5 +1,6 @@
 #include "scan_parts.hpp"
 
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/scan/proportion.hpp"
 #include "rodwake/scene/document.hpp"
 #include "rodwake/store/atomic_file.hpp"
@@ -125,7 +126,7 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
             certificates.cells.empty() ? ordered_json(nullptr) : by_certificate(certificates.area);
         out.update(rods_json(plan));
     }
-    return out.dump(2) + "\n";
+    return json_text(out, 2) + "\n";
 }
 
 /// Both tables of points, and the sample of trajectories, fed with some points at a time.

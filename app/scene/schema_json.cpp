@@ -1,6 +1,7 @@
 #include "documented.hpp"
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"
+#include "rodwake/core/json_text.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -50,7 +51,7 @@ std::string list_text(const SchemaList& list) {
 SchemaList list_of(const char* name, const Json& entries) {
     SchemaList list{name, {}};
     for (const Json& entry : entries)
-        list.entries.push_back(entry.dump());
+        list.entries.push_back(json_text(entry));
     return list;
 }
 

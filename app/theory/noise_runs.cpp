@@ -2,6 +2,7 @@
 #include "rods_ensemble.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/estimate.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
@@ -93,7 +94,7 @@ public:
     }
     void save(const NoiseSums& sums) {
         const auto start = Clock::now();
-        session_.directory.write(file_, json{{"key", key_}, {"sums", to_json(sums)}}.dump());
+        session_.directory.write(file_, json_text(json{{"key", key_}, {"sums", to_json(sums)}}));
         constexpr int share = 20; // of the time between
         next_ = Clock::now() + std::max<Clock::duration>(interval, share * (Clock::now() - start));
     }
@@ -225,7 +226,7 @@ std::string noise_json(const NoiseSums& sums, const NoisePlan& plan, const rods:
     report.heading_correlation = {cosine.values, rods};
     report.heading_correlation_error = {cosine.errors, rods};
     report.units = {units.length_name, units.time_name, {}};
-    return record_json(report).dump(1) + "\n";
+    return json_text(record_json(report), 1) + "\n";
 }
 
 std::string noise_csv(const NoiseSums& sums, std::size_t rods, const OutputUnits& units) {

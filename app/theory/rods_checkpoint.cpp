@@ -2,6 +2,7 @@
 
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
 #include "run/record_json.hpp"
@@ -82,14 +83,13 @@ bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scen
 
 std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
                             const std::string& field) {
-    return json{{"key", key_of(scene, field)},
-                {"time", checkpoint.time},
-                {"state", checkpoint.state},
-                {"headings", checkpoint.headings},
-                {"outputs", checkpoint.outputs},
-                {"record", to_json(checkpoint.record)},
-                {"statistics", to_json(checkpoint.statistics)}}
-        .dump();
+    return json_text(json{{"key", key_of(scene, field)},
+                          {"time", checkpoint.time},
+                          {"state", checkpoint.state},
+                          {"headings", checkpoint.headings},
+                          {"outputs", checkpoint.outputs},
+                          {"record", to_json(checkpoint.record)},
+                          {"statistics", to_json(checkpoint.statistics)}});
 }
 
 std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& file,

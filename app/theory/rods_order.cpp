@@ -5,6 +5,7 @@
 #include "bed/measure_stage.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/measure/rod_order.hpp"
 #include "rodwake/scene/read.hpp"
@@ -79,7 +80,7 @@ std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys,
         mean.polar,   mean.nematic,  mean.mean_size, mean.weighted_size,
         mean.largest, keys.link,     keys.from,      keys.block,
         runs,         mean.instants, mean.blocks,    {keys.units.length_name, keys.units.time_name, {}}};
-    return record_json(report).dump(2) + "\n";
+    return json_text(record_json(report), 2) + "\n";
 }
 
 OrderKeys::OrderKeys(const scene::Scene& scene) : units(order_units(scene)) {

@@ -2,6 +2,7 @@
 #include "rods_ensemble.hpp"
 #include "rods_film.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/certificate.hpp"
@@ -403,7 +404,7 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
     report.units = {units.length_name, units.time_name, "rad"};
     report.solver = solver_report(result, plan, units);
     report.ensemble = ensemble;
-    return record_json(report).dump(2) + "\n";
+    return json_text(record_json(report), 2) + "\n";
 }
 
 namespace {

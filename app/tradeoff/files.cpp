@@ -2,6 +2,7 @@
 
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
 #include "target.hpp"
@@ -222,7 +223,8 @@ Tradeoff read_file(const std::filesystem::path& file, const Use& use) {
 std::span<const ColumnInfo> tradeoff_columns() { return columns_of<TrialRow>(); }
 
 std::string tradeoff_json(const Tradeoff& t) {
-    return record_json(Document{t.unit, t.work, t.limit, t.kind, t.rods, cpu_model(), trials_of(t)}).dump(1) +
+    return json_text(
+               record_json(Document{t.unit, t.work, t.limit, t.kind, t.rods, cpu_model(), trials_of(t)}), 1) +
            "\n";
 }
 
@@ -269,7 +271,7 @@ std::string ways_json(const Tradeoff& table, const std::string& command) {
                                    {"git", build_info().git},
                                    {"cpu", cpu_model()},
                                    {"ways", member_json(table.ways)}};
-    return document.dump(1) + "\n";
+    return json_text(document, 1) + "\n";
 }
 
 std::string ways_csv(const Tradeoff& table) {

@@ -1,8 +1,11 @@
 #include "bind.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
 
 #include <pybind11/stl.h>
+
+#include <filesystem>
 
 namespace rodwake::python {
 
@@ -14,12 +17,17 @@ void raise(const char* name, const py::object& error) {
     PyErr_SetObject(error_class(name).ptr(), error.ptr());
 }
 
+/// Messages quote names of files, of any bytes; Python's strings take none that are not UTF-8.
+void raise(const char* name, const std::exception& error) {
+    raise(name, error_class(name)(printable(error.what())));
+}
+
 void raise_scene_error(const scene::SceneError& error) {
     const py::object problem = error_class("Problem");
     py::list problems;
     for (const scene::Problem& p : error.problems())
-        problems.append(problem(p.file, p.line, p.column, p.key, p.message));
-    raise("SceneError", error_class("SceneError")(error.what(), problems));
+        problems.append(problem(printable(p.file), p.line, p.column, p.key, printable(p.message)));
+    raise("SceneError", error_class("SceneError")(printable(error.what()), problems));
 }
 
 void translate(std::exception_ptr thrown) {
@@ -28,9 +36,11 @@ void translate(std::exception_ptr thrown) {
     } catch (const scene::SceneError& error) {
         raise_scene_error(error);
     } catch (const InputError& error) {
-        raise("InputError", error_class("InputError")(error.what()));
+        raise("InputError", error);
     } catch (const RunError& error) {
-        raise("RunError", error_class("RunError")(error.what()));
+        raise("RunError", error);
+    } catch (const std::filesystem::filesystem_error& error) {
+        raise("RunError", error);
     }
 }
 

@@ -3,6 +3,7 @@
 #include "bind.hpp"
 #include "rodwake/app/describe.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
 
 #include <pybind11/stl.h>
@@ -36,14 +37,18 @@ std::string check(const scene::Scene& scene, const fs::path& folder, std::size_t
     std::string text = "modelled\n" + modelled + "\nnot modelled\n" + left_out;
     if (cost)
         text += "\nexpected cost\n" + app::expected_cost(plan, folder, context) + "\n";
-    return text;
+    return printable(text);
 }
 
 } // namespace
 
 void bind_scene(py::module_& module) {
     py::class_<scene::Scene>(module, "Scene")
-        .def_readonly("path", &scene::Scene::path)
+        .def_property_readonly("path",
+                               [](const scene::Scene& scene) {
+                                   return py::reinterpret_steal<py::str>(
+                                       PyUnicode_DecodeFSDefault(scene.path.c_str()));
+                               })
         .def_readonly("title", &scene::Scene::title)
         .def("stages", &stage_names)
         .def("to_toml", &scene::to_toml);

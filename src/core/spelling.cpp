@@ -60,21 +60,54 @@ std::string did_you_mean(std::string_view name, std::span<const std::string_view
 
 namespace {
 
+/// Bytes of the character of UTF-8 that a text begins with; 0 if it begins with none.
+std::size_t character(std::string_view text) {
+    const auto byte = [&](std::size_t at) {
+        return static_cast<unsigned char>(at < text.size() ? text[at] : 0);
+    };
+    const unsigned first = byte(0), second = byte(1);
+    const std::size_t size = first < 0x80   ? 1
+                             : first < 0xC2 ? 0
+                             : first < 0xE0 ? 2
+                             : first < 0xF0 ? 3
+                             : first < 0xF5 ? 4
+                                            : 0;
+    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) || // too long, halves of pairs
+        (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
+        return 0;
+    for (std::size_t at = 1; at < size; ++at)
+        if ((byte(at) & 0xC0) != 0x80)
+            return 0;
+    return size;
+}
+
 std::string escaped(std::string_view text, std::string_view kept) {
     std::string out;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const auto code = static_cast<unsigned char>(text[i]),
-                   next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
-        const bool c1 = code == 0xC2 && next >= 0x80 && next < 0xA0; // controls beyond ASCII, in UTF-8
-        if ((code >= 0x20 && code != 0x7F && !c1) || kept.find(text[i]) != std::string_view::npos)
-            out += text[i];
+    while (!text.empty()) {
+        const std::size_t size = character(text);
+        const auto code = static_cast<unsigned char>(text[size == 2 ? 1 : 0]);
+        const bool control =
+            size < 2 ? code < 0x20 || code == 0x7F : text[0] == '\xC2' && code < 0xA0; // those beyond ASCII
+        if (size == 0 || (control && kept.find(text[0]) == std::string_view::npos))
+            out += fmt::format("\\x{:02x}", code);
         else
-            out += fmt::format("\\x{:02x}", c1 ? static_cast<unsigned char>(text[++i]) : code);
+            out += text.substr(0, size);
+        text.remove_prefix(std::max<std::size_t>(size, 1));
     }
     return out;
 }
 
 } // namespace
+
+std::size_t first_not_utf8(std::string_view text) {
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t size = character(text.substr(at));
+        if (size == 0)
+            return at;
+        at += size;
+    }
+    return std::string_view::npos;
+}
 
 std::string printable(std::string_view text) { return escaped(text, "\t\n"); }
 

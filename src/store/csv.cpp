@@ -2,15 +2,14 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "text_lines.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <limits>
 #include <string_view>
 #include <unordered_set>
@@ -18,6 +17,9 @@
 namespace rodwake::store {
 
 namespace {
+
+/// Of a table.
+constexpr std::size_t most_numbers = 500'000'000;
 
 /// Where in the file we are, for messages.
 struct Place {
@@ -29,93 +31,6 @@ struct Place {
         throw InputError(fmt::format("{}:{}:{}: {}", file, line, column, what));
     }
 };
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos)
-        return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// Lines that end with LF, CR LF or CR.
-class Lines {
-public:
-    explicit Lines(std::ifstream file) : file_(std::move(file)) {}
-
-    bool next(std::string& line) {
-        if (from_ > some_.size()) {
-            if (!std::getline(file_, some_))
-                return false;
-            if (some_.ends_with('\r'))
-                some_.pop_back();
-            from_ = 0;
-        }
-        const std::size_t end = std::min(some_.find('\r', from_), some_.size());
-        line.assign(some_, from_, end - from_);
-        from_ = end + 1;
-        return true;
-    }
-
-private:
-    std::ifstream file_;
-    std::string some_; ///< up to the next LF
-    std::size_t from_ = 1;
-};
-
-constexpr std::string_view separators = ",;\t";
-
-/// The one that stands in the header most often outside quotes; a comma if none does.
-char separator_of(std::string_view header) {
-    std::array<std::size_t, separators.size()> count{};
-    bool quoted = false;
-    for (const char c : header) {
-        quoted ^= c == '"';
-        if (const auto which = separators.find(c); which != std::string_view::npos && !quoted)
-            ++count[which];
-    }
-    return separators[static_cast<std::size_t>(std::ranges::max_element(count) - count.begin())];
-}
-
-/// One field of a line and where the next one starts.
-struct Field {
-    std::string text;
-    std::size_t next;
-};
-
-Field plain_field(std::string_view line, char separator, std::size_t start) {
-    const std::size_t end = std::min(line.find(separator, start), line.size());
-    return {std::string(trimmed(line.substr(start, end - start))), end + 1};
-}
-
-/// The field whose opening quote stands at `quote`; a quote within is doubled.
-Field quoted_field(std::string_view line, char separator, std::size_t quote, const Place& at) {
-    std::string text;
-    std::size_t i = quote + 1;
-    for (; i < line.size() && (line[i] != '"' || line.substr(i, 2) == "\"\""); ++i) {
-        i += line[i] == '"';
-        text += line[i];
-    }
-    if (i >= line.size())
-        at.fail("a quote is opened and not closed on this line");
-    const Field rest = plain_field(line, separator, i + 1);
-    if (!rest.text.empty())
-        at.fail(fmt::format("\"{}\" follows the closing quote", shown(rest.text)));
-    return {std::string(trimmed(text)), rest.next};
-}
-
-template<class Use>
-void for_each_field(std::string_view line, char separator, Place& at, Use use) {
-    const char* blanks = separator == '\t' ? " " : " \t";
-    for (std::size_t start = 0, index = 0; start <= line.size(); ++index) {
-        at.column = start + 1;
-        const std::size_t first = std::min(line.find_first_not_of(blanks, start), line.size());
-        const bool is_quoted = line.substr(first).starts_with('"');
-        const Field field =
-            is_quoted ? quoted_field(line, separator, first, at) : plain_field(line, separator, start);
-        use(index, std::string_view(field.text));
-        start = field.next;
-    }
-}
 
 std::from_chars_result parse(std::string_view text, double& value) {
     const char* begin = text.data() + (text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
@@ -136,7 +51,7 @@ std::string better(std::string text) {
 }
 
 double parse_number(std::string_view field, const std::string& name, bool required, const Place& at) {
-    if (field.empty() && !required)
+    if (!required && is_missing(field))
         return std::numeric_limits<double>::quiet_NaN();
     if (field.empty())
         at.fail(fmt::format("{}: expected a number, found an empty cell", shown(name)));
@@ -162,20 +77,21 @@ struct FileColumn {
 };
 
 struct Header {
-    char separator = ',';
     std::vector<FileColumn> columns;
     std::size_t named = 0; ///< up to the last column with a name
 };
 
 /// Programs write an index without a name in front, and a separator behind the last column.
-Header read_names(std::string_view line, Place& at) {
-    Header header{separator_of(line), {}, 0};
+Header read_names(std::string_view line, const LinesOfBlocks& lines, Place& at) {
+    Header header;
     std::deque<std::string> found; // whose addresses stay
     Names names;
     std::size_t gap = 0; ///< place of a column without a name behind one with a name
     bool numbers = true;
-    for_each_field(line, header.separator, at, [&](std::size_t index, std::string_view name) {
-        header.columns.push_back({std::string(name), false, false});
+    lines.for_each_cell(line, line.npos, [&](std::size_t index, std::string_view cell, std::size_t column) {
+        at.column = column;
+        const std::string name = text_in(cell);
+        header.columns.push_back({name, false, false});
         if (name.empty()) {
             gap = gap == 0 && header.named > 0 ? at.column : gap;
             return;
@@ -208,9 +124,9 @@ void require_columns(const Header& header, const Place& at, std::span<const std:
                                 blanks ? "; columns are separated by commas, semicolons or tabs" : ""));
 }
 
-Header read_header(std::string_view line, Place& at, std::span<const std::string> required,
-                   std::span<const std::string> optional) {
-    Header header = read_names(line, at);
+Header read_header(std::string_view line, const LinesOfBlocks& lines, Place& at,
+                   std::span<const std::string> required, std::span<const std::string> optional) {
+    Header header = read_names(line, lines, at);
     require_columns(header, at, required);
     const Names needed(required.begin(), required.end()), welcome(optional.begin(), optional.end());
     for (FileColumn& column : header.columns) {
@@ -229,9 +145,12 @@ Table empty_table(const Header& header) {
     return table;
 }
 
-void read_row(std::string_view line, Place& at, const Header& header, Table& table) {
+void read_row(std::string_view line, const LinesOfBlocks& lines, Place& at, const Header& header,
+              Table& table) {
     std::size_t fields = 0, next = 0;
-    for_each_field(line, header.separator, at, [&](std::size_t index, std::string_view field) {
+    lines.for_each_cell(line, line.npos, [&](std::size_t index, std::string_view cell, std::size_t column) {
+        at.column = column;
+        const std::string_view field = bare(cell);
         if (index >= header.columns.size() && field.empty()) // behind the last one
             return;
         fields = index + 1;
@@ -244,52 +163,18 @@ void read_row(std::string_view line, Place& at, const Header& header, Table& tab
     table.lines.push_back(at.line);
 }
 
-/// Spreadsheets put a mark before UTF-8 text, and may write two bytes a character.
-void require_text(std::string& line, const Place& at) {
-    if (at.line == 1 && line.starts_with("\xEF\xBB\xBF"))
-        line.erase(0, 3);
-    const bool marked = at.line == 1 && (line.starts_with("\xFF\xFE") || line.starts_with("\xFE\xFF"));
-    if (marked || line.find('\0') != std::string::npos)
-        at.fail("this is no plain text but UTF-16 or binary: save the table as CSV in UTF-8");
-}
-
-/// Comments, and rows without anything in them.
-bool is_passed_over(std::string_view line) {
-    const std::string_view text = trimmed(line);
-    return text.starts_with('#') || text.starts_with('%') || text.find_first_not_of(",; \t") == text.npos;
-}
-
-bool is_standard_input(const std::filesystem::path& path) { return path == "-"; }
-
-std::ifstream open(const std::filesystem::path& path) {
-    if (is_standard_input(path))
-        return std::ifstream("/dev/stdin");
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error))
-        throw InputError(path.string() + ": is a folder, expected a CSV file");
-    std::ifstream file(path);
-    if (!file)
-        throw InputError(path.string() + ": cannot read the file (does it exist?)");
-    return file;
-}
-
 /// The header and the rows in turn, as long as `use` wants more.
 template<class Use>
 void for_each_line(const std::filesystem::path& path, std::span<const std::string> required, Use use) {
-    Lines lines(open(path));
-    Place at{is_standard_input(path) ? "standard input" : path.string()};
-    bool any = false;
-    for (std::string line; lines.next(line);) {
-        ++at.line;
+    LinesOfBlocks lines(path);
+    Place at{lines.name()};
+    for (std::string_view line; lines.next_record(line);) {
+        at.line = lines.number();
         at.column = 1;
-        require_text(line, at);
-        if (is_passed_over(line))
-            continue;
-        any = true;
-        if (!use(line, at))
+        if (!use(line, lines, at))
             return;
     }
-    if (!any)
+    if (at.line == 0)
         throw InputError(fmt::format("{}: no header line{}{}", at.file,
                                      required.empty() ? "" : "; expected at least ",
                                      fmt::join(required, ",")));
@@ -312,8 +197,8 @@ const std::vector<double>* Table::find(const std::string& name) const {
 
 std::vector<std::string> csv_names(const std::filesystem::path& path) {
     std::vector<std::string> names;
-    for_each_line(path, {}, [&](std::string_view line, Place& at) {
-        for (FileColumn& column : read_names(line, at).columns)
+    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
+        for (FileColumn& column : read_names(line, lines, at).columns)
             if (!column.name.empty())
                 names.push_back(std::move(column.name));
         return false;
@@ -325,14 +210,15 @@ void for_each_csv_row(const std::filesystem::path& path,
                       const std::function<void(std::string_view, std::span<const std::string>)>& use) {
     Header header;
     std::vector<std::string> fields;
-    for_each_line(path, {}, [&](std::string_view line, Place& at) {
+    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
         if (header.columns.empty())
-            header = read_names(line, at);
+            header = read_names(line, lines, at);
         fields.clear();
-        for_each_field(line, header.separator, at, [&](std::size_t index, std::string_view field) {
-            if (index < header.columns.size() && !header.columns[index].name.empty())
-                fields.emplace_back(field);
-        });
+        lines.for_each_cell(line, header.columns.size(),
+                            [&](std::size_t index, std::string_view cell, std::size_t) {
+                                if (!header.columns[index].name.empty())
+                                    fields.push_back(text_in(cell));
+                            });
         use(line, fields);
         return true;
     });
@@ -342,12 +228,16 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
                std::span<const std::string> optional) {
     Table table;
     Header header;
-    for_each_line(path, required, [&](std::string_view line, Place& at) {
+    for_each_line(path, required, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
         if (header.columns.empty()) {
-            header = read_header(line, at, required, optional);
+            header = read_header(line, lines, at, required, optional);
             table = empty_table(header);
         } else {
-            read_row(line, at, header, table);
+            read_row(line, lines, at, header, table);
+            if (table.rows() * table.columns.size() >
+                most_numbers) // gzip's files are small until they are read
+                at.fail(fmt::format("more than {} numbers, {} GB of memory: take fewer rows", most_numbers,
+                                    most_numbers / 125'000'000));
         }
         return true;
     });

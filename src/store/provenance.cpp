@@ -1,6 +1,7 @@
 #include "rodwake/store/provenance.hpp"
 
 #include "rodwake/core/build_info.hpp"
+#include "rodwake/core/json_text.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -40,7 +41,7 @@ std::string provenance_json(const Provenance& provenance) {
     for (const auto& [name, version] : build.libraries)
         json["libraries"][name] = version;
     // File names need not be UTF-8.
-    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    return json_text(json, 2) + "\n";
 }
 
 } // namespace rodwake::store

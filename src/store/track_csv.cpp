@@ -18,37 +18,6 @@ namespace rodwake::store {
 
 namespace {
 
-/// Without the quotes around it.
-std::string_view bare(std::string_view cell) {
-    cell = without_blanks(cell);
-    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-        cell = without_blanks(cell.substr(1, cell.size() - 2));
-    return cell;
-}
-
-/// Calls use(index, cell) for each field of a line until it returns false; separators in quotes are text.
-template<class Use>
-void cells_of(std::string_view line, char separator, const Use& use) {
-    const char *at = line.data(), *const end = at + line.size();
-    for (std::size_t index = 0;; ++index) {
-        const char* const start = at;
-        bool quoted = false;
-        while (at != end && (*at != separator || quoted)) {
-            quoted ^= *at == '"';
-            ++at;
-        }
-        if (!use(index, std::string_view(start, static_cast<std::size_t>(at - start))) || at == end)
-            return;
-        ++at;
-    }
-}
-
-char separator_in(std::string_view header) {
-    constexpr std::string_view known = ",;\t";
-    const auto count = [&](char c) { return std::ranges::count(header, c); };
-    return *std::ranges::max_element(known, {}, count);
-}
-
 /// What a row says of a particle.
 enum Role : std::size_t { frame, id, x, y, heading, kind, time, thin_x, thin_y, thick_x, thick_y, roles };
 
@@ -74,7 +43,6 @@ constexpr RoleNames role_names[roles] = {
 constexpr std::size_t no_column = static_cast<std::size_t>(-1);
 
 struct Columns {
-    char separator = ',';
     std::array<std::size_t, roles> at{};   ///< which column has it
     std::vector<std::uint8_t> role_of;     ///< of the columns up to the last that is used
     std::array<std::string, roles> name{}; ///< as in the file
@@ -98,9 +66,7 @@ public:
         read_header();
         std::string_view line;
         constexpr std::size_t some = 65536; // rows between two reports
-        while (lines_.next(line)) {
-            if (line.empty() || line.front() == '#' || without_blanks(line).empty())
-                continue;
+        while (lines_.next_record(line)) {
             row(line);
             if (rows_.size() % some == 1 && !on_progress(lines_.part()))
                 break;
@@ -119,22 +85,20 @@ private:
 
     void read_header() {
         std::string_view line;
-        do {
-            if (!lines_.next(line))
-                throw InputError(path_ + ": is empty; expected a header line such as frame,particle,x,y");
-        } while (without_blanks(line).empty() || line.front() == '#');
-        columns_.separator = separator_in(line);
+        if (!lines_.next_record(line))
+            throw InputError(path_ + ": is empty; expected a header line such as frame,particle,x,y");
         std::vector<std::string> names;
-        cells_of(line, columns_.separator, [&](std::size_t, std::string_view cell) {
-            names.emplace_back(bare(cell));
-            return true;
+        fields_ = lines_.for_each_cell(line, no_column, [&](std::size_t, std::string_view cell, std::size_t) {
+            names.push_back(text_in(cell));
         });
         if (std::ranges::all_of(names, [](const std::string& n) { return number_in(n).has_value(); }))
             fail("the first line holds numbers and no names; put a line such as frame,particle,x,y before "
                  "it");
         columns_.at.fill(no_column);
+        guess_ends(names);
         for (std::size_t role = 0; role < roles; ++role)
             find(static_cast<Role>(role), names);
+        rows_.from_ends = columns_.at[thin_x] != no_column;
         std::size_t last = 0;
         for (const std::size_t at : columns_.at)
             last = at == no_column ? last : std::max(last, at);
@@ -143,6 +107,28 @@ private:
             if (columns_.at[role] != no_column)
                 columns_.role_of[columns_.at[role]] = static_cast<std::uint8_t>(role);
         columns_.of_trackmate = std::ranges::find(names, "POSITION_X") != names.end();
+    }
+
+    /// Rods that have nothing but two ends.
+    void guess_ends(const std::vector<std::string>& names) {
+        const auto called = [&](std::string_view name) {
+            return std::ranges::find_if(names, [&](const std::string& n) { return alike(n, name); });
+        };
+        for (const Role role : {x, y, heading})
+            if (!(given_.*role_names[role].given).empty() ||
+                std::ranges::any_of(role_names[role].usual, [&](std::string_view usual) {
+                    return !usual.empty() && called(usual) != names.end();
+                }))
+                return;
+        std::vector<std::string> ends;
+        for (const std::string_view name : {"x1", "y1", "x2", "y2"})
+            if (const auto found = called(name); found != names.end())
+                ends.push_back(*found);
+        if (!given_.ends.empty() || ends.size() < 4)
+            return;
+        rows_.warnings.push_back(fmt::format("columns {} are taken for the ends of a rod, the thin end first",
+                                             fmt::join(ends, ", ")));
+        given_.ends = std::move(ends);
     }
 
     void find(Role role, const std::vector<std::string>& names) {
@@ -179,22 +165,44 @@ private:
             role == time     ? "tracks.time_column"
             : role >= thin_x ? std::string("tracks.columns = { ends = [\"x1\", \"y1\", \"x2\", \"y2\"] }")
                              : fmt::format("tracks.columns = {{ {} = \"...\" }}", role_names[role].key);
-        return fmt::format("{}; the file has {}; name it in {}{}", what, fmt::join(names, ", "), key,
+        const std::string all = fmt::format("{}", fmt::join(names, ", "));
+        const bool is_utf8 = first_not_utf8(all) == std::string::npos;
+        return fmt::format("{}; the file has {}{}; name it in {}{}", what, printable(all),
+                           is_utf8 ? "" : " (not in UTF-8: save it so)", key,
                            role == frame ? ", or the times in tracks.time_column" : "");
     }
 
     void row(std::string_view line) {
-        std::size_t found = 0;
-        cells_of(line, columns_.separator, [&](std::size_t index, std::string_view cell) {
-            const std::size_t role = columns_.role_of[index];
-            if (role != roles)
-                cells_[role] = bare(cell);
-            found = index + 1;
-            return found < columns_.role_of.size();
-        });
-        if (found < columns_.role_of.size())
+        const std::size_t used = columns_.role_of.size();
+        std::size_t filled = 0; // fields up to the last that is not empty
+        const std::size_t found =
+            lines_.for_each_cell(line, used, [&](std::size_t index, std::string_view cell, std::size_t) {
+                const std::size_t role = columns_.role_of[index];
+                if (role != roles)
+                    cells_[role] = bare(cell);
+            });
+        if (found > fields_)
+            lines_.for_each_cell(line, found, [&](std::size_t index, std::string_view cell, std::size_t) {
+                filled = bare(cell).empty() ? filled : index + 1;
+            });
+        if (is_first_ &&
+            filled == fields_ + 1) { // names of rows, as R writes them, have no name in the header
+            columns_.role_of.insert(columns_.role_of.begin(), roles);
+            fields_ = filled;
+            has_row_names_ = true;
+            rows_.warnings.push_back(
+                "its rows have one field more than the header has names: the first field "
+                "is passed over, as R's names of rows");
+            return row(line);
+        }
+        is_first_ = false;
+        if (filled > fields_ || (has_row_names_ && found != fields_))
+            fail(fmt::format("has {} fields, and {} {}: text with \"{}\" belongs in quotes", found,
+                             has_row_names_ ? "the rows before it" : "the header", fields_,
+                             lines_.separator()));
+        if (found < used)
             fail(fmt::format("has {} fields, and column \"{}\" would be number {}: is the line cut short?",
-                             found, columns_.name[columns_.role_of.back()], columns_.role_of.size()));
+                             found, columns_.name[columns_.role_of.back()], used));
         if (columns_.of_trackmate && rows_.size() == 0 && !begins_a_number(cells_[x]) &&
             !begins_a_number(cells_[y]) && skipped_ < 3) {
             ++skipped_;
@@ -216,17 +224,22 @@ private:
         }
         if (rows_.size() == 0)
             reserve();
+        if (rows_.size() == given_.most_rows)
+            fail(fmt::format(
+                "more than {} rows, and {:.3g} GB of memory for them: take fewer frames, or a part "
+                "of the picture",
+                given_.most_rows, 41e-9 * static_cast<double>(given_.most_rows)));
         if (given_.time.empty())
             rows_.frame.push_back(whole(frame));
         else
             rows_.time.push_back(real(time));
-        rows_.id.push_back(columns_.at[id] == no_column || is_nothing(cells_[id]) ? no_track : whole(id));
+        rows_.id.push_back(columns_.at[id] == no_column || is_missing(cells_[id]) ? no_track : whole(id));
         rows_.x.push_back(at_x);
         rows_.y.push_back(at_y);
         if (columns_.at[thin_x] != no_column)
             rows_.heading.push_back(has_ends ? std::atan2(end[1] - end[3], end[0] - end[2]) : std::nan(""));
         else if (columns_.at[heading] != no_column)
-            rows_.heading.push_back(is_nothing(cells_[heading]) ? std::nan("") : real(heading));
+            rows_.heading.push_back(is_missing(cells_[heading]) ? std::nan("") : real(heading));
         if (columns_.at[kind] != no_column)
             rows_.is_rod.push_back(rod(cells_[kind]));
     }
@@ -251,16 +264,11 @@ private:
         for (const std::string_view cell : cells_)
             bytes += cell.size() + 1;
         const double most = lines_.bytes() / static_cast<double>(std::max<std::size_t>(bytes, 8));
-        const auto count = static_cast<std::size_t>(std::min(most, 1e9));
+        const auto count = static_cast<std::size_t>(std::min(most, static_cast<double>(given_.most_rows)));
         (given_.time.empty() ? (rows_.frame.reserve(count)) : (rows_.time.reserve(count)));
         rows_.id.reserve(count);
         rows_.x.reserve(count);
         rows_.y.reserve(count);
-    }
-
-    static bool is_nothing(std::string_view cell) {
-        return cell.empty() || alike(cell, "nan") || alike(cell, "none") || alike(cell, "na") ||
-               alike(cell, "n/a") || alike(cell, "null") || cell == "-";
     }
 
     /// False for a place that is none.
@@ -269,7 +277,7 @@ private:
         const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
         if (error == std::errc{} && end == cell.data() + cell.size())
             return std::isfinite(value);
-        if (is_nothing(cell))
+        if (is_missing(cell))
             return false;
         value = real(role);
         return std::isfinite(value);
@@ -297,8 +305,8 @@ private:
 
     std::uint8_t rod(std::string_view cell) const {
         if (!given_.rod_kinds.empty())
-            return std::ranges::find(given_.rod_kinds, cell) != given_.rod_kinds.end();
-        if (is_nothing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
+            return std::ranges::find(given_.rod_kinds, text_in(cell)) != given_.rod_kinds.end();
+        if (is_missing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
             return 0;
         if (cell == "1" || cell == "1.0" || alike(cell, "rod") || alike(cell, "motile") ||
             alike(cell, "apolar"))
@@ -315,11 +323,12 @@ private:
     }
 
     std::string path_;
-    const TrackColumns& given_;
+    TrackColumns given_;
     LinesOfBlocks lines_;
     Columns columns_;
     std::array<std::string_view, roles> cells_{};
-    std::size_t skipped_ = 0;
+    std::size_t skipped_ = 0, fields_ = 0; ///< fields of the header
+    bool is_first_ = true, has_row_names_ = false;
     TrackRows rows_;
 };
 

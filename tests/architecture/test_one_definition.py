@@ -71,6 +71,12 @@ class OneDefinitionTest(unittest.TestCase):
         self.assertEqual(twice(files), {})
         self.assertGreater(sum(len(definitions(text)) for text in files.values()), 300)  # the parser reads the tree
 
+    def test_json_is_written_in_one_place(self):
+        """nlohmann's dump throws at bytes that are not UTF-8 unless told otherwise."""
+        written = [str(p) for p in tracked() if p.suffix in (".hpp", ".cpp") and p.parts[0] in ("include", "app", "src", "models", "fitting", "python")
+                   and ".dump(" in text_of(p)]
+        self.assertEqual(written, ["include/rodwake/core/json_text.hpp"])
+
     def test_two_bodies_of_one_inline_function_are_seen(self):
         one = "namespace rodwake::granular {\ninline double nearest(double difference, double box) {\n    return difference - box; // {\n}\n}"
         two = "namespace rodwake::granular {\ninline double nearest(double d,\n                      double box) { return 0.0; }\n}"

@@ -2,6 +2,7 @@
 file is told."""
 
 import json
+import os
 
 import h5py
 import numpy as np
@@ -140,6 +141,42 @@ class Tracks(ProgramTest):
         done = self.expect(2, "run", "tracks.toml", "-o", "seen")
         self.assertIn('tracks.csv:3: x = "oops": expected a number', done.stderr)
         self.assertEqual(self.status("seen"), "failed")
+
+    def test_check_reads_the_header_as_the_run_does(self):
+        self.write("tracks.toml", OPEN)
+        for text, told in (("frame,particle,a,y\n0,1,1,1\n", r"tracks\.csv:1: no column for x \(usual: x\); the file has frame, particle, a, y"),
+                           ("frame,particle,x,y\n0,1,1\n", r'tracks\.csv:2: has 3 fields, and column "y" would be number 4')):
+            self.write("tracks.csv", text)
+            errors = {self.refuse(2, told, verb, "tracks.toml").stderr for verb in ("check", "run")}
+            self.assertEqual(len(errors), 1, errors)
+        rows = [(f, k, 3.0 * (k % 5), 3.0 * (k // 5)) for f in range(3) for k in range(25)]
+        self.write_rows("frame,particle,x,y", rows)
+        self.write("rods.csv", "frame,id,X1,Y1,X2,Y2\n" + "".join(f"{f},0,7,6,5,6\n" for f in range(3)))
+        rods = ("-s", "tracks.rods_file=rods.csv", "-s", "tracks.frames_per_second=1", "-s", "measure.block=2 s", "-s", "tracks.angle=1 deg")
+        told = "columns X1, Y1, X2, Y2 are taken for the ends of a rod, the thin end first"
+        self.assertIn(f"rods.csv: {told}", self.expect(0, "check", "tracks.toml", *rods).stdout)
+        self.assertIn(told, self.expect(0, "measure", "tracks.toml", "-o", "seen", *rods).stderr)
+        found = columns(self.folder / "seen" / "rod_tracks.csv")
+        self.assertEqual((list(found["x0"] / A), list(found["theta0"])), ([6.0] * 3, [0.0] * 3))
+
+    def test_folders_and_files_of_any_bytes(self):
+        folder = self.folder / os.fsdecode(b"d\xe9faut")  # Latin-1
+        folder.mkdir()
+        rows = [(f, k, 3.0 * (k % 5), 3.0 * (k // 5)) for f in range(3) for k in range(25)]
+        self.write_rows("frame,particle,x,y", rows)
+        (self.folder / "tracks.csv").rename(folder / "tracks.csv")
+        (folder / "tracks.toml").write_text(OPEN.replace("= 100", "= 1").replace('"0.5 s"', '"1 s"'))
+        for arguments in (["check"], ["run", "-o", folder / "seen"], ["check", "-s", b"tracks.file=\xe9.csv"], ["check", "-s", b"title=\xe9"]):
+            done = self.run_program(arguments[0], folder / "tracks.toml", *arguments[1:])  # whose text is UTF-8, else this raises
+            self.assertEqual(done.returncode, 2 if "-s" in arguments else 0, done.stderr)
+            self.assertNotIn("json.exception", done.stderr)
+        for verb in ("plot", "info"):
+            self.expect(0, verb, folder / "seen")
+        for path in (folder / "seen").iterdir():
+            if path.suffix in (".json", ".txt", ".toml", ".csv", ".html"):
+                path.read_text(encoding="utf-8")
+        (folder / "tracks.csv").write_bytes("frame,Größe,y\n0,1,2\n".encode("latin-1"))
+        self.refuse(2, r"d\\xe9faut/tracks.csv:1: no column for x .*Gr\\xf6\\xdfe, y \(not in UTF-8: save it so\)", "check", folder / "tracks.toml")
 
     def test_the_shipped_example(self):
         self.expect(0, "check", SOURCE / "scenes" / "tracks.toml")

@@ -24,6 +24,12 @@ TEST_CASE("words of others are shown without what a terminal would obey, and cut
     CHECK(printable("\x1b[2J\x07\x7f") == "\\x1b[2J\\x07\\x7f");
     CHECK(printable("\xc2\x9b"
                     "31m") == "\\x9b31m"); // the same in one character
+    for (const char* wrong :
+         {"\xE9", "\xC0\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xE2\x82"}) { // Latin-1, too long, ...
+        CHECK(first_not_utf8("a\xC3\xA9\xF0\x9F\x90\x9C" + std::string(wrong)) == 7);
+        CHECK(first_not_utf8(printable(wrong)) == std::string::npos);
+    }
+    CHECK(printable("caf\xE9 \xC3\xA9") == "caf\\xe9 \xC3\xA9");
     CHECK(shown("a\nb") == "a\\x0ab");
     CHECK(shown(std::string(5'000'000, '9')) == std::string(60, '9') + "...");
     CHECK(shown(std::string(59, 'x') + "ä") == std::string(59, 'x') + "..."); // not within a character

@@ -1,5 +1,6 @@
 """Tracks in the hands of Python: from arrays, tables and files, the numbers of `rodwake run`."""
 
+import os
 import unittest
 
 import numpy as np
@@ -66,6 +67,25 @@ class TracksTest(unittest.TestCase):
         self.assertEqual(run.json("measure.json")["order"], tracks.order(**MEASURE).values)
         self.assertIn("msd.csv", run.files)
         self.assertIn("4000 rows", repr(tracks))
+
+    def test_a_folder_of_any_bytes(self):
+        folder = new_folder(self) / os.fsdecode(b"d\xe9faut")  # Latin-1
+        folder.mkdir()
+        table = frame_of(film(12, 30))
+        table.to_csv(folder / "tracks.csv")
+        scene = folder / "film.toml"
+        scene.write_text('schema = 1\n[tracks]\nfile = "tracks.csv"\npixel = "1 m"\nframes_per_second = 10.0\nbead_radius = 1.0\n'
+                         '[measure]\norder = true\norder_cutoff = 3.0\nblock = 1.0\n')
+        loaded = rodwake.Scene.load(scene)
+        self.assertEqual(loaded.path, str(scene))
+        self.assertIn("tracks.csv", loaded.check())
+        run = loaded.run(folder / "seen")
+        self.assertEqual(rodwake.open_run(folder / "seen").json("measure.json"), run.json("measure.json"))
+        (folder / "tracks.csv").write_bytes("frame,Größe,y\n0,1,2\n".encode("latin-1"))
+        with self.assertRaisesRegex(rodwake.InputError, r"d\\xe9faut/tracks.csv:1: no column for x .*Gr\\xf6\\xdfe"):
+            loaded.check()
+        with self.assertRaisesRegex(rodwake.SceneError, r"d\\xe9faut"):
+            rodwake.Scene.load(folder / "none.toml")
 
     def test_what_cannot_be_is_told(self):
         table = frame_of(film(3, 4))

@@ -87,14 +87,18 @@ TEST_CASE("Fields may be quoted") {
     CHECK(*table.find("x") == std::vector<double>{1.0, 3.0});
     CHECK(*table.find("y") == std::vector<double>{2.0, -40.0});
     CHECK(read("x,y\n1,2\n\"1\",\"2\"\r\n").rows() == 2);
-    CHECK(error("x,y\n1,\"2\n") == "t.csv:2:3: a quote is opened and not closed on this line");
-    CHECK(error("x,y\n\"1\"2,2\n") == "t.csv:2:1: \"2\" follows the closing quote");
+    CHECK(error("x,y\n1,\"2\n") == "t.csv:2:3: a quote is opened and not closed");
+    CHECK(error("x,y\n\"1\"2,2\n") == "t.csv:2:1: x: expected a number, found \"\"1\"2\"");
+    const store::Table wrapped = read("x,\"a\nnote\",y\n1,\"two\r\nlines, \"\"3\"\"\",2\n3,5\" lens,4\n");
+    CHECK(wrapped.columns == std::vector<std::vector<double>>{{1.0, 3.0}, {2.0, 4.0}});
+    CHECK(wrapped.lines == std::vector<std::size_t>{3, 5});
     CHECK(error("x,y\n\"one\",2\n") == "t.csv:2:1: x: expected a number, found \"one\"");
     CHECK(error("\"x\",\"x\"\n") == "t.csv:1:5: column \"x\" stands twice in the header");
 }
 
 TEST_CASE("Optional columns may be absent or have gaps, but no nonsense") {
     CHECK(read("x,y\n1,2\n", {"x", "y"}, {"L"}).find("L") == nullptr);
+    CHECK(std::isnan(read("L,x,y\n<NA>,1,2\n", {"x", "y"}, {"L"}).find("L")->at(0)));
     const store::Table table = read("L,x,y\n,1,2\n5,1,2\n", {"x", "y"}, {"L"});
     CHECK(std::isnan(table.find("L")->at(0)));
     CHECK(table.find("L")->at(1) == 5.0);
@@ -160,8 +164,10 @@ TEST_CASE("What other programs write and cannot be read says what to do") {
     CHECK(has(error("x,y\nNA,1\n"), "t.csv:2:1: x: expected a number, found \"NA\""));
     CHECK(has(error("x;y\n1;2;3\n"), "t.csv:2:5: 3 fields, but the header has 2"));
     for (const std::string& wide :
-         {std::string("\xFF\xFEx\0,\0y\0\n\0", 10), std::string("x,y\n1,\0002\n", 9)})
-        CHECK(has(error(wide), "UTF-16 or binary: save the table as CSV in UTF-8"));
+         {std::string("\xFF\xFEx\0,\0y\0\n\0", 10), std::string("x\0,\0y\0\n\0", 8)})
+        CHECK(has(error_of<InputError>([&] { read(wide); }),
+                  "t.csv: this is UTF-16, text of two bytes a character: save"));
+    CHECK(has(error(std::string("x,y\n1,\0002\n", 9)), "t.csv:2:3: y: expected a number, found \"\\x002\""));
 }
 
 TEST_CASE("Text of the file in a message is cut and harmless") {

@@ -7,9 +7,11 @@
 #include "scratch.hpp"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cmath>
-#include <random>
 
 using namespace rodwake;
 using namespace store_test;
@@ -21,7 +23,7 @@ bool go_on(double) { return true; }
 TrackRows read(const std::string& text, const store::TrackColumns& columns = {},
                const std::string& name = "t.csv") {
     const Scratch scratch;
-    return store::read_tracks(scratch.file(name, text), store::TrackFormat::automatic, columns, go_on);
+    return store::read_track_csv(scratch.file(name, text), columns, go_on);
 }
 
 /// The error's text from the file's name on.
@@ -44,21 +46,12 @@ void check_three(const TrackRows& rows) {
     CHECK(rows.y == std::vector<double>{-0.5, 3.0, 4e-3});
 }
 
-const std::string xml = R"(<?xml version="1.0" encoding="UTF-8"?>
-<TrackMate version="7.11.1"><Log>text</Log><Model spatialunits="µm" timeunits="sec"><AllSpots nspots="6">
-<SpotsInFrame frame="0"><Spot ID="10" FRAME="0" POSITION_X="1.0" POSITION_Y="2.0" POSITION_Z="0.0" VISIBILITY="1"/>
-<Spot ID="20" FRAME="0" POSITION_X="9.0" POSITION_Y="9.0" POSITION_Z="0.0" VISIBILITY="1"/></SpotsInFrame>
-<SpotsInFrame frame="1"><Spot ID="11" FRAME="1" POSITION_X="1.5" POSITION_Y="2.0" POSITION_Z="0.0"/>
-<Spot ID="30" FRAME="1" POSITION_X="0.0" POSITION_Y="0.0" POSITION_Z="0.0" VISIBILITY="0"/></SpotsInFrame>
-<SpotsInFrame frame="2"><Spot ID="12" FRAME="2" POSITION_X="2.0" POSITION_Y="2.0" POSITION_Z="0.0"/>
-<Spot ID="13" FRAME="2" POSITION_X="2.0" POSITION_Y="3.0" POSITION_Z="0.0"/></SpotsInFrame></AllSpots>
-<AllTracks><Track TRACK_ID="0"><Edge SPOT_SOURCE_ID="10" SPOT_TARGET_ID="11"/>EDGES</Track>
-<Track TRACK_ID="5"><Edge SPOT_SOURCE_ID="20" SPOT_TARGET_ID="13"/></Track></AllTracks>
-<FilteredTracks><TrackID TRACK_ID="0"/></FilteredTracks></Model></TrackMate>)";
-
-std::string with_edges(const std::string& edges) {
-    std::string text = xml;
-    return text.replace(text.find("EDGES"), 5, edges);
+std::string zipped(const std::string& text) {
+    const Scratch scratch;
+    const gzFile file = ::gzopen((scratch / "z").c_str(), "wb");
+    ::gzwrite(file, text.data(), static_cast<unsigned>(text.size()));
+    ::gzclose(file);
+    return content(scratch / "z");
 }
 
 } // namespace
@@ -71,8 +64,20 @@ TEST_CASE("Tracks of trackpy and pandas, whatever the separator, the index and t
           "# a comment\nX\tY\tFrame\tTRACK_ID\n1.5\t-0.5\t0\t7\n\n2\t3\t0\t8\n1.25\t0.004\t1\t7",
           "\"x\",\"note\",\"y\",\"frame\",\"particle\"\n1.5,\"a,b\",-0.5,0,\"7\"\n2,c,3,0,8\n1.25,\"\",4e-3,"
           "1,7\n",
-          "frame,particle,x,y\r0,7,1.5,-0.5\r0,8,+2,3\r1,7,1.25,4e-3\r"})
+          "frame,particle,x,y\r0,7,1.5,-0.5\r0,8,+2,3\r1,7,1.25,4e-3\r",
+          " % it's 5\" wide, \"no end\nframe,particle,x,y,note\n\t# \"\n0,7,1.5,-0.5,5\"\n%\n0,8,2,3,a "
+          "\"b\"\n,,,,"
+          "\n1,7,1.25,4e-3,\"\"\"q\"\" \" x\n",
+          "frame,\"note, \"\"a\"\"\r\nb\",particle,x,y\r\n0,\"two\r\n\r\nlines, "
+          "\"\"7\"\"\",7,1.5,-0.5\r\n0,\"\n#\",8,2,"
+          "3\r\n1,,7,1.25,4e-3",
+          "\"frame\",\"particle\",\"x\",\"y\"\n\"1\",0,7,1.5,-0.5\n\"2\",0,8,2,3\n\"3\",1,7,1.25,4e-3\n",
+          "frame,particle,x,y\n0,7,1.5,-0.5,\n0,8,2,3,,\n1,7,1.25,4e-3\n"}) {
+        INFO(text);
         check_three(read(text));
+        check_three(read(zipped(text)));
+    }
+    CHECK(contains(read("x,y,frame\na,1,2,3\n").warnings.at(0), "the first field is passed over"));
     CHECK_THROWS_AS(check_three(read("frame,x,y\n0,1,2\nno,1,2\n")), InputError); // the check can fail
 }
 
@@ -86,10 +91,12 @@ TEST_CASE("TrackMate's CSV has three more header lines") {
 }
 
 TEST_CASE("Places that are none are counted, spots of no track are kept") {
-    const TrackRows rows =
-        read("frame,particle,x,y\n0,1,nan,2\n0,2,,2\n0,,1,2\n0,nan,3,4\n1,None,inf,1\n1,1,5,6\n");
+    const TrackRows rows = read("frame,particle,x,y,theta\n0,1,nan,2,1\n0,2,,2,1\n0,,1,2,<NA>\n0,<NA>,3,4,"
+                                "NA\n1,None,inf,1,\n1,1,5,6,NaN\n"
+                                "1,<NA>,<NA>,NA,-nan\n");
     CHECK(rows.size() == 3);
-    CHECK(rows.without_place == 3);
+    CHECK(rows.without_place == 4);
+    CHECK(std::ranges::all_of(rows.heading, [](double angle) { return std::isnan(angle); }));
     CHECK(contains(rows.first_without_place, "t.csv:2"));
     CHECK(rows.id == std::vector<std::int64_t>{no_track, no_track, 1});
     CHECK(read("frame,x,y\n0,1,2\n").id == std::vector<std::int64_t>{no_track});
@@ -118,7 +125,7 @@ TEST_CASE("Rows written as plain CSV read back to the bit") {
     store::TrackColumns columns;
     const auto written = [&] {
         store::write_plain_csv(rows, scratch / "t.csv");
-        return store::read_tracks(scratch / "t.csv", store::TrackFormat::csv, columns, go_on);
+        return store::read_track_csv(scratch / "t.csv", columns, go_on);
     };
     const TrackRows plain = written();
     CHECK((plain.frame == rows.frame && plain.id == rows.id && plain.x == rows.x && plain.y == rows.y));
@@ -132,6 +139,46 @@ TEST_CASE("Rows written as plain CSV read back to the bit") {
     CHECK((std::isnan(all.heading[0]) && all.heading[1] == 0.7));
     rows.x.resize(1);
     CHECK_FALSE(written().x == all.x); // the check can fail
+}
+
+TEST_CASE("Ends of rods are guessed where nothing else tells the place") {
+    const std::string row = "0,1,4,2,2,2,0.5,7\n";
+    const TrackRows rows = read("frame,id,X1,Y1,X2,y2,a,b\n" + row);
+    CHECK((rows.x == std::vector<double>{3.0} && rows.y == std::vector<double>{2.0} && rows.from_ends));
+    CHECK(rows.heading == std::vector<double>{0.0}); // the thin end is the first
+    CHECK(rows.warnings == std::vector<std::string>{
+                               "columns X1, Y1, X2, y2 are taken for the ends of a rod, the thin end first"});
+    CHECK(contains(error("frame,id,x1,y1,x2,y2,x,b\n" + row), "no column for y"));
+    CHECK(contains(error("frame,id,x1,y1,x2,b,c,d\n" + row), "no column for x"));
+    CHECK(read("frame,id,x,y,x1,y1,x2,y2\n" + row).heading.empty());
+}
+
+TEST_CASE("Compressed files that are damaged, cut or large are refused, and nothing else") {
+    std::string text = "frame,particle,x,y\n";
+    for (int row = 0; row < 20000; ++row)
+        text += fmt::format("{},{},{},1\n", row, row * 7919 % 10007, 1.0 / (row + 1));
+    const std::string whole = zipped(text);
+    CHECK(read(whole, {}, "t.csv.gz").size() == 20000);
+    double last = 0.0;
+    const Scratch scratch;
+    store::read_track_csv(scratch.file("t.gz", whole), {}, [&](double part) {
+        last = part;
+        return true;
+    });
+    CHECK((last > 0.0 && last <= 1.0));
+    for (const std::size_t size : {std::size_t{5}, whole.size() / 2, whole.size() - 1})
+        CHECK(contains(error(whole.substr(0, size)), "t.csv: ends within its gzip data"));
+    std::string damaged = whole;
+    damaged[whole.size() / 2] ^= 0x40;
+    CHECK(contains(error(damaged), "t.csv: its gzip data are damaged"));
+    store::TrackColumns few;
+    few.most_rows = 19999;
+    CHECK(
+        contains(error(whole, few), "t.csv:20001: more than 19999 rows, and 0.00082 GB of memory for them"));
+    CHECK(contains(error(zipped(std::string(std::size_t{1} << 25, '0'))),
+                   "t.csv:1: a line of more than 16 MB"));
+    CHECK(contains(error("frame,x,y\n0,1,\"2" + std::string(std::size_t{1} << 25, '\n')),
+                   "t.csv:2: a quoted cell of more than 16 MB"));
 }
 
 TEST_CASE("What is wrong in a file of tracks is told with line, column and remedy") {
@@ -162,59 +209,30 @@ TEST_CASE("What is wrong in a file of tracks is told with line, column and remed
         {head + ",1,2,3\n", "t.csv:2: frame = \"\": expected a whole number"},
         {"frame;particle;x;y\n0;1;2,5;3\n", "t.csv:2: x = \"2,5\": expected a number; write it as 2.5"},
         {"frame,particle,x,y,kind\n0,1,2,3,fish\n", "t.csv:2: kind = \"fish\": expected bead or rod, 0 or 1"},
-        {head + "99999999999999999999,1,2,3\n", "expected a whole number"}};
+        {head + "99999999999999999999,1,2,3\n", "expected a whole number"},
+        {head + "0,1,\"2\",\"3\n1,1,2,3\n", "t.csv:2:9: a quote is opened and not closed"},
+        {head + "0,1,\"1\"2,3\n", "t.csv:2: x = \"\"1\"2\": expected a number"},
+        {head + "0,\"1\n\",2,3\n1,1,2,z\n", "t.csv:2: particle = \"1\\x0a\": expected a whole number"},
+        {head + "0,1,2,3\n0,1,2,3,4\n",
+         "t.csv:3: has 5 fields, and the header 4: text with \",\" belongs in quotes"},
+        {head + "0,1,2,3,,6\n", "t.csv:2: has 6 fields, and the header 4"},
+        {head + "7,0,1,2,3\n0,1,2,3\n", "t.csv:3: has 4 fields, and the rows before it 5"},
+        {std::string("\xFF\xFE"
+                     "f\0,\0y\0",
+                     8),
+         "t.csv: this is UTF-16, text of two bytes a character: save it"},
+        {std::string("\0x\0,\0y\0\n\0"
+                     "1",
+                     10),
+         "t.csv: this is UTF-16"},
+        {std::string("frame,x,y\0\n0,1,2\n", 16), "t.csv: this is binary, no text"},
+        {"frame,Gr\xF6\xDF"
+         "e,y\n0,1,2\n",
+         "the file has frame, Gr\\xf6\\xdfe, y (not in UTF-8: save it so)"}};
     for (const auto& one : cases) {
         INFO(one.text);
         const std::string told = error(one.text, one.columns);
         CAPTURE(told);
         CHECK(contains(told, one.said));
     }
-}
-
-TEST_CASE("TrackMate's XML: links make tracks, filters count, splits are cut") {
-    const TrackRows rows =
-        read(with_edges("<Edge SPOT_SOURCE_ID=\"12\" SPOT_TARGET_ID=\"11\"/>"), {}, "t.xml");
-    CHECK(rows.frame == std::vector<std::int64_t>{0, 0, 1, 2, 2});
-    CHECK(rows.x == std::vector<double>{1.0, 9.0, 1.5, 2.0, 2.0});
-    CHECK(rows.id == std::vector<std::int64_t>{0, no_track, 0, 0, no_track}); // track 5 is filtered out
-    CHECK(rows.hidden == 1);
-    CHECK(rows.length_unit == "\xC2\xB5m");
-    const TrackRows split = read(with_edges("<Edge SPOT_SOURCE_ID=\"11\" SPOT_TARGET_ID=\"12\"/>"
-                                            "<Edge SPOT_SOURCE_ID=\"11\" SPOT_TARGET_ID=\"13\"/>"),
-                                 {}, "t.xml");
-    CHECK(split.branches == 2);
-    CHECK(split.id == std::vector<std::int64_t>{0, no_track, 0, 1, 2});
-    CHECK(contains(error(with_edges("").substr(0, 900), {}, "t.xml"), "no XML"));
-    CHECK(contains(error("<a/>", {}, "t.xml"), "is this TrackMate's file?"));
-    CHECK(contains(error(std::string(xml).replace(xml.find("POSITION_X"), 10, "POSITION_Q"), {}, "t.xml"),
-                   "t.xml:3: <Spot> without POSITION_X"));
-}
-
-TEST_CASE("A damaged file of tracks is read or refused, and nothing else") {
-    const std::string head = "frame,particle,x,y\n";
-    std::string text = head;
-    for (int f = 0; f < 5; ++f)
-        for (int p = 0; p < 4; ++p)
-            text += std::to_string(f) + "," + std::to_string(p) + ",1.5,2.25\n";
-    std::mt19937 random(1);
-    const Scratch scratch;
-    std::size_t refused = 0, read_as_it_is = 0;
-    for (int k = 0; k < 2000; ++k) {
-        const bool is_xml = k % 4 == 0;
-        std::string damaged = is_xml ? with_edges("") : text;
-        for (auto n = 1 + random() % 3; n > 0; --n)
-            damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
-        if (k % 5 == 0)
-            damaged.resize(random() % damaged.size());
-        try {
-            const TrackRows rows =
-                store::read_tracks(scratch.file("d", damaged), store::TrackFormat::automatic, {}, go_on);
-            REQUIRE(rows.id.size() == rows.x.size());
-            ++read_as_it_is;
-        } catch (const InputError&) {
-            ++refused;
-        }
-    }
-    CHECK(refused > 100);
-    CHECK(read_as_it_is > 100);
 }

@@ -99,14 +99,16 @@ struct Plan {
     std::optional<FitInputs> fit;
     std::optional<FitPlan> fit_plan; ///< absent until all data are there
     std::optional<ScanPlan> scan;
+    std::vector<std::string> tracks; ///< as in PlanInputs
 
     bool has(Stage stage) const;
 };
 
 /// What a scene names and stands in other files.
 struct PlanInputs {
-    std::optional<FitInputs> fit; ///< what could be read of the data that [fit] names
-    std::optional<ScanList> list; ///< scan.file
+    std::optional<FitInputs> fit;         ///< what could be read of the data that [fit] names
+    std::optional<ScanList> list;         ///< scan.file
+    std::vector<std::string> tracks = {}; ///< what the files of [tracks] begin with, for people
 };
 
 /// The problems of these stages. Throws InputError for what cannot be modelled.

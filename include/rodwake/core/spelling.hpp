@@ -18,8 +18,11 @@ std::string_view nearest_word(std::string_view name, std::span<const std::string
 /// ` (did you mean "kappa"?)`, or empty.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> known);
 
-/// Without what a terminal would obey: control characters but for tabs and ends of lines are spelled by their
-/// code.
+/// Place of the first byte that is part of no character of UTF-8, or npos.
+std::size_t first_not_utf8(std::string_view text);
+
+/// Text that can be shown anywhere: control characters but for tabs and ends of lines, which a terminal would
+/// obey, and bytes that are not UTF-8 are spelled by their code.
 std::string printable(std::string_view text);
 
 /// A word of a file, in a message: printable on one line, and cut after 60 bytes.

@@ -1,7 +1,7 @@
 #pragma once
-// Tables of numbers as CSV: one header line, separated by commas, semicolons or tabs (the header tells),
-// fields may be quoted, '#' or '%' starts a comment line. Lines end with LF, CR LF or CR. What other programs
-// write: columns without a name in front (an index) or behind the last one, separators at the end of rows.
+// Tables of numbers as CSV, maybe gzip's: one header line; commas, semicolons or tabs (the header tells);
+// quoted fields, which may hold ends of lines; '#' or '%' starts a comment line; LF, CR LF or CR. Also
+// columns without a name in front (an index) or behind the last one, and separators at the end of rows.
 
 #include <filesystem>
 #include <functional>
@@ -26,7 +26,7 @@ struct Table {
 /// Reads the required columns and those of the optional ones that are there; others may hold anything and
 /// are passed over; "-" is standard input. Throws InputError with file:line:column for anything that is not a
 /// finite number, a wrong number of fields, a missing required column, an empty or unreadable file. Empty
-/// fields are NaN in optional columns.
+/// fields, NA and the like are NaN in optional columns.
 Table read_csv(const std::filesystem::path& path, std::span<const std::string> required,
                std::span<const std::string> optional = {});
 

@@ -2,10 +2,10 @@
 // Files of tracks: rows of (frame, particle, x, y), in any order, as programs for films write them.
 //
 //   CSV    of trackpy, pandas and TrackMate: one header line; commas, semicolons or tabs; columns in any
-//          order; an index without a name, fields in quotes, '#' lines and a byte order mark are fine.
-//          TrackMate's three further header lines are passed over
-//   film   H5MD that rodwake convert wrote from any other format (docs/files.md): beads and rods apart,
-//          padded to the largest frame, with the box, the image indices and the times that the file has
+//          order; an index without a name, fields in quotes, lines that begin with '#' or '%', a byte order
+//          mark and gzip are fine. TrackMate's three further header lines are passed over
+//   film   H5MD that rodwake convert wrote from any other format: beads and rods apart, padded to the
+//          largest frame, with the box, the image indices and the times that the file has
 //
 // Places that are no numbers (empty, NaN) are left out and counted. Anything else that is wrong is an
 // InputError that names file, line and column.
@@ -25,7 +25,8 @@ struct TrackColumns {
     std::string time;              ///< in place of frame, s
     std::vector<std::string> ends; ///< of a rod, in place of heading: x, y of the thin end, x, y of the other
     bool own_times = false;        ///< neither frames nor a column of times count: the file's own times
-    std::vector<std::string> rod_kinds; ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
+    std::vector<std::string> rod_kinds;  ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
+    std::size_t most_rows = 100'000'000; ///< a CSV with more is refused, before the memory is used up
 };
 
 /// Hears the fraction read now and then; false: stop.
