@@ -69,6 +69,7 @@ class Source:
     bead_radius: float = None  # of a bed of rodwake, m
     bed: bool = False
     certain: bool = True
+    last_box: tuple = (None, None)
     rods_apart: bool = None  # whether ids of rods are also those of beads
     by_order: bool = False  # ids are the order in the frame, which holds if all frames have as many rows
     rows: int = 0
@@ -127,7 +128,14 @@ class Source:
 
 
 def box_of(source, where, origin, edges, periodic):
-    """A box whose sides make sense; off-axis parts up to 1e-12 of a side are rounding. None: a box of no size."""
+    """A box whose sides make sense; off-axis parts up to 1e-12 of a side are rounding. None: a box of no size. Most are as in the frame before."""
+    key = np.array(edges, float).tobytes(), np.array(origin, float).tobytes(), tuple(periodic)
+    if source.last_box[0] != key:
+        source.last_box = key, new_box(source, where, origin, edges, periodic)
+    return source.last_box[1]
+
+
+def new_box(source, where, origin, edges, periodic):
     edges, origin = np.array(edges, float).reshape(3, 3), np.array(origin, float)
     sides = np.abs(np.diag(edges))
     edges[np.abs(edges) <= 1e-12 * np.maximum(sides[:, None], sides[None, :])] = 0.0
@@ -242,7 +250,8 @@ WHOLE = re.compile(rb"[+-]?\d+(?:\.0*)?")
 
 def number(word):
     """The number that a word is, else None. Fortran writes exponents as 1.5D+00."""
-    return float(word.lower().replace(b"d", b"e")) if NUMBER.fullmatch(word) else None
+    value = float(word.lower().replace(b"d", b"e")) if NUMBER.fullmatch(word) and len(word) < 400 else None
+    return None if value is not None and np.isinf(value) and word[-1:].isdigit() else value  # 1e400 is no number that can be kept
 
 
 def whole(word):
@@ -263,7 +272,7 @@ def numbers(words, fail, kind=number):
     if not b" ".join(words).translate(None, b" 0123456789+-" if integer else b" 0123456789+-.eE"):
         try:
             values = np.array(list(map(int if integer else float, words)), np.int64 if integer else float)
-            if not integer or not len(values) or np.abs(values).max() < 2**53:
+            if not len(values) or (np.abs(values).max() < 2**53 if integer else np.isfinite(values).all()):
                 return values
         except (ValueError, OverflowError):
             pass  # the slow way below tells which word it is

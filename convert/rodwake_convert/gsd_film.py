@@ -111,9 +111,9 @@ class Writer:
 
     def add(self, frame, part, is_rod):
         n, box = len(part), frame.box
-        names = self.source.type_names or ["bead", "rod"]
         species = np.zeros(n, np.uint32) if part.species is None else part.species.astype(np.uint32)
-        names = list(names) + [str(k) for k in range(len(names), int(species.max(initial=0)) + 1)]
+        names = list(self.source.type_names or ["A"] * (not species.any()))
+        names += [str(k) for k in range(len(names), int(species.max(initial=0)) + 1)]
         letters = [name.encode("utf-8", "replace") for name in names]
         sizes, position, image = np.zeros(6), part.position, part.image
         if box is not None:

@@ -80,8 +80,8 @@ class H5mdFile:
         if not self.has(path) or name not in self.guarded(path, lambda: self.file[path].attrs):
             return None
         value = self.guarded(f"{name} of {path}", lambda: self.file[path].attrs[name])
-        texts = [item.decode("utf-8", "replace") if isinstance(item, bytes) else item for item in np.atleast_1d(np.array(value, object)).ravel().tolist()]
-        return texts[0] if np.ndim(value) == 0 and texts else texts
+        items = [item.decode("utf-8", "replace") if isinstance(item, bytes) else item for item in np.atleast_1d(value).ravel().tolist()]
+        return items[0] if np.ndim(value) == 0 and items else items
 
 
 class Element:
@@ -139,6 +139,7 @@ class Bodies:
         self.position = Element(file, group + "position", "fiu", (2, 3))
         if not self.position.in_time:
             self.source.fail(f"{group}position has no frames in time")
+        self.source.expect_rows(self.position.frames, self.position.particles)
         self.others = {}
         for name, kinds, columns in (("id", "iu", None), ("species", "iu", None), ("radius", "fiu", None), ("image", "iu", (2, 3)),
                                      ("orientation", "fiu", (4,))):
@@ -245,7 +246,6 @@ def read(source):
     rods = Bodies(file, group[:-1] + "_rods/") if file.has(group[:-1] + "_rods/position") and (is_film or "species" in beads.others) else None
     if rods and rods.position.frames != frames:
         source.fail(f"{rods.group}position has {rods.position.frames} frames, {group}position has {frames}")
-    source.expect_rows(frames, beads.position.particles + (rods.position.particles if rods else 0))
     step = whole_array(source, group + "position/step", moments(file, group + "position/step", frames, "iu"))
     time = None
     if file.has(group + "position/time"):
@@ -349,8 +349,8 @@ class Series:
 class Writer:
     """The film: particles/trajectory and particles/trajectory_rods, as beds write them."""
     loses = "nothing"
-    COLUMNS = {"position": ("f8", (3,), np.nan), "ids": ("i8", (), EMPTY), "image": ("i4", (3,), 0), "species": ("i4", (), 0),
-               "radius": ("f8", (), np.nan), "orientation": ("f8", (4,), np.nan)}
+    COLUMNS = {"position": ("position", "f8", (3,), np.nan), "ids": ("id", "i8", (), EMPTY), "image": ("image", "i4", (3,), 0),
+               "species": ("species", "i4", (), 0), "radius": ("radius", "f8", (), np.nan), "orientation": ("orientation", "f8", (4,), np.nan)}
 
     def __init__(self, source, target):
         self.source, self.file = source, h5py.File(os.fsencode(target), "w")
@@ -373,27 +373,23 @@ class Writer:
         self.timed &= frame.time is not None
         self.put("trajectory/position/time", frame.time if frame.time is not None else np.nan, "f8")
         for suffix, part in (("", frame.beads), ("_rods", frame.rods)):
-            known = {path for path in self.series if path.startswith(f"trajectory{suffix}/") and self.series[path].wide}
-            if part is None and not known:
-                if suffix == "":
-                    part = Part(np.zeros((0, 3)))
-                else:
+            if part is None:
+                if not self.width[suffix]:
                     continue
-            part = part if part is not None else Part(np.zeros((0, 3)), np.zeros(0, int))
+                part = Part(np.zeros((0, 3)), np.zeros(0, int))
             self.width[suffix] = max(self.width[suffix], len(part))
-            values = vars(part) | {"species": part.species if part.species is not None else np.zeros(len(part), int)}
-            for name, (dtype, tail, fill) in self.COLUMNS.items():
-                path = f"trajectory{suffix}/{'id' if name == 'ids' else name}/value"
+            for name, (element, dtype, tail, fill) in self.COLUMNS.items():
+                values = getattr(part, name)
+                path = f"trajectory{suffix}/{element}/value"
                 if suffix and name in ("species", "radius") or not suffix and name == "orientation":
                     continue
-                if name == "orientation" and values[name] is None:
-                    values[name] = np.full((len(part), 4), np.nan)
-                if values[name] is None and path not in known:
-                    continue
-                if values[name] is None:  # others had it: image indices that are not known in a frame are of no use in the others
-                    self.unknown |= {path} if name == "image" else set()
-                    values[name] = np.full((len(part), *tail), np.nan if dtype == "f8" else 0)
-                self.put(path, values[name], dtype, tail, wide=True, fill=fill)
+                if values is None:
+                    if path not in self.series and name not in ("species", "orientation"):
+                        continue
+                    if name == "image":  # image indices that are not known in a frame are of no use in the others
+                        self.unknown.add(path)
+                    values = np.full((len(part), *tail), np.nan if dtype == "f8" else 0)
+                self.put(path, values, dtype, tail, wide=True, fill=fill)
         self.counts.add(len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0))
         self.rows += len(frame.beads)
         self.put_box(frame)

@@ -5,6 +5,7 @@ it watches a pipe on which the worker reports, and tells in one line what became
 """
 
 import contextlib
+import gc
 import json
 import os
 import resource
@@ -70,6 +71,7 @@ def work_in_child(work, pipe):
         for number in (signal.SIGTERM, signal.SIGALRM):
             signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_SETMASK, [])
+        gc.disable()  # rows of words are no cycles, and there are millions
         if not os.environ.get(DEBUG):  # C libraries print their last words there
             os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
