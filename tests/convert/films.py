@@ -184,3 +184,44 @@ class ConvertTest(unittest.TestCase):
         self.assertTrue(outcome.message.startswith(name), outcome.message)
         self.assertIn(said, outcome.message)
         self.assertEqual([path.name for path in self.folder.iterdir() if path.name.endswith(".part")], [])
+
+
+WORDS = [b"nan", b"-inf", b"1e400", b"-1", b"", b'"', b"[", b"\x00", b"9" * 400, b"\xff\xfe", b"0x", b"1e-400", b"1_0", "\u0663".encode()]
+
+
+def damaged(good, chance):
+    """The bytes of `good` with one to three injuries: bits, bytes, zeros, cuts, insertions, words that are no numbers."""
+    data = bytearray(good)
+    for _ in range(chance.randint(1, 3)):
+        at, length, how = chance.randrange(len(data) + 1), chance.randint(1, 64), chance.randrange(7)
+        if how < 2 and data:
+            data[at % len(data)] = chance.randrange(256) if how else data[at % len(data)] ^ 1 << chance.randrange(8)
+        elif how == 2:
+            data[at:at + length] = bytes(len(data[at:at + length]))
+        elif how == 3:
+            del data[at:at + length]
+        elif how == 4:
+            data[at:at] = chance.randbytes(length)
+        elif how == 5:
+            data[at:at + chance.randint(1, 6)] = chance.choice(WORDS)
+        elif chance.random() < 0.2:
+            del data[at:]
+    return bytes(data)
+
+
+def small_films(folder):
+    """name -> bytes of a small film in every format; "sums.h5md" has a checksum on every byte that matters."""
+    place = PLACE[:6, :8]
+    write_gsd(folder / "a.gsd", place)
+    write_h5md(folder / "a.h5md", place)
+
+    def with_sums(out, group):
+        for name in ("position/value", "id/value", "image/value"):
+            data, fill = group[name][()], group[name].fillvalue
+            del group[name]
+            group.create_dataset(name, data=data, fletcher32=True, chunks=(2, *data.shape[1:]), fillvalue=fill)
+    write_h5md(folder / "plain", place, edit=with_sums)
+    with h5py.File(folder / "plain") as plain, h5py.File(folder / "sums.h5md", "w", libver="latest") as out:  # its metadata have sums, too
+        plain.copy("particles", out)
+    texts = {"a.dump": dump(place), "a.xyz": xyz(place), "a.xml": trackmate(place), "a.csv": table(place)}
+    return {name: text.encode() for name, text in texts.items()} | {name: (folder / name).read_bytes() for name in ("a.gsd", "a.h5md", "sums.h5md")}

@@ -130,7 +130,7 @@ class Formats(ConvertTest):
         self.assertEqual(self.film("a.xyz", "1\ni = 5, t = 2.5\nC 1 2 3\n", "--time-column", "t").time, [2.5])
         changing = "2\n\nC 1 2 0\nC 3 4 0\n1\n\nC 1 2 0\n"
         self.assertEqual(self.film("a.xyz", changing).id.tolist(), [[UNTRACKED, UNTRACKED], [UNTRACKED, EMPTY]])
-        self.assertEqual(self.film("a.xyz", changing[:20]).id.tolist(), [[0, 1]])
+        self.assertEqual(self.film("a.xyz", changing[:19]).id.tolist(), [[0, 1]])
 
     def test_trackmate(self):
         for word in ("2,53", "12px", "0x10", "N/A", "", "1_000", "\u0663"):
