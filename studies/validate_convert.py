@@ -25,7 +25,7 @@ from lab import SOURCE, markdown, write_csv
 
 sys.path.insert(0, str(SOURCE / "tests/convert"))
 import films  # noqa: E402
-from rodwake_convert import command, supervise  # noqa: E402
+from rodwake_convert import command, convert, gsd_film, h5md, lammps, supervise  # noqa: E402, F401 (a warm process)
 
 np = films.np
 NAMES = ["dump", "xyz", "xml", "csv", "gsd", "h5md", "sums"]
@@ -113,10 +113,10 @@ if __name__ == "__main__":
     reader.add_argument("--quick", action="store_true")
     options = reader.parse_args()
     options.files = options.files // 20 if options.quick else options.files
-    table = damage(options)
-    print(markdown(list(table[0]), [row.values() for row in table]), flush=True)
+    found = damage(options)
+    print(markdown(list(found[0]), [row.values() for row in found]), flush=True)
     if options.csv:
-        write_csv(options.csv, table)
+        write_csv(options.csv, found)
     times = large(50_000 if options.quick else 10**6)
     print("\n" + markdown(["10^6 rows", "exit", "s", "s of processor", "MB"], times))
-    sys.exit(any(row[key] for row in table for key in ("signal", "time", "memory", "unseemly", "wrong")) or any(row[1] for row in times))
+    sys.exit(any(row[key] for row in found for key in ("signal", "time", "memory", "unseemly", "wrong")) or any(row[1] for row in times))

@@ -46,7 +46,7 @@ def read(source):
                 continue
             try:
                 values = file.read_chunk(k, name)
-            except (OSError, RuntimeError, ValueError, KeyError) as error:
+            except (OSError, RuntimeError, ValueError, KeyError, MemoryError) as error:  # a damaged index claims any number of rows
                 source.fail(f"{name} cannot be read ({reason(error)}): the file is cut short or damaged", f": frame {frame}")
             if values.dtype.kind not in kinds:
                 source.fail(f"{name} is of the type {values.dtype}: the index is damaged", f": frame {frame}")

@@ -13,7 +13,7 @@ sys.path.insert(0, str(SOURCE / "convert"))
 import gsd.hoomd  # noqa: E402
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
-from rodwake_convert import command  # noqa: E402
+from rodwake_convert import command, convert, gsd_film, h5md, lammps, table as csv_films, trackmate, xyz as xyz_films  # noqa: E402, F401 (a warm process)
 
 EMPTY, UNTRACKED = -(2**63), -(2**63) + 1
 SIDES = np.array([24.0, 22.0, 2.0])
