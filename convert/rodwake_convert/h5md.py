@@ -51,8 +51,8 @@ class H5mdFile:
                     return False
                 if isinstance(link, h5py.ExternalLink):
                     self.source.fail(f"{path} is a link to another file, {shown(link.filename)}: copy it into this one (h5repack)")
-                group = group.get(name)
-            return group is not None
+                group = group[name]  # group.get(name) would take an object whose header is damaged for one that is not there
+            return True
         return self.guarded(path, look)
 
     def names(self, path):

@@ -88,9 +88,9 @@ def write_gsd(path, place=PLACE, step=lambda t: 100 * t, box=lambda t: [24, 22, 
             out.append(frame)
 
 
-def write_h5md(path, place=PLACE, group="discs", edit=None, **keys):
+def write_h5md(path, place=PLACE, group="discs", edit=None, libver=None):
     """As other programs do: ids in time, a row that is empty, single precision, fixed step and time."""
-    with h5py.File(path, "w") as out:
+    with h5py.File(path, "w", libver=libver) as out:
         particles, frames = out.create_group("particles/" + group), len(place)
         order = np.stack([np.random.default_rng(t).permutation(place.shape[1]) for t in range(frames)])
         rows = np.take_along_axis(place, order[..., None], axis=1)
@@ -220,8 +220,6 @@ def small_films(folder):
             data, fill = group[name][()], group[name].fillvalue
             del group[name]
             group.create_dataset(name, data=data, fletcher32=True, chunks=(2, *data.shape[1:]), fillvalue=fill)
-    write_h5md(folder / "plain", place, edit=with_sums)
-    with h5py.File(folder / "plain") as plain, h5py.File(folder / "sums.h5md", "w", libver="latest") as out:  # its metadata have sums, too
-        plain.copy("particles", out)
+    write_h5md(folder / "sums.h5md", place, edit=with_sums, libver="latest")  # its metadata have sums, too
     texts = {"a.dump": dump(place), "a.xyz": xyz(place), "a.xml": trackmate(place), "a.csv": table(place)}
     return {name: text.encode() for name, text in texts.items()} | {name: (folder / name).read_bytes() for name in ("a.gsd", "a.h5md", "sums.h5md")}
