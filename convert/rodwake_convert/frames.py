@@ -69,10 +69,12 @@ class Source:
     bead_radius: float = None  # of a bed of rodwake, m
     bed: bool = False
     certain: bool = True
-    last_box: tuple = (None, None)
+    last_box: tuple = (None, None)  # (key, box): most are as in the frame before
+    last_text: tuple = (None, None)
     rods_apart: bool = None  # whether ids of rods are also those of beads
     by_order: bool = False  # ids are the order in the frame, which holds if all frames have as many rows
     rows: int = 0
+    counts: set = field(default_factory=set)  # of rows, in the frames
     hidden: int = 0
     branches: int = 0
     dangling: int = 0
@@ -193,10 +195,15 @@ def tidy(source, frames):
             if same_steps != (frame.step == last_step) or (not same_steps and frame.step < last_step):
                 source.fail(f"the step {frame.step} does not increase (it was {last_step} in the frame before): take the frame out of the file", where)
         last_step, last_time = frame.step, frame.time
-        rows += len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0)
+        in_frame = len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0)
+        rows += in_frame
+        source.counts.add(in_frame)
         if rows > MOST_ROWS and not source.options.look:
             source.expect_rows(frame.index + 1, -(-rows // (frame.index + 1)), "more than ")
             source.fail(f"has more than {MOST_ROWS:.0e} rows: convert fewer frames with --frames FROM:TO:STRIDE", where)
+        if source.options.nobody_known:
+            for part in filter(None, (frame.beads, frame.rods)):
+                part.ids = np.full(len(part), UNTRACKED)
         part_and_sort(source, frame)
         if same_steps:
             frame.step = count
@@ -269,7 +276,7 @@ def whole(word):
 def numbers(words, fail, kind=number):
     """An array of the words; fail(k, text) if one is none. Words of digits alone go to float(), which is then strict, at once."""
     integer = kind is whole
-    if not b" ".join(words).translate(None, b" 0123456789+-" if integer else b" 0123456789+-.eE"):
+    if not b",".join(words).translate(None, b",0123456789+-" if integer else b",0123456789+-.eE"):
         try:
             values = np.array(list(map(int if integer else float, words)), np.int64 if integer else float)
             if not len(values) or (np.abs(values).max() < 2**53 if integer else np.isfinite(values).all()):

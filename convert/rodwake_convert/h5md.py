@@ -252,8 +252,10 @@ def read(source):
         unit = file.attribute(group + "position/time", "unit")
         second = 1.0 if unit is None else factor(str(unit), "s")
         if second is None:
-            source.fail(f'{group}position/time is in the unit "{shown(unit)}", which is not known; known are s, ms, us, ns, ps and the like')
-        time = moments(file, group + "position/time", frames, "fiu").astype(float) * second
+            unknown = f'{group}position/time is in the unit "{shown(unit)}", which is not known; known are s, ms, us, ns, ps and the like'
+            (source.fail if source.options.needs_times else source.warn)(unknown)
+        else:
+            time = moments(file, group + "position/time", frames, "fiu").astype(float) * second
     read_labels(source, file, group, is_film)
     boxes = boxes_of(file, group, beads.position.data.shape[2], step)
     for k in range(frames):
@@ -354,7 +356,7 @@ class Writer:
 
     def __init__(self, source, target):
         self.source, self.file = source, h5py.File(os.fsencode(target), "w")
-        self.series, self.frames, self.timed, self.counts, self.unknown = {}, 0, True, set(), set()
+        self.series, self.frames, self.timed, self.unknown = {}, 0, True, set()
         self.first_box, self.has_origin, self.width, self.rows = None, False, {"": 0, "_rods": 0}, 0
 
     def put(self, path, row, *layout, **keys):
@@ -390,7 +392,6 @@ class Writer:
                         self.unknown.add(path)
                     values = np.full((len(part), *tail), np.nan if dtype == "f8" else 0)
                 self.put(path, values, dtype, tail, wide=True, fill=fill)
-        self.counts.add(len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0))
         self.rows += len(frame.beads)
         self.put_box(frame)
         self.frames += 1
@@ -419,13 +420,6 @@ class Writer:
         source, file = self.source, self.file
         for series in self.series.values():
             series.flush()
-        if source.by_order and len(self.counts) > 1:  # who is who is not known
-            for suffix in ("", "_rods"):
-                if f"trajectory{suffix}/id/value" in self.series:
-                    data = self.series[f"trajectory{suffix}/id/value"].data
-                    for k in range(0, len(data), data.chunks[0]):
-                        ids = data[k:k + data.chunks[0]]
-                        data[k:k + data.chunks[0]] = np.where(ids == EMPTY, EMPTY, UNTRACKED)
         for path in self.unknown:
             del self.series[path], file["particles/" + path.rpartition("/")[0]]
         if not self.timed:

@@ -120,7 +120,7 @@ def run(work, path, library, temporaries=(), show=None):
                 if "memory" in record:
                     outcome.death = "memory"
                 line = record.get("say") or (f"{record['progress']:.4f}" if record.get("progress") is not None else None)
-                if line:
+                if line and line not in outcome.lines[-1:]:
                     outcome.lines.append(line)
                     if show:
                         show(line)

@@ -130,10 +130,13 @@ class Formats(ConvertTest):
         self.assertEqual(self.film("a.xyz", "1\ni = 5, t = 2.5\nC 1 2 3\n", "--time-column", "t").time, [2.5])
         changing = "2\n\nC 1 2 0\nC 3 4 0\n1\n\nC 1 2 0\n"
         self.assertEqual(self.film("a.xyz", changing).id.tolist(), [[UNTRACKED, UNTRACKED], [UNTRACKED, EMPTY]])
+        self.assertEqual(self.run_on("a.xyz", changing, out="b.csv").code, 0)
+        self.assertEqual((self.folder / "b.csv").read_text().splitlines()[1], "0,,1.0,2.0")
+        self.assertEqual(self.film("a.xyz", "2\n\nC 1 2 0\nC 3 nan 0\n2\n\nC 1 2 0\nC 3 4 0\n").id.tolist(), [[0, EMPTY], [0, 1]])
         self.assertEqual(self.film("a.xyz", changing[:19]).id.tolist(), [[0, 1]])
 
     def test_trackmate(self):
-        for word in ("2,53", "12px", "0x10", "N/A", "", "1_000", "\u0663"):
+        for word in ("2,53", " 1.5", "12px", "0x10", "N/A", "", "1_000", "\u0663"):
             self.refused(f"a.xml:5: POSITION_X = \"{word}\"", "a.xml", trackmate(spot=lambda t, i: {"POSITION_X": word} if (t, i) == (0, 1) else {}))
         film = self.film("a.xml", trackmate(spot=lambda t, i: {"POSITION_X": ["nan", "NaN"][i]} if t == 0 and i < 2 else {}))
         self.assertEqual((film.attributes["without_place"], film.attributes["first_without_place"].endswith("a.xml:4"), len(film.seen())), (2, True, 238))
