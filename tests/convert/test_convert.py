@@ -78,8 +78,11 @@ class Formats(ConvertTest):
         text = dump()
         at = text.rindex("0 24\n")
         write_gsd(self.folder / "c.gsd", box=lambda t: [24 + 16 * (t == 11), 22, 2, 0, 0, 0])
-        write_h5md(self.folder / "c.h5md", edit=lambda out, group: (group["box"].__delitem__("edges"), group["box"].create_dataset(
-            "edges/value", data=np.stack([np.array([24.0 + 16 * (t == 11), 22, 2]) for t in range(12)]))))
+
+        def changing(out, group):
+            del group["box/edges"]
+            group["box/edges/value"] = np.stack([[24.0 + 16 * (t == 11), 22, 2] for t in range(12)])
+        write_h5md(self.folder / "c.h5md", edit=changing)
         second = xyz().rindex("Lattice=\"24")
         for name, content in (("c.dump", text[:at] + "0 40\n" + text[at + 5:]), ("c.xyz", xyz()[:second] + 'Lattice="40' + xyz()[second + 11:]), ("c.gsd", None), ("c.h5md", None)):
             film = self.film(name, content)
@@ -177,24 +180,42 @@ class Formats(ConvertTest):
         self.assertEqual((done.returncode, "apt-get install python3-gsd" in done.stderr, done.stderr.count("\n")), (1, True, 1))
 
     def test_h5md_of_others(self):
-        def edit(change):
-            write_h5md(self.folder / "a.h5md", edit=change)
-        edit(lambda out, group: (group["box"].__delitem__("edges"), group["box"].create_dataset("edges", data=np.diag(SIDES).astype(np.float32))))
+        def swap(path, *data, **keys):
+            """Takes a path away from the group, and puts something else there."""
+            def edit(out, group):
+                del group[path]
+                if data and isinstance(data[0], h5py.ExternalLink):
+                    group[path] = data[0]
+                elif data or keys:
+                    group.create_dataset(path, data=data[0] if data else None, **keys)
+            return edit
+
+        def extra(out, group):
+            out["particles/walls/position/value"] = np.zeros((1, 1, 2))
+
+        def attributes(out, group):
+            group["position/step"].attrs["offset"], group["position"].attrs["unit"], group["position/time"].attrs["unit"] = 30, "mm", "tau"
+        write_h5md(self.folder / "a.h5md", edit=swap("box/edges", np.diag(SIDES).astype(np.float32)))
         self.assertEqual(self.film("a.h5md", None).edges[5].tolist(), np.diag(SIDES).tolist())
-        edit(lambda out, group: (group["position/step"].attrs.create("offset", 30), group["position"].attrs.create("unit", "mm")))
+        write_h5md(self.folder / "a.h5md", edit=attributes)
         film = self.film("a.h5md", None)
-        self.assertEqual((film.step[:2], film.attributes["length_unit"]), ([30, 130], "mm"))
+        self.assertEqual((film.step[:2], film.attributes["length_unit"], film.time), ([30, 130], "mm", None))
+        self.refused('time is in the unit "tau"', "a.h5md", None, "--needs-times")
         for said, change in (("no positions of particles/walls (tracks.group); there are: discs", None),
-                             ("holds values of another type", lambda out, group: (group.__delitem__("id"), group.create_dataset("id", data=np.zeros(21)))),
-                             ("step is missing", lambda out, group: group.__delitem__("position/step")),
-                             ("does not increase", lambda out, group: (group.__delitem__("position/step"), group.create_dataset("position/step", data=np.arange(12)[::-1]))),
-                             ("is of shape [7], and there are 12 frames", lambda out, group: (group.__delitem__("position/step"), group.create_dataset("position/step", data=np.arange(7)))),
-                             ("link to another file", lambda out, group: (group.__delitem__("image"), group.__setitem__("image", h5py.ExternalLink("/etc/b.h5", "x")))),
-                             ("several groups of particles: discs, walls", lambda out, group: out.create_dataset("particles/walls/position/value", data=np.zeros((1, 1, 2)))),
-                             ("1e+12 rows", lambda out, group: (group.__delitem__("position/value"), group.create_dataset("position/value", (10**6, 10**6, 3), np.float32, chunks=(1, 1000, 3)))),
-                             ("box/edges is missing", lambda out, group: group["box"].__delitem__("edges"))):
-            edit(change)
+                             ("holds values of another type", swap("id", np.zeros(21))), ("step is missing", swap("position/step")),
+                             ("does not increase", swap("position/step", np.arange(12)[::-1])),
+                             ("is of shape [7], and there are 12 frames", swap("position/step", np.arange(7))),
+                             ("link to another file", swap("image", h5py.ExternalLink("/etc/b.h5", "x"))), ("several groups of particles: discs, walls", extra),
+                             ("1e+12 rows", swap("position/value", shape=(10**6, 10**6, 3), dtype=np.float32, chunks=(1, 1000, 3))),
+                             ("box/edges is missing", swap("box/edges"))):
+            write_h5md(self.folder / "a.h5md", edit=change)
             self.refused(said, "a.h5md", None, *(["--group", "walls"] if change is None else []))
+        with h5py.File(self.folder / "a.h5md", "w") as out:  # two dimensions, edges in time, no ids
+            out["particles/all/position/value"], out["particles/all/position/step"] = PLACE[..., :2], np.arange(12) ** 2
+            out.require_group("particles/all/box").attrs["boundary"] = ["periodic", "periodic"]
+            out["particles/all/box/edges/value"] = np.tile(SIDES[:2], (12, 1))
+        film = self.film("a.h5md", None)
+        self.assertEqual((film.seen(), film.step[3], film.edges[11].tolist()), (truth(0), 9, np.diag([24, 22, 0]).tolist()))
 
     def test_numbers_and_texts_that_are_wrong(self):
         d, x = dump(), xyz()
