@@ -69,7 +69,8 @@ def run(options, show=None):
         if os.path.lexists(options.output) and not options.force:
             return supervise.Outcome(1, f"{options.output}: exists already; --force replaces it")
         if os.path.isdir(options.output) or not os.path.isdir(folder):
-            return supervise.Outcome(1, f"{options.output}: cannot be written ({'is a folder' if os.path.isdir(options.output) else 'no such folder'})")
+            why = "it is a folder" if os.path.isdir(options.output) else "no such folder"
+            return supervise.Outcome(1, f"{options.output}: cannot be written ({why})")
 
     def work(report):
         from .convert import convert  # its libraries take time, and belong to the worker

@@ -77,7 +77,8 @@ def guarded(source, frames):
         except Exception as error:
             if os.environ.get(supervise.DEBUG):
                 raise
-            source.fail(f"cannot be read as {WRITERS.get(source.format, source.format)} ({reason(error)}): the file is cut short or damaged; write it again")
+            name = WRITERS.get(source.format, source.format)
+            source.fail(f"cannot be read as {name} ({reason(error)}): the file is cut short or damaged; write it again")
         yield frame
 
 

@@ -125,8 +125,8 @@ class Source:
         if not self.options.look and frames * particles > MOST_ROWS:
             rows = frames * particles
             more = -(-rows // MOST_ROWS) * stride
-            self.fail(f"has {about}{rows:.4g} rows ({frames} frames of {particles} particles), which need {rows * ROW_BYTES / 2**30:.3g} GB of memory; "
-                      f"the most is {MOST_ROWS:.0e} rows: convert fewer frames, as with --frames 0:{last or ''}:{more}")
+            self.fail(f"has {about}{rows:.4g} rows ({frames} frames of {particles} particles), which need "
+                      f"{rows * ROW_BYTES / 2**30:.3g} GB of memory; the most is {MOST_ROWS:.0e} rows: convert fewer frames, as with --frames 0:{last or ''}:{more}")
 
 
 def box_of(source, where, origin, edges, periodic):
@@ -181,7 +181,7 @@ def tidy(source, frames):
         if not -(2**53) < frame.step < 2**53:
             source.fail(f"the step {frame.step} is no step", where)
         if frame.time is None and source.options.needs_times:
-            source.fail(NO_TIME if source.format != "trackmate" else "no rate of the film is given, it has no times: set tracks.frames_per_second", where)
+            source.fail("no rate of the film is given, it has no times: set tracks.frames_per_second" if source.format == "trackmate" else NO_TIME, where)
         if frame.time is not None and not np.isfinite(frame.time):
             source.fail(f"the time {frame.time} is no time", where)
         if source.options.needs_times and last_time is not None and not frame.time > last_time:
@@ -193,7 +193,7 @@ def tidy(source, frames):
                 if same_steps:
                     source.warn(f"all frames have the step {frame.step}: they are taken in their order, as 0, 1, 2, ...")
             if same_steps != (frame.step == last_step) or (not same_steps and frame.step < last_step):
-                source.fail(f"the step {frame.step} does not increase (it was {last_step} in the frame before): take the frame out of the file", where)
+                source.fail(f"the step {frame.step} does not increase (it was {last_step} in the frame before): take the frame out", where)
         last_step, last_time = frame.step, frame.time
         in_frame = len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0)
         rows += in_frame

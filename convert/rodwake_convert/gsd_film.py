@@ -12,7 +12,7 @@ try:
     import gsd.fl
     import gsd.version
 except ImportError as error:
-    raise OutputError(f"the Python package gsd is missing, which reads and writes GSD ({error}): apt-get install python3-gsd, or pip install gsd") from None
+    raise OutputError(f"the Python package gsd is missing ({error}): apt-get install python3-gsd, or pip install gsd") from None
 
 OLD = int(re.match(r"\d+", getattr(gsd.version, "version", None) or gsd.version.__version__)[0]) < 3  # names of modes
 
@@ -53,7 +53,8 @@ def read(source):
             if rows is None or len(values) == rows and (columns is None and values.size == rows or values.shape[1:] == (columns,)):
                 return values
             if k == frame:
-                source.fail(f"{name} has {values.shape} numbers, expected {rows} rows{f' of {columns}' if columns else ''}: the index is damaged", f": frame {frame}")
+                wanted = f"{rows} rows{f' of {columns}' if columns else ''}"
+                source.fail(f"{name} has {values.shape} numbers, expected {wanted}: the index is damaged", f": frame {frame}")
         return None
 
     def count(name, absent=0):
@@ -83,7 +84,8 @@ def read(source):
             box = box_of(source, f": frame {frame}", -0.5 * vectors.sum(axis=0), vectors, (True, True, True)) if vectors.any() else None
         if frame == 0 or file.chunk_exists(frame, "particles/types"):
             letters = chunk("particles/types", kinds="iu")
-            types = ["A"] if letters is None or letters.ndim != 2 else [bytes(row.astype(np.uint8)).split(b"\0")[0].decode("utf-8", "replace") for row in letters]
+            names = [] if letters is None or letters.ndim != 2 else [bytes(row.astype(np.uint8)).split(b"\0")[0] for row in letters]
+            types = [name.decode("utf-8", "replace") for name in names] or ["A"]
             source.type_names = types
         ids = chunk("log/particles/id", n, kinds="iu") if n else None
         source.by_order |= ids is None

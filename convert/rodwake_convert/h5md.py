@@ -91,7 +91,8 @@ class Element:
         if columns and (not shape or shape[-1] not in columns) and len(shape) == rank and len(columns) > 1:
             file.source.fail(f"{path} is of shape {shape_of(self.data)}: expected two or three coordinates")
         if len(shape) != rank or (columns and shape[-1] not in columns):
-            file.source.fail(f"{path} is of shape {shape_of(self.data)}: expected {'frames, ' * self.in_time}particles{f', {columns[-1]}' if columns else ''}")
+            wanted = f"{'frames, ' * self.in_time}particles{f', {columns[-1]}' if columns else ''}"
+            file.source.fail(f"{path} is of shape {shape_of(self.data)}: expected {wanted}")
         self.frames, self.particles = (shape[0] if self.in_time else None), shape[int(self.in_time)]
         cells = max(1, int(np.prod(shape[1:])))
         chunk = self.data.chunks[0] if self.data.chunks else 1
@@ -167,8 +168,8 @@ class Bodies:
         if "image" in rows and rows["image"].shape[1] == 2:
             rows["image"] = np.column_stack([rows["image"], np.zeros(len(place), int)])
         self.source.by_order |= "id" not in rows
-        part = Part(place, rows.get("id", np.arange(len(place))), rows.get("image"), rows.get("species"),
-                    None if "radius" not in rows else rows["radius"].astype(float), None if "orientation" not in rows else rows["orientation"].astype(float))
+        rows |= {name: rows[name].astype(float) for name in ("radius", "orientation") if name in rows}
+        part = Part(place, rows.get("id", np.arange(len(place))), *map(rows.get, ("image", "species", "radius", "orientation")))
         return part if self.nobody is None else part.rows(part.ids != self.nobody)
 
 

@@ -83,7 +83,8 @@ def work_in_child(work, pipe):
         if os.environ.get(DEBUG):
             traceback.print_exc()
         code = 2 if isinstance(error, InputError) else 1
-        text = str(error) if isinstance(error, (InputError, OutputError)) else f"internal error: {type(error).__name__}: {reason(error)} ({DEBUG}=1 shows where)"
+        text = f"internal error: {type(error).__name__}: {reason(error)} ({DEBUG}=1 shows where)"
+        text = str(error) if isinstance(error, (InputError, OutputError)) else text
         with contextlib.suppress(OSError):
             report.send(**({"memory": True} if isinstance(error, MemoryError) else {"code": code, "message": text}))
     finally:

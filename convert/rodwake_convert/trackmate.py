@@ -34,8 +34,8 @@ class Table:
             if None in row:
                 self.source.fail(f"<{self.element}> without {self.columns[row.index(None)][0]}; {AGAIN}", f":{self.lines[k]}")
         words = zip(*self.rows) if self.rows else [()] * len(self.columns)
-        self.done.append([numbers([word.encode("utf-8", "replace") for word in column], fail(name), kind) for column, (name, kind, _) in zip(words, self.columns)]
-                         + [np.array(self.lines, int)])
+        words = [[word.encode("utf-8", "replace") for word in column] for column in words]
+        self.done.append([numbers(column, fail(name), kind) for column, (name, kind, _) in zip(words, self.columns)] + [np.array(self.lines, int)])
         self.rows, self.lines = [], []
 
     def arrays(self):
