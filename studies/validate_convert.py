@@ -76,7 +76,7 @@ def batch(job):
 
 
 def damage(options):
-    names = [name for name in ("a.dump", "a.xyz", "a.xml", "a.csv", "a.gsd", "a.h5md", "sums.h5md") if name.replace("sums.h5md", "a.sums")[2:] in options.only]
+    names = ["sums.h5md" if name == "sums" else f"a.{name}" for name in options.only]
     each = {name: options.files * 2 // 3 if "h5md" in name else options.files for name in names}
     jobs = [(name, min(200, each[name] - k), f"{options.seed} {k}") for name in names for k in range(0, each[name], 200)]
     found = {name: {"files": each[name]} for name in names}

@@ -11,6 +11,7 @@ EMPTY = -(2**63)  # the id of a row without a particle: the fill value
 UNTRACKED = EMPTY + 1  # the id of a spot that is in no track
 MOST_ROWS, ROW_BYTES = 10**8, 64  # 32 bytes a row, twice while they are put in order
 USUAL_RODS = ("rod", "motile", "apolar")
+NO_RATE = "no rate of the film is given, it has no times: set tracks.frames_per_second"
 NO_TIME = "the frame has no time: set tracks.frames_per_second, how many frames (of files with time steps: steps) a second has"
 
 
@@ -126,7 +127,8 @@ class Source:
             rows = frames * particles
             more = -(-rows // MOST_ROWS) * stride
             self.fail(f"has {about}{rows:.4g} rows ({frames} frames of {particles} particles), which need "
-                      f"{rows * ROW_BYTES / 2**30:.3g} GB of memory; the most is {MOST_ROWS:.0e} rows: convert fewer frames, as with --frames 0:{last or ''}:{more}")
+                      f"{rows * ROW_BYTES / 2**30:.3g} GB of memory; "
+                      f"the most is {MOST_ROWS:.0e} rows: convert fewer frames, as with --frames 0:{last or ''}:{more}")
 
 
 def box_of(source, where, origin, edges, periodic):
@@ -181,7 +183,7 @@ def tidy(source, frames):
         if not -(2**53) < frame.step < 2**53:
             source.fail(f"the step {frame.step} is no step", where)
         if frame.time is None and source.options.needs_times:
-            source.fail("no rate of the film is given, it has no times: set tracks.frames_per_second" if source.format == "trackmate" else NO_TIME, where)
+            source.fail(NO_RATE if source.format == "trackmate" else NO_TIME, where)
         if frame.time is not None and not np.isfinite(frame.time):
             source.fail(f"the time {frame.time} is no time", where)
         if source.options.needs_times and last_time is not None and not frame.time > last_time:

@@ -13,7 +13,7 @@ sys.path.insert(0, str(SOURCE / "convert"))
 import gsd.hoomd  # noqa: E402
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
-from rodwake_convert import command, convert, gsd_film, h5md, lammps, table as csv_films, trackmate, xyz as xyz_films  # noqa: E402, F401 (a warm process)
+from rodwake_convert import command, convert, gsd_film, h5md, lammps  # noqa: E402, F401 (imported before the forks, which are quick then)
 
 EMPTY, UNTRACKED = -(2**63), -(2**63) + 1
 SIDES = np.array([24.0, 22.0, 2.0])
@@ -31,7 +31,8 @@ def walk(frames=12, beads=20, seed=3):
 PLACE, IMAGE = walk()
 
 
-def dump(place=PLACE, columns="id type x y z ix iy", bounds="BOUNDS pp pp ff\n0 24\n0 22\n0 2", step=lambda t: 100 * t, image=IMAGE, type_of=lambda i: 1 + (i == 0)):
+def dump(place=PLACE, columns="id type x y z ix iy", bounds="BOUNDS pp pp ff\n0 24\n0 22\n0 2",
+         step=lambda t: 100 * t, image=IMAGE, type_of=lambda i: 1 + (i == 0)):
     text = []
     for t, rows in enumerate(place):
         text.append(f"ITEM: TIMESTEP\n{step(t)}\nITEM: NUMBER OF ATOMS\n{len(rows)}\nITEM: BOX {bounds}\nITEM: ATOMS {columns}\n")
@@ -57,7 +58,8 @@ def trackmate(place=PLACE, spot=lambda t, i: {}, more="", edges=None, filtered=N
     for t, rows in enumerate(place):
         text.append(f'<SpotsInFrame frame="{t}">')
         for i, (x, y, _) in enumerate(rows.tolist()):
-            keys = {"ID": n * t + i, "name": "s", "FRAME": t, "POSITION_X": repr(x), "POSITION_Y": repr(y), "POSITION_Z": "0.0", "VISIBILITY": 1} | spot(t, i)
+            keys = {"ID": n * t + i, "name": "s", "FRAME": t, "POSITION_X": repr(x), "POSITION_Y": repr(y), "POSITION_Z": "0.0",
+                    "VISIBILITY": 1} | spot(t, i)
             text.append("<Spot " + " ".join(f'{key}="{value}"' for key, value in keys.items() if value is not None) + "/>")
         text.append("</SpotsInFrame>")
     text.append("</AllSpots><AllTracks>")
@@ -71,7 +73,8 @@ def trackmate(place=PLACE, spot=lambda t, i: {}, more="", edges=None, filtered=N
 
 
 def table(place=PLACE):
-    rows = [f"{t},{t / 10},{i},{x!r},{y!r},{'0.5' if i == 0 else ''},{'rod' if i == 0 else 'bead'}\n" for t, frame in enumerate(place) for i, (x, y, _) in enumerate(frame.tolist())]
+    rows = [f"{t},{t / 10},{i},{x!r},{y!r},{'0.5' if i == 0 else ''},{'rod' if i == 0 else 'bead'}\n"
+            for t, frame in enumerate(place) for i, (x, y, _) in enumerate(frame.tolist())]
     return "frame,t,particle,x,y,theta,kind\n" + "".join(rows)
 
 
@@ -99,7 +102,8 @@ def write_h5md(path, place=PLACE, group="discs", edit=None, libver=None):
         particles["position/time"].attrs["unit"] = "ms"
         ids = particles.create_dataset("id/value", (frames, place.shape[1] + 1), np.int32, fillvalue=-1)
         ids[:, :-1] = order + 1
-        particles["image/value"] = np.concatenate([np.take_along_axis(IMAGE[:frames, :place.shape[1]], order[..., None], axis=1), np.zeros((frames, 1, 3), int)], axis=1)
+        image = np.take_along_axis(IMAGE[:frames, :place.shape[1]], order[..., None], axis=1)
+        particles["image/value"] = np.concatenate([image, np.zeros((frames, 1, 3), int)], axis=1)
         box = particles.create_group("box")
         box.attrs["dimension"], box.attrs["boundary"] = 3, ["periodic", "periodic", "none"]
         box["edges"] = SIDES
