@@ -12,6 +12,7 @@ from . import formats, supervise  # noqa: E402 (threads are counted when NumPy i
 
 def arguments(argv):
     parser = argparse.ArgumentParser(prog="rodwake_convert.py", description="Convert a film of particles to another format.")
+    parser.error = lambda text: sys.exit(print(text, file=sys.stderr) or 2)  # one line, as of all errors
     parser.add_argument("input", metavar="IN")
     parser.add_argument("-o", "--output", default="", metavar="OUT", help=".h5md, .gsd, .xyz, .dump or .csv")
     parser.add_argument("--format", choices=list(formats.MODULES), help="of IN; else by its content, then by its name")
@@ -68,7 +69,8 @@ def run(options, show=None):
         if os.path.lexists(options.output) and not options.force:
             return supervise.Outcome(1, f"{options.output}: exists already; --force replaces it")
         if os.path.isdir(options.output) or not os.path.isdir(folder):
-            return supervise.Outcome(1, f"{options.output}: cannot be written ({'is a folder' if os.path.isdir(options.output) else 'no such folder'})")
+            why = "it is a folder" if os.path.isdir(options.output) else "no such folder"
+            return supervise.Outcome(1, f"{options.output}: cannot be written ({why})")
 
     def work(report):
         from .convert import convert  # its libraries take time, and belong to the worker

@@ -13,8 +13,8 @@ from .formats import MODULES, WRITERS
 from .frames import Box, Frame, Part, Source, tidy
 
 
-def convert(options, report):
-    source = Source(options.input, options, report, options.format)
+def convert(options, report, nobody_known=False):
+    source, options.nobody_known = Source(options.input, options, report, options.format), nobody_known
     reader = importlib.import_module(f".{MODULES[options.format]}", __package__)
     frames = guarded(source, tidy(source, reader.read(source)))
     if options.look:
@@ -33,6 +33,9 @@ def convert(options, report):
             with writing(options.output):
                 writer.add(frame, part, is_rod)
             report()
+        if source.by_order and len(source.counts) > 1 and not nobody_known:  # the order in the frame does not tell who is who after all
+            writer.close()
+            return convert(options, report, True)
         report.patient()
         with writing(options.output):
             writer.close()
@@ -74,7 +77,8 @@ def guarded(source, frames):
         except Exception as error:
             if os.environ.get(supervise.DEBUG):
                 raise
-            source.fail(f"cannot be read as {WRITERS.get(source.format, source.format)} ({reason(error)}): the file is cut short or damaged; write it again")
+            name = WRITERS.get(source.format, source.format)
+            source.fail(f"cannot be read as {name} ({reason(error)}): the file is cut short or damaged; write it again")
         yield frame
 
 

@@ -11,7 +11,8 @@ class OutputError(Exception):
 
 def shown(word, most=60):
     """A word of a file as it may be printed: bytes that are not UTF-8 and control characters as \\x.., cut after 60 characters."""
-    text = word.decode("utf-8", "backslashreplace") if isinstance(word, bytes) else str(word)
+    raw = word if isinstance(word, bytes) else str(word).encode("utf-8", "surrogateescape")
+    text = raw.decode("utf-8", "backslashreplace")
     text = "".join(c if c.isprintable() else f"\\x{ord(c):02x}" for c in text[:most + 1])
     return text[:most] + "..." * (len(text) > most)
 

@@ -11,6 +11,7 @@ EMPTY = -(2**63)  # the id of a row without a particle: the fill value
 UNTRACKED = EMPTY + 1  # the id of a spot that is in no track
 MOST_ROWS, ROW_BYTES = 10**8, 64  # 32 bytes a row, twice while they are put in order
 USUAL_RODS = ("rod", "motile", "apolar")
+NO_RATE = "no rate of the film is given, it has no times: set tracks.frames_per_second"
 NO_TIME = "the frame has no time: set tracks.frames_per_second, how many frames (of files with time steps: steps) a second has"
 
 
@@ -69,9 +70,12 @@ class Source:
     bead_radius: float = None  # of a bed of rodwake, m
     bed: bool = False
     certain: bool = True
+    last_box: tuple = (None, None)  # (key, box): most are as in the frame before
+    last_text: tuple = (None, None)
     rods_apart: bool = None  # whether ids of rods are also those of beads
     by_order: bool = False  # ids are the order in the frame, which holds if all frames have as many rows
     rows: int = 0
+    counts: set = field(default_factory=set)  # of rows, in the frames
     hidden: int = 0
     branches: int = 0
     dangling: int = 0
@@ -122,12 +126,20 @@ class Source:
         if not self.options.look and frames * particles > MOST_ROWS:
             rows = frames * particles
             more = -(-rows // MOST_ROWS) * stride
-            self.fail(f"has {about}{rows:.4g} rows ({frames} frames of {particles} particles), which need {rows * ROW_BYTES / 2**30:.3g} GB of memory; "
+            self.fail(f"has {about}{rows:.4g} rows ({frames} frames of {particles} particles), which need "
+                      f"{rows * ROW_BYTES / 2**30:.3g} GB of memory; "
                       f"the most is {MOST_ROWS:.0e} rows: convert fewer frames, as with --frames 0:{last or ''}:{more}")
 
 
 def box_of(source, where, origin, edges, periodic):
-    """A box whose sides make sense; off-axis parts up to 1e-12 of a side are rounding. None: a box of no size."""
+    """A box whose sides make sense; off-axis parts up to 1e-12 of a side are rounding. None: a box of no size. Most are as in the frame before."""
+    key = np.array(edges, float).tobytes(), np.array(origin, float).tobytes(), tuple(periodic)
+    if source.last_box[0] != key:
+        source.last_box = key, new_box(source, where, origin, edges, periodic)
+    return source.last_box[1]
+
+
+def new_box(source, where, origin, edges, periodic):
     edges, origin = np.array(edges, float).reshape(3, 3), np.array(origin, float)
     sides = np.abs(np.diag(edges))
     edges[np.abs(edges) <= 1e-12 * np.maximum(sides[:, None], sides[None, :])] = 0.0
@@ -171,7 +183,7 @@ def tidy(source, frames):
         if not -(2**53) < frame.step < 2**53:
             source.fail(f"the step {frame.step} is no step", where)
         if frame.time is None and source.options.needs_times:
-            source.fail(NO_TIME if source.format != "trackmate" else "no rate of the film is given, it has no times: set tracks.frames_per_second", where)
+            source.fail(NO_RATE if source.format == "trackmate" else NO_TIME, where)
         if frame.time is not None and not np.isfinite(frame.time):
             source.fail(f"the time {frame.time} is no time", where)
         if source.options.needs_times and last_time is not None and not frame.time > last_time:
@@ -183,12 +195,17 @@ def tidy(source, frames):
                 if same_steps:
                     source.warn(f"all frames have the step {frame.step}: they are taken in their order, as 0, 1, 2, ...")
             if same_steps != (frame.step == last_step) or (not same_steps and frame.step < last_step):
-                source.fail(f"the step {frame.step} does not increase (it was {last_step} in the frame before): take the frame out of the file", where)
+                source.fail(f"the step {frame.step} does not increase (it was {last_step} in the frame before): take the frame out", where)
         last_step, last_time = frame.step, frame.time
-        rows += len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0)
+        in_frame = len(frame.beads) + (len(frame.rods) if frame.rods is not None else 0)
+        rows += in_frame
+        source.counts.add(in_frame)
         if rows > MOST_ROWS and not source.options.look:
             source.expect_rows(frame.index + 1, -(-rows // (frame.index + 1)), "more than ")
             source.fail(f"has more than {MOST_ROWS:.0e} rows: convert fewer frames with --frames FROM:TO:STRIDE", where)
+        if source.options.nobody_known:
+            for part in filter(None, (frame.beads, frame.rods)):
+                part.ids = np.full(len(part), UNTRACKED)
         part_and_sort(source, frame)
         if same_steps:
             frame.step = count
@@ -242,7 +259,8 @@ WHOLE = re.compile(rb"[+-]?\d+(?:\.0*)?")
 
 def number(word):
     """The number that a word is, else None. Fortran writes exponents as 1.5D+00."""
-    return float(word.lower().replace(b"d", b"e")) if NUMBER.fullmatch(word) else None
+    value = float(word.lower().replace(b"d", b"e")) if NUMBER.fullmatch(word) and len(word) < 400 else None
+    return None if value is not None and np.isinf(value) and word[-1:].isdigit() else value  # 1e400 is no number that can be kept
 
 
 def whole(word):
@@ -260,10 +278,10 @@ def whole(word):
 def numbers(words, fail, kind=number):
     """An array of the words; fail(k, text) if one is none. Words of digits alone go to float(), which is then strict, at once."""
     integer = kind is whole
-    if not b" ".join(words).translate(None, b" 0123456789+-" if integer else b" 0123456789+-.eE"):
+    if not b",".join(words).translate(None, b",0123456789+-" if integer else b",0123456789+-.eE"):
         try:
             values = np.array(list(map(int if integer else float, words)), np.int64 if integer else float)
-            if not integer or not len(values) or np.abs(values).max() < 2**53:
+            if not len(values) or (np.abs(values).max() < 2**53 if integer else np.isfinite(values).all()):
                 return values
         except (ValueError, OverflowError):
             pass  # the slow way below tells which word it is

@@ -12,7 +12,7 @@ try:
     import gsd.fl
     import gsd.version
 except ImportError as error:
-    raise OutputError(f"the Python package gsd is missing, which reads and writes GSD ({error}): apt-get install python3-gsd, or pip install gsd") from None
+    raise OutputError(f"the Python package gsd is missing ({error}): apt-get install python3-gsd, or pip install gsd") from None
 
 OLD = int(re.match(r"\d+", getattr(gsd.version, "version", None) or gsd.version.__version__)[0]) < 3  # names of modes
 
@@ -46,14 +46,15 @@ def read(source):
                 continue
             try:
                 values = file.read_chunk(k, name)
-            except (OSError, RuntimeError, ValueError, KeyError) as error:
+            except (OSError, RuntimeError, ValueError, KeyError, MemoryError) as error:  # a damaged index claims any number of rows
                 source.fail(f"{name} cannot be read ({reason(error)}): the file is cut short or damaged", f": frame {frame}")
             if values.dtype.kind not in kinds:
                 source.fail(f"{name} is of the type {values.dtype}: the index is damaged", f": frame {frame}")
             if rows is None or len(values) == rows and (columns is None and values.size == rows or values.shape[1:] == (columns,)):
                 return values
             if k == frame:
-                source.fail(f"{name} has {values.shape} numbers, expected {rows} rows{f' of {columns}' if columns else ''}: the index is damaged", f": frame {frame}")
+                wanted = f"{rows} rows{f' of {columns}' if columns else ''}"
+                source.fail(f"{name} has {values.shape} numbers, expected {wanted}: the index is damaged", f": frame {frame}")
         return None
 
     def count(name, absent=0):
@@ -83,7 +84,8 @@ def read(source):
             box = box_of(source, f": frame {frame}", -0.5 * vectors.sum(axis=0), vectors, (True, True, True)) if vectors.any() else None
         if frame == 0 or file.chunk_exists(frame, "particles/types"):
             letters = chunk("particles/types", kinds="iu")
-            types = ["A"] if letters is None or letters.ndim != 2 else [bytes(row.astype(np.uint8)).split(b"\0")[0].decode("utf-8", "replace") for row in letters]
+            names = [] if letters is None or letters.ndim != 2 else [bytes(row.astype(np.uint8)).split(b"\0")[0] for row in letters]
+            types = [name.decode("utf-8", "replace") for name in names] or ["A"]
             source.type_names = types
         ids = chunk("log/particles/id", n, kinds="iu") if n else None
         source.by_order |= ids is None
@@ -111,9 +113,9 @@ class Writer:
 
     def add(self, frame, part, is_rod):
         n, box = len(part), frame.box
-        names = self.source.type_names or ["bead", "rod"]
         species = np.zeros(n, np.uint32) if part.species is None else part.species.astype(np.uint32)
-        names = list(names) + [str(k) for k in range(len(names), int(species.max(initial=0)) + 1)]
+        names = list(self.source.type_names or ["A"] * (not species.any()))
+        names += [str(k) for k in range(len(names), int(species.max(initial=0)) + 1)]
         letters = [name.encode("utf-8", "replace") for name in names]
         sizes, position, image = np.zeros(6), part.position, part.image
         if box is not None:

@@ -13,7 +13,7 @@ SCALED, UNWRAPPED = ("xs", "xsu"), ("xu", "xsu")
 
 def read(source):
     """Frames: ITEM sections until ITEM: ATOMS, which ends one."""
-    lines, options = Lines(source.path, source.report), source.options
+    lines = Lines(source.path, source.report)
     step = time = count = box = None
     index, unit, header, columns = 0, 1.0, None, None
 

@@ -5,6 +5,7 @@ it watches a pipe on which the worker reports, and tells in one line what became
 """
 
 import contextlib
+import gc
 import json
 import os
 import resource
@@ -70,6 +71,7 @@ def work_in_child(work, pipe):
         for number in (signal.SIGTERM, signal.SIGALRM):
             signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_SETMASK, [])
+        gc.disable()  # rows of words are no cycles, and there are millions
         if not os.environ.get(DEBUG):  # C libraries print their last words there
             os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -81,7 +83,8 @@ def work_in_child(work, pipe):
         if os.environ.get(DEBUG):
             traceback.print_exc()
         code = 2 if isinstance(error, InputError) else 1
-        text = str(error) if isinstance(error, (InputError, OutputError)) else f"internal error: {type(error).__name__}: {reason(error)} ({DEBUG}=1 shows where)"
+        text = f"internal error: {type(error).__name__}: {reason(error)} ({DEBUG}=1 shows where)"
+        text = str(error) if isinstance(error, (InputError, OutputError)) else text
         with contextlib.suppress(OSError):
             report.send(**({"memory": True} if isinstance(error, MemoryError) else {"code": code, "message": text}))
     finally:
@@ -118,7 +121,7 @@ def run(work, path, library, temporaries=(), show=None):
                 if "memory" in record:
                     outcome.death = "memory"
                 line = record.get("say") or (f"{record['progress']:.4f}" if record.get("progress") is not None else None)
-                if line:
+                if line and line not in outcome.lines[-1:]:
                     outcome.lines.append(line)
                     if show:
                         show(line)

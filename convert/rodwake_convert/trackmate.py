@@ -18,14 +18,11 @@ class Table:
 
     def __init__(self, source, element, columns):
         self.source, self.element, self.columns = source, element, columns
-        self.words, self.lines, self.done = [[] for _ in columns], [], []
+        self.rows, self.lines, self.done = [], [], []
 
     def add(self, attributes, line):
-        for words, (name, _, absent) in zip(self.words, self.columns):
-            word = attributes.get(name, absent)
-            if word is None:
-                self.source.fail(f"<{self.element}> without {name}; {AGAIN}", f":{line}")
-            words.append(word.encode("utf-8", "replace"))
+        get = attributes.get
+        self.rows.append([get(name, absent) for name, _, absent in self.columns])
         self.lines.append(line)
         if len(self.lines) >= BATCH:
             self.convert()
@@ -33,8 +30,13 @@ class Table:
     def convert(self):
         def fail(name):
             return lambda k, what: self.source.fail(f"{name} = {what} in <{self.element}>; {AGAIN}", f":{self.lines[k]}")
-        self.done.append([numbers(words, fail(name), kind) for words, (name, kind, _) in zip(self.words, self.columns)] + [np.array(self.lines, int)])
-        self.words, self.lines = [[] for _ in self.columns], []
+        for k, row in enumerate(self.rows):
+            if None in row:
+                self.source.fail(f"<{self.element}> without {self.columns[row.index(None)][0]}; {AGAIN}", f":{self.lines[k]}")
+        words = zip(*self.rows) if self.rows else [()] * len(self.columns)
+        words = [[word.encode("utf-8", "replace") for word in column] for column in words]
+        self.done.append([numbers(column, fail(name), kind) for column, (name, kind, _) in zip(words, self.columns)] + [np.array(self.lines, int)])
+        self.rows, self.lines = [], []
 
     def arrays(self):
         self.convert()
@@ -47,29 +49,30 @@ def parse(source):
                                    ("POSITION_Z", number, "0")])
     hidden, filtered = Table(source, "Spot", [("ID", whole, None)]), Table(source, "TrackID", [("TRACK_ID", whole, None)])
     edges = Table(source, "Edge", [("SPOT_SOURCE_ID", whole, None), ("SPOT_TARGET_ID", whole, None), ("TRACK", whole, None)])
-    parser, path, seen, track = expat.ParserCreate(), [], set(), "-1"
+    parser, path, seen, track, section = expat.ParserCreate(), [], set(), "-1", ""
 
     def start(name, attributes):
-        nonlocal track
+        nonlocal track, section
         path.append(name)
-        if path[:2] != ["TrackMate", "Model"]:
-            return
-        line = parser.CurrentLineNumber
-        if name == "Spot" and path[2:4] == ["AllSpots", "SpotsInFrame"]:
+        if name == "Spot" and section == "AllSpots":
             visible = attributes.get("VISIBILITY", "1")
-            if number(visible.encode("utf-8", "replace")) is None:
-                source.fail(f'VISIBILITY = "{shown(visible)}" in <Spot>: expected 0 or 1; {AGAIN}', f":{line}")
-            (hidden if float(visible) == 0 else spots).add(attributes, line)
-        elif name == "Edge" and path[2:4] == ["AllTracks", "Track"]:
+            if visible == "1":
+                spots.add(attributes, parser.CurrentLineNumber)
+            elif visible == "0":
+                hidden.add(attributes, parser.CurrentLineNumber)
+            else:
+                source.fail(f'VISIBILITY = "{shown(visible)}" in <Spot>: expected 0 or 1; {AGAIN}', f":{parser.CurrentLineNumber}")
+        elif name == "Edge" and section == "AllTracks":
             attributes["TRACK"] = track
-            edges.add(attributes, line)
-        elif name == "Track" and path[2:3] == ["AllTracks"]:
+            edges.add(attributes, parser.CurrentLineNumber)
+        elif name == "Track" and section == "AllTracks":
             track = attributes.get("TRACK_ID", "-1")
-        elif name == "TrackID" and path[2:3] == ["FilteredTracks"]:
-            filtered.add(attributes, line)
-        elif len(path) == 2:
+        elif name == "TrackID" and section == "FilteredTracks":
+            filtered.add(attributes, parser.CurrentLineNumber)
+        elif path == ["TrackMate", "Model"]:
             source.length_unit = attributes.get("spatialunits", "")
-        elif len(path) == 3:
+        elif len(path) == 3 and path[:2] == ["TrackMate", "Model"]:
+            section = name
             seen.add(name)
 
     def doctype(*_):

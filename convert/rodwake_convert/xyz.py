@@ -109,6 +109,9 @@ def read_lattice(source, fail, keys, where):
     """Periodic, as the format has it, unless pbc says otherwise."""
     if "lattice" not in keys:
         return None
+    text = keys["lattice"], keys.get("pbc"), keys.get("origin")
+    if source.last_text[0] == text:  # most are as in the frame before
+        return source.last_text[1]
     edges = [number(word) for word in words_in(keys["lattice"])]
     if len(edges) != 9 or None in edges:
         fail(f'Lattice="{shown(keys["lattice"])}": expected nine numbers')
@@ -119,7 +122,8 @@ def read_lattice(source, fail, keys, where):
     origin = [number(word) for word in words_in(keys.get("origin", "0 0 0"))]
     if len(origin) != 3 or None in origin:
         fail(f'Origin="{shown(keys["origin"])}": expected three numbers')
-    return box_of(source, where, origin, edges, periodic)
+    source.last_text = text, box_of(source, where, origin, edges, periodic)
+    return source.last_text[1]
 
 
 def find_columns(source, fail, text, plain):
