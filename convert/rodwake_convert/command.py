@@ -11,7 +11,7 @@ from . import formats, supervise  # noqa: E402 (threads are counted when NumPy i
 
 
 def arguments(argv):
-    parser = argparse.ArgumentParser(prog="rodwake_convert.py", description="Convert a film of particles to another format.")
+    parser = argparse.ArgumentParser(prog="rodwake_convert", description="Convert a film of particles to another format.")
     parser.error = lambda text: sys.exit(print(text, file=sys.stderr) or 2)  # one line, as of all errors
     parser.add_argument("input", metavar="IN")
     parser.add_argument("-o", "--output", default="", metavar="OUT", help=".h5md, .gsd, .xyz, .dump or .csv")

@@ -9,7 +9,7 @@ import time
 from films import *  # noqa: F403 (helpers of these tests)
 from rodwake_convert import supervise
 
-COMMAND = ["/usr/bin/python3", str(SOURCE / "convert/rodwake_convert.py")]
+COMMAND = ["/usr/bin/python3", str(SOURCE / "convert/rodwake_convert")]
 
 
 def put(text, old, new, count=1):

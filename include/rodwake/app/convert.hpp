@@ -1,5 +1,5 @@
 #pragma once
-// Tracks and trajectories from one format into another, by the program convert/rodwake_convert.py: Python has
+// Tracks and trajectories from one format into another, by the program convert/rodwake_convert: Python has
 // the libraries that know the formats. It works in a process of its own, watched by another: what crashes or
 // hangs a library, or takes all memory, ends with a message that names the file.
 
