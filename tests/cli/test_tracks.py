@@ -164,7 +164,7 @@ class Tracks(ProgramTest):
     def test_folders_and_files_of_any_bytes(self):
         folder = self.folder / os.fsdecode(b"d\xe9faut")  # Latin-1
         folder.mkdir()
-        rows = [(f, k, 3.0 * (k % 5), 3.0 * (k // 5)) for f in range(3) for k in range(25)]
+        rows = [(f, k, 2.1 * (k % 10), 2.1 * (k // 10)) for f in range(3) for k in range(100)]
         self.write_rows("frame,particle,x,y", rows)
         (self.folder / "tracks.csv").rename(folder / "tracks.csv")
         (folder / "tracks.toml").write_text(OPEN.replace("= 100", "= 1").replace('"0.5 s"', '"1 s"'))
