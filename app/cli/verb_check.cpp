@@ -2,6 +2,7 @@
 
 #include "rodwake/app/describe.hpp"
 #include "rodwake/app/run.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
 #include "verbs.hpp"
 
@@ -30,7 +31,7 @@ int verb_check(const Options& options) {
     if (!doubts.empty())
         fmt::print("\n# is this what you mean?\n  {}\n", fmt::join(doubts, "\n  "));
     fmt::print("\n# expected cost\n{}\n{}: ok\n", app::expected_cost(plan, output_folder(options), context),
-               options.target);
+               printable(options.target));
     return 0;
 }
 

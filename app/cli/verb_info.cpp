@@ -239,7 +239,7 @@ int describe_run(const fs::path& folder) {
     const std::string status = app::run_status(folder);
     if (status.empty())
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
-    fmt::print("{}: {} run\n", folder.string(), status);
+    fmt::print("{}: {} run\n", printable(folder.string()), status);
     const std::vector<app::FileEntry> files = app::files_of_run(folder);
     for (const app::FileEntry& file : files)
         fmt::print("  {:<40} {}\n", file.name, file.what);

@@ -54,8 +54,8 @@ void bind_scene(py::module_& module) {
         .def("to_toml", &scene::to_toml);
     module.def("read_scene",
                [](const fs::path& path, const Words& set) { return scene::read_scene(path, set); });
-    module.def("parse_scene", [](const std::string& text, const std::string& name, const Words& set) {
-        return scene::parse_scene(text, name, set);
+    module.def("parse_scene", [](const std::string& text, const fs::path& name, const Words& set) {
+        return scene::parse_scene(text, name.string(), set);
     });
     module.def("check", &check);
 }

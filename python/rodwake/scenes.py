@@ -40,7 +40,11 @@ class Scene:
         return cls(arguments.kind("text", text, str, "the text of a scene"), arguments.kind("name", name, str, "a text"))
 
     def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
-        return _core.parse_scene(self._text, self._name, [f"{key}={toml(value, key)}" for key, value in changes])
+        settings = [f"{key}={toml(value, key)}" for key, value in changes]
+        for text in (self._text, *settings):
+            if any("\ud800" <= letter <= "\udfff" for letter in text):  # what Python makes of a name that is not UTF-8
+                raise InputError(f"{text[:300]!a}: a scene is UTF-8 and cannot hold this name; put the scene beside the file, or rename the folder")
+        return _core.parse_scene(self._text, self._name, settings)
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
         """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),

@@ -71,7 +71,7 @@ class TracksTest(unittest.TestCase):
     def test_a_folder_of_any_bytes(self):
         folder = new_folder(self) / os.fsdecode(b"d\xe9faut")  # Latin-1
         folder.mkdir()
-        table = frame_of(film(12, 30))
+        table = frame_of(film(12))
         table.to_csv(folder / "tracks.csv")
         scene = folder / "film.toml"
         scene.write_text('schema = 1\n[tracks]\nfile = "tracks.csv"\npixel = "1 m"\nframes_per_second = 10.0\nbead_radius = 1.0\n'
@@ -84,6 +84,8 @@ class TracksTest(unittest.TestCase):
         (folder / "tracks.csv").write_bytes("frame,Größe,y\n0,1,2\n".encode("latin-1"))
         with self.assertRaisesRegex(rodwake.InputError, r"d\\xe9faut/tracks.csv:1: no column for x .*Gr\\xf6\\xdfe"):
             loaded.check()
+        with self.assertRaisesRegex(rodwake.InputError, "a scene is UTF-8 and cannot hold this name"):
+            rodwake.Tracks(folder / "tracks.csv", pixel=1.0, **KEYS)
         with self.assertRaisesRegex(rodwake.SceneError, r"d\\xe9faut"):
             rodwake.Scene.load(folder / "none.toml")
 
