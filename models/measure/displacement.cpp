@@ -140,7 +140,7 @@ double scatter(const std::vector<double>& values, const std::vector<bool>& measu
 /// One block tells no error; a bin without data may be anything that the field is elsewhere.
 void complete_errors(DisplacementField& field) {
     const auto measured = known(field);
-    const bool tells = field.blocks > 1;
+    const bool tells = field.blocks > 1 && field.frames > 2;
     const double sx = tells ? scatter(field.Ux, measured) : unknown_error,
                  sy = tells ? scatter(field.Uy, measured) : unknown_error;
     for (std::size_t j = 0; j < field.grid.bins(); ++j)
