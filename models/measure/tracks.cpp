@@ -169,7 +169,7 @@ public:
         out_.interval = film.interval;
         out_.on_grid = film.on_grid;
         take_all(order, start);
-        settle_rods(out_, spacing_, scale_.thin_end_ahead, !rows_.certain_ids);
+        settle_rods(out_, spacing_, scale_.thin_end_ahead, !rows_.certain_ids && !out_.has_images);
         warn_of_cover();
         return std::move(out_);
     }
