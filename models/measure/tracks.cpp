@@ -231,8 +231,8 @@ private:
             step_ = gap_ = *scale_.longest_step;
             out_.cut_rule =
                 fmt::format("more than tracks.longest_step = {:.3g} a away", step_ / scale_.bead_radius);
-        } else if (!scale_.box && rows_.certain_ids &&
-                   rows_.box) { // seen in a window, they leave and come back
+        } else if (!scale_.box && rows_.certain_ids && rows_.box) {
+            // Of a periodic box seen in a window: what leaves on one side comes in on the other.
             step_ = gap_ = 0.5 * scale_.pixel * rows_.box->shorter();
             out_.cut_rule = "across the border of the file's box";
         } else if (!scale_.box && !rows_.certain_ids) {
@@ -418,11 +418,15 @@ double Tracks::mean_length() const {
     return beads > 0 ? static_cast<double>(tracked + counts.missing) / static_cast<double>(beads) : 0.0;
 }
 
-double Tracks::beads_per_frame() const {
-    std::size_t with_beads = 0;
+std::size_t Tracks::frames_with_beads() const {
+    std::size_t count = 0;
     for (std::size_t f = 0; f < frames(); ++f)
-        with_beads += start[f + 1] > start[f];
-    return static_cast<double>(x.size()) / static_cast<double>(std::max<std::size_t>(with_beads, 1));
+        count += start[f + 1] > start[f];
+    return count;
+}
+
+double Tracks::beads_per_frame() const {
+    return static_cast<double>(x.size()) / static_cast<double>(std::max<std::size_t>(frames_with_beads(), 1));
 }
 
 double Tracks::lost_share() const {
@@ -445,7 +449,7 @@ Layout layout_of(const Tracks& tracks, std::size_t stride) {
     const bool all = tracks.beads > 0 && tracks.x.size() == tracks.frames() * tracks.beads &&
                      std::ranges::count(tracks.bead, untracked) == 0;
     layout.all_beads = all ? 0 : std::max<std::size_t>(tracks.beads, 1);
-    if (!tracks.has_all_frames())
+    if (!tracks.has_all_frames() || tracks.frames_with_beads() < tracks.frames()) // others are not measured
         layout.grid = tracks.on_grid ? tracks.interval * static_cast<double>(stride) : 0.0;
     return layout;
 }

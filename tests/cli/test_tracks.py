@@ -185,6 +185,7 @@ class Tracks(ProgramTest):
                 self.film(frames, window, everything, rods=rods)
                 done = self.run_program("measure", "tracks.toml", "-o", "seen", "--force")
                 self.assertIn(done.returncode, (0, 1), done.stderr)  # what cannot be had is told; nothing crashes
+                self.assertTrue((self.folder / "seen/measure.json").is_file(), done.stderr)
 
     def test_trackmate_xml(self):
         self.write("tracks.toml", tracks('frames_per_second = 1\npixel = "1 a"', '[measure]\norder = true\norder_cutoff = "1 a"\nblock = "2 s"\n'))

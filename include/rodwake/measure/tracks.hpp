@@ -74,6 +74,7 @@ struct Tracks {
     std::vector<std::string> warnings; ///< of the reader and of the film, a sentence each
 
     std::size_t frames() const { return time.size(); }
+    std::size_t frames_with_beads() const;
     bool has_all_frames() const { return on_grid && tick.back() + 1 == static_cast<std::int64_t>(frames()); }
     /// Frames between which a bead is known, on average over the beads.
     double mean_length() const;
