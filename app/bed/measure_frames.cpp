@@ -149,9 +149,10 @@ std::string why_no_frames(const measure::Measures& measures) {
         return fmt::format("no frame to measure: the rod travels less than measure.from = {:g} a; run longer "
                            "(granular.duration), or make measure.from shorter",
                            measures.from_travel() / measures.layout().bead_radius);
-    return fmt::format("no frame to measure from measure.from = {:g} s on; {}, or make measure.from shorter",
-                       measures.from(),
-                       measures.layout().velocities ? "run longer (granular.duration)" : "film longer");
+    return fmt::format(
+        "no frame {}to measure from measure.from = {:g} s on; {}, or make measure.from shorter",
+        measures.layout().velocities ? "" : "with beads ", measures.from(),
+        measures.layout().velocities ? "run longer (granular.duration)" : "film longer");
 }
 
 std::optional<measure::Measures> measure_trajectory(const std::filesystem::path& file,
@@ -179,7 +180,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
 namespace {
 
 constexpr const char* block_name = "measures";
-constexpr std::uint32_t layout = 2; ///< counted up when what an accumulator saves changes
+constexpr std::uint32_t layout = 3; ///< counted up when what an accumulator saves changes
 
 } // namespace
 

@@ -33,7 +33,7 @@ struct RowsLeftOut {
     static constexpr auto fields() {
         using R = RowsLeftOut;
         return std::tuple{field("why", &R::why, {"", "why rows, or places, are missing in the measures"}),
-                          field("rows", &R::rows, {"1", "how many"})};
+                          field("rows", &R::rows, {"1", "how many; 0: a warning of the file"})};
     }
 };
 
@@ -54,14 +54,14 @@ struct TracksReport {
             field("window", &R::window, {"", "what is seen: hull, periodic, circle or rectangle"}),
             field("length_unit", &R::length_unit, {"", "as the file names it; empty: it does not"}),
             field("rows", &R::rows, {"1", "of the file, with places and without"}),
-            field("frames", &R::frames, {"1", "from the first to the last"}),
+            field("frames", &R::frames, {"1", "that have rows"}),
             field("particles", &R::particles, {"1", "different beads that are tracked"}),
             field("rods", &R::rods, {"1", "different rods"}),
             field("beads_per_frame", &R::beads_per_frame, {"1", "on average"}),
             field("mean_length", &R::mean_length,
                   {"1", "frames from where a bead is first seen to where last"}),
             field("lost_share", &R::lost_share, {"1", "of these frames, those in which it is not seen"}),
-            field("interval", &R::interval, {"s", "between frames"}),
+            field("interval", &R::interval, {"s", "between frames; at uneven times the mean"}),
             field("duration", &R::duration, {"s", "from the first frame to the last"}),
             field("area", &R::area, {"a^2", "of the window"}),
             field("phi_b", &R::phi_b, {"1", "area fraction of the beads in the window"}),
@@ -109,18 +109,19 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     append(rows.id, rods.id);
     append(rows.y, rods.y);
     append(rows.heading, rods.heading);
-    append(rows.image_x, rods.image_x);
-    append(rows.image_y, rods.image_y);
-    append(rows.x, rods.x);                 // last: it is what the others are as long as
-    if (rows.image_x.size() != rows.size()) // one of the files has them, the other does not
-        rows.image_x = rows.image_y = {};
-    append(rows.warnings, rods.warnings);
+    const bool images = rows.image_x.size() == rows.size() && rods.image_x.size() == rods.size();
+    for (auto image : {&TrackRows::image_x, &TrackRows::image_y}) {
+        append(rows.*image, rods.*image);
+        (rows.*image).resize(images ? (rows.*image).size() : 0);
+    }
+    append(rows.x, rods.x); // last: it is what the others are as long as
+    rows.certain_ids = rows.certain_ids && rods.certain_ids;
     rows.dangling += rods.dangling;
+    append(rows.warnings, rods.warnings);
     if (rows.without_place == 0)
         rows.first_without_place = rods.first_without_place;
     rows.without_place += rods.without_place;
     rows.from_ends = rods.from_ends;
-    append(rows.warnings, rods.warnings);
 }
 
 /// Rows of a file: of CSV at once, of any other format from the film that is made of it in `folder`, whose
@@ -167,7 +168,8 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
                               keys.box,
                               {},
                               rows.from_ends ? 1.0 : keys.angle,
-                              keys.thin_end == scene::ThinEnd::ahead};
+                              keys.thin_end == scene::ThinEnd::ahead,
+                              keys.longest_step.length};
     const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
     if (own && !keys.box) {
         if (rows.box)
@@ -189,7 +191,8 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
 }
 
 /// Everything that is missing, most of it first told by whoever met it.
-std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCounts& counts) {
+std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& tracks) {
+    const measure::TrackCounts& counts = tracks.counts;
     std::vector<RowsLeftOut> all;
     const auto add = [&](std::size_t rows, std::string why) {
         if (rows > 0)
@@ -198,13 +201,16 @@ std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::TrackCou
     add(file.without_place, "rows without a place, the first at " + file.first_without_place);
     add(file.hidden, "spots hidden by TrackMate's filters");
     add(file.branches, "links cut where tracks split or merge");
+    add(counts.dangling, "links to spots that are not in the file");
     add(counts.repeated, "rows of a particle that the frame has already");
     add(counts.outside, "rows outside of the window");
-    add(counts.restarts, "tracks cut where they jump: their number goes on elsewhere");
+    add(counts.restarts, "tracks cut where they jump: their number goes on " + tracks.cut_rule);
     add(counts.untracked, "rows in no track, used where one frame is enough");
     add(counts.empty_frames, "frames without any row");
     add(counts.headless, "rows of rods whose heading is not known");
     add(counts.joined, "rods that went on under another number, joined");
+    for (const std::string& warning : tracks.warnings)
+        all.push_back({warning, 0});
     return all;
 }
 
@@ -226,11 +232,11 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     r.beads_per_frame = tracks.beads_per_frame();
     r.mean_length = tracks.mean_length();
     r.lost_share = tracks.lost_share();
-    r.interval = tracks.time[1] - tracks.time[0];
+    r.interval = tracks.interval;
     r.duration = tracks.time.back() - tracks.time.front();
     r.area = area;
     r.phi_b = r.beads_per_frame * std::numbers::pi / area;
-    r.left_out = left_out(kept, tracks.counts);
+    r.left_out = left_out(kept, tracks);
     return r;
 }
 
@@ -241,13 +247,16 @@ std::string line_of(const TracksReport& r) {
     if (r.rods > 0)
         text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
     for (const RowsLeftOut& one : r.left_out)
-        text += fmt::format("; {} {}", one.rows, one.why);
+        if (one.rows > 0)
+            text += fmt::format("; {} {}", one.rows, one.why);
     return text;
 }
 
-/// Every how many frames are measured.
-std::size_t stride_of(const scene::Measure& m, double interval, const std::string& path) {
-    const double ratio = m.interval.value_or(interval) / interval;
+/// Every how many intervals a frame is measured.
+std::size_t stride_of(const scene::Measure& m, const measure::Tracks& tracks, const std::string& path) {
+    if (!tracks.on_grid) // then frames at least measure.interval apart
+        return 1;
+    const double interval = tracks.interval, ratio = m.interval.value_or(interval) / interval;
     if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
         throw InputError(
             fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
@@ -291,12 +300,19 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
 /// Over its frames; nothing if it was stopped.
 std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Tracks& tracks,
                                          Progress& progress, const RunContext& context) {
-    const double interval = tracks.time[1] - tracks.time[0];
-    const std::size_t stride = stride_of(*scene.measure, interval, scene.path);
-    MeasurePlan plan =
-        measure_plan(scene, measure::layout_of(tracks), static_cast<double>(stride) * interval);
+    const std::size_t stride = stride_of(*scene.measure, tracks, scene.path);
+    const double least = tracks.on_grid ? 0.0 : scene.measure->interval.value_or(0.0) * (1.0 - 1e-9),
+                 mean = tracks.has_all_frames() ? tracks.interval
+                                                : (tracks.time.back() - tracks.time.front()) /
+                                                      static_cast<double>(tracks.frames() - 1);
+    MeasurePlan plan = measure_plan(scene, measure::layout_of(tracks, stride),
+                                    std::max(static_cast<double>(stride) * mean, least));
+    double next = -HUGE_VAL;
     measure::for_each_frame(tracks, stride, [&](const measure::Frame& frame, double part) {
-        plan.sums.add(frame);
+        if (frame.time >= next) {
+            plan.sums.add(frame);
+            next = frame.time + least;
+        }
         progress.update(0.5 + 0.5 * part);
         return !context.stopped();
     });
@@ -336,6 +352,11 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
     const auto tracks = read(scene, context, folder, progress, log);
     if (!tracks)
         return std::nullopt;
+    for (const std::string& warning : tracks->warnings)
+        log->warn("{}", warning);
+    if (tracks->counts.dangling > 0)
+        log->warn("{}: {} links to spots that are not in the file: tracks end there", scene.tracks->file,
+                  tracks->counts.dangling);
     require_rods(scene, *tracks, scene.tracks->file);
     MeasuredCase data{scene, {}, {}, tracks->time.back() - tracks->time.front()};
     auto sums = sums_of(scene, *tracks, progress, context);

@@ -285,6 +285,29 @@ struct As<Localisation> : Quantified<Localisation> {
     }
 };
 
+/// A length, "auto" or "unlimited".
+template<>
+struct As<StepLimit> : Quantified<StepLimit> {
+    static bool read(const Input& in, StepLimit& value) {
+        const auto* said = in.node.as<std::string>();
+        if (said && !said->empty() && std::isalpha(static_cast<unsigned char>(said->front()))) {
+            if (*said != "auto" && *said != "unlimited")
+                return in.wrong_type("expected a length (\"2 a\"), \"auto\" or \"unlimited\"");
+            value.length = *said == "auto" ? std::nullopt : std::optional(HUGE_VAL);
+            return true;
+        }
+        return quantity(in, value.length.emplace());
+    }
+    static std::string text(const Key& key, const StepLimit& value, const Units& units) {
+        return !value.length               ? "\"auto\""
+               : std::isinf(*value.length) ? "\"unlimited\""
+                                           : quantity_text(*value.length, key.dimension, units);
+    }
+    static Description about(const Key& key, const StepLimit&) {
+        return {number_type(key), "\"auto\"", "", true};
+    }
+};
+
 /// A time, or a length as a string with its unit.
 template<>
 struct As<TimeOrTravel> : Quantified<TimeOrTravel> {
@@ -346,6 +369,7 @@ template const Codec& codec_of<Choice>();
 template const Codec& codec_of<TimeOrTravel>();
 template const Codec& codec_of<BoxSize>();
 template const Codec& codec_of<Localisation>();
+template const Codec& codec_of<StepLimit>();
 template const Codec& codec_of<Value>();
 template const Codec& codec_of<std::optional<bool>>();
 template const Codec& codec_of<std::optional<double>>();

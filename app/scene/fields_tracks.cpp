@@ -129,6 +129,16 @@ void fields(Visitor& v, Tracks& tracks) {
                "displacement and, if given, out of bond order; auto: as the shortest lags have it")
           .example("\"auto\""),
       tracks.localisation);
+    v(key("longest_step")
+          .unit(length)
+          .above(0.0, 1e3)
+          .doc(
+              "a particle that steps farther from one frame to the next, or over a gap, is another one; "
+              "auto: "
+              "a camera's particles in an open window by more than 3 mean spacings, after a gap by more than "
+              "1, and those of a simulation or a periodic window never; unlimited: never")
+          .example("\"unlimited\""),
+      tracks.longest_step);
     v(key("rod_kinds")
           .items(0, 100)
           .doc("types, species or kinds of the file that are rods, all others are beads; []: rod, motile, "

@@ -136,52 +136,50 @@ void BlockScatter::finish(BinSamples& samples) const {
 namespace {
 
 using Row = std::vector<double>;
-constexpr auto channels = MicrorheologyAccumulator::channels, groups = MicrorheologyAccumulator::groups;
+constexpr auto groups = MicrorheologyAccumulator::groups;
 constexpr std::size_t fewest_runs = 4;
 
-LagBlock block(const MicrorheologyAccumulator& run, const std::vector<Lag>& lags, std::size_t first,
+LagBlock block(const MicrorheologyAccumulator& run, const std::vector<long>& lags, std::size_t first,
                std::size_t end) {
     LagBlock b{Row(lags.size(), 0.0), Row(lags.size(), 0.0)};
     for (std::size_t i = 0; i < lags.size(); ++i)
         for (std::size_t g = first; g < end; ++g) {
-            b.sum[i] += run.levels()[lags[i].level].sum[lags[i].channel * groups + g];
-            b.weight[i] += run.weight(lags[i].level, lags[i].channel, g);
+            b.sum[i] += run.lags().at(lags[i]).sum[g];
+            b.weight[i] += run.weight(lags[i], g);
         }
     return b;
 }
 
 } // namespace
 
-double origins(const MicrorheologyAccumulator& run, Lag lag) {
-    return lag.level < run.levels().size() ? run.levels()[lag.level].origins[lag.channel] : 0.0;
-}
-
-std::vector<Lag> common_lags(MicrorheologyRuns runs) {
-    std::vector<Lag> lags;
-    for (std::size_t level = 0; level < runs[0].levels().size(); ++level)
-        for (std::size_t c = level == 0 ? 0 : channels / 2; c < channels; ++c)
-            if (std::ranges::all_of(runs, [&](const auto& run) { return origins(run, {level, c}) > 0.0; }))
-                lags.push_back({level, c});
+std::vector<long> common_lags(MicrorheologyRuns runs) {
+    const auto has = [](const MicrorheologyAccumulator& run, long key) {
+        const auto found = run.lags().find(key);
+        return found != run.lags().end() && found->second.origins > 0.0;
+    };
+    std::vector<long> lags;
+    for (const auto& [key, sums] : runs[0].lags())
+        if (std::ranges::all_of(runs, [&](const auto& run) { return has(run, key); }))
+            lags.push_back(key);
     return lags;
 }
 
-Row well_known(MicrorheologyRuns runs, const std::vector<Lag>& lags, const Row& seconds) {
-    const auto well = [&](Lag lag) {
-        return std::ranges::all_of(runs, [&](const auto& run) {
-            const double stride = static_cast<double>(std::size_t{1} << lag.level);
-            return 4.0 * stride * origins(run, lag) >= static_cast<double>(run.frames());
-        });
-    };
-    const auto end = std::ranges::find_if_not(lags, well);
-    if (end - lags.begin() < 2)
+Row well_known(MicrorheologyRuns runs, const std::vector<long>& lags) {
+    Row seconds;
+    for (const long key : lags) {
+        if (!std::ranges::all_of(runs, [&](const auto& run) { return run.is_well_known(key); }))
+            break;
+        seconds.push_back(runs[0].lag(key));
+    }
+    if (seconds.size() < 2)
         throw InputError(
             fmt::format("measure: microrheology: only {} lags are known well enough: needs 2; choose a "
                         "longest lag of at least 16 frames",
-                        end - lags.begin()));
-    return {seconds.begin(), seconds.begin() + (end - lags.begin())};
+                        seconds.size()));
+    return seconds;
 }
 
-std::vector<LagBlock> all_blocks(MicrorheologyRuns runs, const std::vector<Lag>& lags) {
+std::vector<LagBlock> all_blocks(MicrorheologyRuns runs, const std::vector<long>& lags) {
     std::vector<LagBlock> blocks;
     const std::size_t step = runs.size() >= fewest_runs ? groups : 1;
     blocks.reserve(runs.size() * groups / step);

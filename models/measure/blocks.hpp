@@ -86,22 +86,12 @@ private:
 
 using MicrorheologyRuns = std::span<const MicrorheologyAccumulator>;
 
-struct Lag {
-    std::size_t level, channel;
-    std::size_t frames() const { return (channel + 1) << level; }
-};
+/// Keys of the lags that every run has, rising.
+std::vector<long> common_lags(MicrorheologyRuns runs);
 
-/// Starting times behind a lag of a run.
-double origins(const MicrorheologyAccumulator& run, Lag lag);
-
-/// Lags that every run has.
-std::vector<Lag> common_lags(MicrorheologyRuns runs);
-
-/// The lags, in seconds, that have at least a quarter of the time origins of their run, in every run: beyond,
-/// the mean-square displacement is that of hardly more than one stretch of time. Throws InputError for fewer
-/// than 2.
-std::vector<double> well_known(MicrorheologyRuns runs, const std::vector<Lag>& lags,
-                               const std::vector<double>& seconds);
+/// The lags, in seconds, up to the first that is not well known in every run: beyond, the mean-square
+/// displacement is that of hardly more than one stretch of time. Throws InputError for fewer than 2.
+std::vector<double> well_known(MicrorheologyRuns runs, const std::vector<long>& lags);
 
 /// Sums of |dx|^2 and what they are over, [lag]; a run, or one group of beads of a run.
 struct LagBlock {
@@ -109,7 +99,7 @@ struct LagBlock {
 };
 
 /// Whole runs if there are at least 4, else groups of beads of each run.
-std::vector<LagBlock> all_blocks(MicrorheologyRuns runs, const std::vector<Lag>& lags);
+std::vector<LagBlock> all_blocks(MicrorheologyRuns runs, const std::vector<long>& lags);
 
 /// Mean-square displacements of all blocks, or of all but one.
 std::vector<double> pooled(const std::vector<LagBlock>& blocks, std::size_t without);

@@ -137,10 +137,11 @@ double scatter(const std::vector<double>& values, const std::vector<bool>& measu
     return std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0));
 }
 
-/// One block tells no error; a bin without data may be anything that the field is elsewhere.
-void complete_errors(DisplacementField& field) {
+/// One block tells no error, nor do two frames of a film; a bin without data may be anything that the field
+/// is elsewhere.
+void complete_errors(DisplacementField& field, bool is_film) {
     const auto measured = known(field);
-    const bool tells = field.blocks > 1;
+    const bool tells = field.blocks > 1 && !(is_film && field.frames < 3);
     const double sx = tells ? scatter(field.Ux, measured) : unknown_error,
                  sy = tells ? scatter(field.Uy, measured) : unknown_error;
     for (std::size_t j = 0; j < field.grid.bins(); ++j)
@@ -205,7 +206,7 @@ DisplacementField reduce(std::span<const DisplacementAccumulator> given) {
     place(samples, DisplacementSums::of(runs[0]).far_from, field);
     if (options.mirror)
         field = with_mirror_image(field);
-    complete_errors(field);
+    complete_errors(field, !runs[0].layout().velocities);
     return field;
 }
 

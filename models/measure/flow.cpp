@@ -32,8 +32,8 @@ void check(Runs runs) {
             throw InputError("measure: flow: the runs were measured with different options or beds");
     if (all_blocks(runs).empty())
         throw InputError(
-            "measure: flow: no two frames a lag apart: write frames more often, run longer or choose a "
-            "shorter lag");
+            "measure: flow: no two frames a lag apart: write frames more often, run longer or choose another "
+            "lag (measure.flow_lag)");
 }
 
 FlowField empty_field(const RodGrid& grid) {
@@ -150,7 +150,7 @@ constexpr std::uint32_t nowhere = untracked;
 
 /// Where a bead stands in a frame.
 std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
-    if (names.empty())
+    if (names.empty()) // all, since a frame without beads is passed over
         return static_cast<std::uint32_t>(bead);
     const auto found = std::ranges::lower_bound(names, bead);
     return found != names.end() && *found == bead ? static_cast<std::uint32_t>(found - names.begin())
@@ -214,20 +214,36 @@ void FlowAccumulator::travel(const Past& now) {
 
 void FlowAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
-    times_.next(frame.time, "flow");
+    times_.next(frame.time, "flow", layout_.grid);
     BeadPlaces places = places_of(frame);
-    Past now{frame.time, std::move(places.x), std::move(places.y), frame.rods[options_.rod],
+    if (places.x.empty())
+        return;
+    Past now{frame.time,
+             times_.tick,
+             std::move(places.x),
+             std::move(places.y),
+             frame.rods[options_.rod],
              std::move(places.bead)};
     if (started_)
         follow_marked(now);
     else if (now.rod.known())
         start(now);
-    const auto wanted = static_cast<std::size_t>(
-        times_.frames > 1 ? std::max(1.0, std::round(options_.lag / times_.interval)) : 1.0);
-    if (past_.size() >= wanted) {
-        if (past_.front().rod.known() && now.rod.known())
-            take(past_.front(), now);
-        past_.erase(past_.begin());
+    if (!past_.empty()) {
+        const bool on_grid = times_.interval > 0.0;
+        const auto wanted = static_cast<std::size_t>(
+            on_grid ? std::max(1.0, std::round(options_.lag / times_.interval)) : 1.0);
+        const double lag = options_.lag > 0.0 ? options_.lag : now.time - past_.back().time;
+        const auto off = [&](const Past& past) {
+            return on_grid ? std::abs(static_cast<double>(now.tick - past.tick) - static_cast<double>(wanted))
+                           : std::abs(now.time - past.time - lag) / lag;
+        };
+        const auto before = std::ranges::min_element(past_, {}, off);
+        if (off(*before) <= (on_grid ? 0.0 : 0.5) && before->rod.known() && now.rod.known())
+            take(*before, now);
+        std::erase_if(past_, [&](const Past& past) { // the last one tells the drift
+            const bool is_old = on_grid ? now.tick - past.tick >= wanted : now.time - past.time > 1.5 * lag;
+            return is_old && &past != &past_.back();
+        });
     }
     past_.push_back(std::move(now));
 }
@@ -313,6 +329,8 @@ void FlowAccumulator::load(StateReader& in) {
         past.y = in.array(layout_.beads);
         past_.push_back(std::move(past));
     }
+    for (std::size_t k = 0; k < past_.size(); ++k)
+        past_[k].tick = times_.frames - past_.size() + k;
     if (past_.empty() && times_.frames > 0)
         throw RunError("measure: flow: the last frames are missing");
     started_ = !past_.empty(); // of a bed: its rods are in every frame

@@ -108,32 +108,35 @@ void check_frame(const Layout& layout, const Frame& frame) {
             throw RunError("measure: the place of a rod is not finite");
 }
 
-void EvenTimes::next(double time, const char* what) {
+void FrameTimes::next(double time, const char* what, const std::optional<double>& grid) {
     const double step = time - last;
     if (frames > 0 && !(step > 0.0))
         throw RunError(fmt::format(
             "measure: {}: a frame at {:.9g} s follows one at {:.9g} s: times must grow", what, time, last));
-    if (frames > 1 && std::abs(step - interval) > 1e-6 * interval)
+    if (!grid && frames > 1 && std::abs(step - interval) > 1e-6 * interval)
         throw RunError(
             fmt::format("measure: {}: frames at {:.9g} s and {:.9g} s are {:.9g} s apart, those before "
                         "{:.9g} s: they must be evenly spaced",
                         what, last, time, step, interval));
-    if (frames == 1)
-        interval = step;
+    if (frames == 0)
+        first = time;
+    interval = grid ? *grid : frames == 1 ? step : interval;
+    tick = grid && *grid > 0.0 ? static_cast<std::size_t>(std::lround((time - first) / *grid)) : frames;
     last = time;
     ++frames;
 }
 
-void EvenTimes::save(StateWriter& out) const {
+void FrameTimes::save(StateWriter& out) const {
     out.put(frames);
     out.put(last);
     out.put(interval);
 }
 
-void EvenTimes::load(StateReader& in) {
+void FrameTimes::load(StateReader& in) {
     frames = in.count();
     last = in.get();
     interval = in.get();
+    tick = frames > 0 ? frames - 1 : 0;
 }
 
 namespace {

@@ -28,23 +28,38 @@ void check_tracks(std::span<const HeadingTrack> runs, std::string_view measure) 
     }
 }
 
-double common_step(std::span<const HeadingTrack> runs) { return runs[0].time[1] - runs[0].time[0]; }
+double common_step(std::span<const HeadingTrack> runs) {
+    const std::vector<double>& time = runs[0].time;
+    double step = time[1] - time[0];
+    for (std::size_t i = 1; i + 1 < time.size(); ++i) // the last row of a run may be nearer
+        if (time[i] - time[i - 1] < step * (1.0 - 1e-6))
+            step = time[i] - time[i - 1];
+    return step;
+}
 
-std::size_t even_rows(const HeadingTrack& run, double step, std::string_view measure) {
-    const auto off = [&](std::size_t i) {
-        return std::abs(run.time[i] - run.time[i - 1] - step) > 1e-6 * step;
-    };
+std::optional<HeadingTrack> even_track(const HeadingTrack& run, double step) {
+    constexpr double sparsest = 4.0; // of all rows those that are there
     const std::size_t n = run.time.size();
-    for (std::size_t i = 1; i < n; ++i)
-        if (off(i)) {
-            if (i + 1 == n)
-                return n - 1;
-            throw RunError(
-                fmt::format("measure: {}: rows at {:.9g} s and {:.9g} s of a track are not {:.9g} s "
-                            "apart as those before",
-                            measure, run.time[i - 1], run.time[i], step));
+    const double count = (run.time.back() - run.time.front()) / step;
+    if (!(count < sparsest * static_cast<double>(n)))
+        return std::nullopt;
+    HeadingTrack even;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double since = i == 0 ? 0.0 : (run.time[i] - run.time[i - 1]) / step;
+        if (i > 0 && std::abs(since - std::max(1.0, std::round(since))) > 1e-6 * since) {
+            if (i + 1 == n && since < 1.0)
+                break;
+            return std::nullopt;
         }
-    return n;
+        for (double missing = 1.0; missing < std::round(since); missing += 1.0) {
+            even.time.push_back(run.time[i - 1] + missing * step);
+            for (auto part : {&HeadingTrack::x, &HeadingTrack::y, &HeadingTrack::heading})
+                (even.*part).push_back(std::nan(""));
+        }
+        for (auto part : {&HeadingTrack::time, &HeadingTrack::x, &HeadingTrack::y, &HeadingTrack::heading})
+            (even.*part).push_back((run.*part)[i]);
+    }
+    return even;
 }
 
 double advance(const HeadingTrack& run, std::size_t from, std::size_t to) {
@@ -73,7 +88,7 @@ void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
 
 /// Numbers of steps, each about a seventh above the one before, the last lag_high.
 std::vector<std::size_t> lags_of(double step, double lag_high) {
-    const auto most = static_cast<std::size_t>(lag_high / step * (1.0 + 1e-9));
+    const auto most = static_cast<std::size_t>(std::min(1e15, lag_high / step * (1.0 + 1e-9)));
     std::vector<std::size_t> lags;
     for (std::size_t k = 1; k < most; k = std::max(k + 1, k + k / 7))
         lags.push_back(k);
@@ -84,15 +99,17 @@ std::vector<std::size_t> lags_of(double step, double lag_high) {
 /// Of a block, of several, or of all but some.
 struct Sums {
     Row origins, square, cosine; // by lag
+    Row off;                     // s, of the lags, where times are uneven
     double turn = 0.0, advance = 0.0, time = 0.0;
 
-    explicit Sums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags) {}
+    explicit Sums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags), off(lags) {}
 
     void add(const Sums& other) {
         for (std::size_t k = 0; k < square.size(); ++k) {
             origins[k] += other.origins[k];
             square[k] += other.square[k];
             cosine[k] += other.cosine[k];
+            off[k] += other.off[k];
         }
         turn += other.turn;
         advance += other.advance;
@@ -100,18 +117,34 @@ struct Sums {
     }
 };
 
-/// Of the rows from `first` to `last`, both of them in the block.
-Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
+/// Of the rows from `first` to `last`, both of them in the block. `step`: 0 of even rows; of others what lags
+/// are multiples of: that of two rows is the one it is nearest to.
+Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last, double step,
              std::span<const std::size_t> lags) {
     Sums sums(lags.size());
-    for (std::size_t k = 0; k < lags.size(); ++k)
-        for (std::size_t i = first; i + lags[k] <= last; ++i) {
-            if (!run.known(i) || !run.known(i + lags[k]))
-                continue;
-            const double change = run.heading[i + lags[k]] - run.heading[i];
-            sums.origins[k] += 1.0;
-            sums.square[k] += change * change;
-            sums.cosine[k] += std::cos(change);
+    const auto add = [&](std::size_t k, std::size_t i, std::size_t j) {
+        if (!run.known(i) || !run.known(j))
+            return;
+        const double change = run.heading[j] - run.heading[i];
+        sums.origins[k] += 1.0;
+        sums.square[k] += change * change;
+        sums.cosine[k] += std::cos(change);
+    };
+    for (std::size_t k = 0; k < lags.size() && step == 0.0; ++k)
+        for (std::size_t i = first; i + lags[k] <= last; ++i)
+            add(k, i, i + lags[k]);
+    for (std::size_t i = first; i <= last && step > 0.0; ++i)
+        for (std::size_t j = i + 1; j <= last; ++j) {
+            const double steps = (run.time[j] - run.time[i]) / step;
+            std::size_t k = static_cast<std::size_t>(std::ranges::lower_bound(lags, steps) - lags.begin());
+            if (k > 0 && (k == lags.size() ||
+                          steps - static_cast<double>(lags[k - 1]) < static_cast<double>(lags[k]) - steps))
+                --k;
+            if (steps > 1.05 * static_cast<double>(lags.back()))
+                break;
+            add(k, i, j);
+            if (run.known(i) && run.known(j))
+                sums.off[k] += (steps - static_cast<double>(lags[k])) * step;
         }
     while (first < last && !run.known(first))
         ++first;
@@ -130,8 +163,10 @@ Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last,
 /// Blocks of a run; neighbours share the row between them.
 std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingOptions& options,
                             std::span<const std::size_t> lags) {
-    const std::size_t steps = even_rows(run, step, "heading_diffusion") - 1;
-    const double length = static_cast<double>(steps) * step;
+    const std::optional<HeadingTrack> even = even_track(run, step);
+    const HeadingTrack& rows = even ? *even : run;
+    const std::size_t steps = rows.time.size() - 1;
+    const double length = even ? static_cast<double>(steps) * step : rows.time.back() - rows.time.front();
     if (length < 2.0 * options.lag_high * (1.0 - 1e-9))
         throw InputError(fmt::format("measure: heading_diffusion: a track of {:.4g} s: lags up to {:g} s "
                                      "need twice as much; shorten measure.heading_lag_high or run longer",
@@ -139,9 +174,35 @@ std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingO
     const auto count =
         std::max<std::size_t>(1, static_cast<std::size_t>(length / options.block * (1.0 + 1e-9)));
     std::vector<Sums> blocks;
+    const auto from = [&](std::size_t b) { // first row of a block
+        const double time = rows.time.front() + length * static_cast<double>(b) / static_cast<double>(count);
+        return even ? b * steps / count
+                    : static_cast<std::size_t>(std::ranges::lower_bound(rows.time, time - 1e-9 * step) -
+                                               rows.time.begin());
+    };
     for (std::size_t b = 0; b < count; ++b)
-        blocks.push_back(sums_of(run, b * steps / count, (b + 1) * steps / count, lags));
+        if (const std::size_t first = from(b), last = std::min(from(b + 1), steps); first < last)
+            blocks.push_back(sums_of(rows, first, last, even ? 0.0 : step, lags));
     return blocks;
+}
+
+/// Takes out the lags that no two rows have in all blocks or, for the errors, in all but one.
+void drop_unknown(std::vector<std::size_t>& lags, std::vector<Sums>& blocks, std::vector<Sums>& of_runs) {
+    for (std::size_t k = lags.size(); k-- > 0;) {
+        double all = 0.0, most = 0.0;
+        for (const Sums& part : blocks) {
+            all += part.origins[k];
+            most = std::max(most, blocks.size() > 1 ? part.origins[k] : 0.0);
+        }
+        if (all > most)
+            continue;
+        const auto at = static_cast<std::ptrdiff_t>(k);
+        lags.erase(lags.begin() + at);
+        for (std::vector<Sums>* sums : {&blocks, &of_runs})
+            for (Sums& part : *sums)
+                for (auto row : {&Sums::origins, &Sums::square, &Sums::cosine, &Sums::off})
+                    (part.*row).erase((part.*row).begin() + at);
+    }
 }
 
 Sums sum_of(std::span<const Sums> all, std::size_t without) {
@@ -171,8 +232,8 @@ LineFit line(const Row& lag, const Row& value, std::size_t first, std::size_t la
 FitWindow window_of(const Sums& all, double step, std::span<const std::size_t> lags,
                     const HeadingOptions& options) {
     FitWindow w;
-    for (const std::size_t k : lags)
-        w.lag.push_back(static_cast<double>(k) * step);
+    for (std::size_t k = 0; k < lags.size(); ++k)
+        w.lag.push_back(static_cast<double>(lags[k]) * step + all.off[k] / all.origins[k]);
     const auto at = [&](double lag) {
         return static_cast<std::size_t>(std::ranges::lower_bound(w.lag, lag * (1.0 - 1e-9)) - w.lag.begin());
     };
@@ -304,13 +365,17 @@ HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const Hea
         throw InputError(fmt::format("measure: heading_diffusion: tracks with rows {:g} s apart have no lag "
                                      "up to {:g} s; shorten granular.output.table",
                                      step, options.lag_high));
-    const std::vector<std::size_t> lags = lags_of(step, options.lag_high);
+    std::vector<std::size_t> lags = lags_of(step, options.lag_high);
     std::vector<Sums> blocks, of_runs;
     for (const HeadingTrack& run : runs) {
         const std::vector<Sums> own = blocks_of(run, step, options, lags);
+        if (own.empty())
+            throw InputError("measure: heading_diffusion: no block of time has two rows; lengthen "
+                             "measure.block");
         of_runs.push_back(sum_of(own, own.size()));
         blocks.insert(blocks.end(), own.begin(), own.end());
     }
+    drop_unknown(lags, blocks, of_runs);
     const Sums all = sum_of(blocks, blocks.size());
     const std::vector<Sums>& parts = runs.size() >= enough_runs ? of_runs : blocks;
     HeadingDiffusion r = result_of(all, parts, window_of(all, step, lags, options));

@@ -5,6 +5,7 @@
 #include "rodwake/measure/heading_track.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -13,11 +14,12 @@ namespace rodwake::measure {
 /// Throws InputError without runs, or for one without two rows of everything.
 void check_tracks(std::span<const HeadingTrack> runs, std::string_view measure);
 
-/// Between the rows of the first run, s; even_rows finds out whether those of all are.
+/// Between the rows of the first run, s, the least if they are not evenly spaced.
 double common_step(std::span<const HeadingTrack> runs);
 
-/// Rows that are evenly spaced: all, or all but the last; RunError otherwise.
-std::size_t even_rows(const HeadingTrack& run, double step, std::string_view measure);
+/// With rows of nothing where a film has none, and without a last row that is nearer; nothing if the times
+/// are no such grid.
+std::optional<HeadingTrack> even_track(const HeadingTrack& run, double step);
 
 /// From one row to another along the mean of their headings, m.
 double advance(const HeadingTrack& run, std::size_t from, std::size_t to);

@@ -60,6 +60,8 @@ void LagrangianAccumulator::drift(const Frame& frame) {
         return;
     }
     BeadPlaces now = places_of(frame);
+    if (now.x.empty())
+        return;
     const MeanStep step(last_, now);
     drift_x_ += step.x;
     drift_y_ += step.y;

@@ -26,7 +26,7 @@ void Measures::include(std::string name, Accumulator sums, std::size_t every) {
 void Measures::add(const Frame& frame) {
     check_frame(layout_, frame);
     const bool travelled = has_travelled(frame);
-    if (frame.time < from_ || !travelled)
+    if (frame.time < from_ || !travelled || frame.x.empty()) // of a film: rods alone
         return;
     for (Part& part : parts_)
         if (frames_ % part.every == 0)

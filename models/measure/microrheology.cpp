@@ -22,11 +22,6 @@ void check(Runs runs) {
     if (runs.empty())
         throw InputError("measure: microrheology: no runs");
     for (const MicrorheologyAccumulator& run : runs) {
-        if (run.frames() < fewest_frames)
-            throw InputError(
-                fmt::format("measure: microrheology of {} frames: needs at least {} a run; write frames more "
-                            "often or run longer",
-                            run.frames(), fewest_frames));
         if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
             throw InputError("measure: microrheology: the runs were measured with different options or beds");
         if (std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
@@ -37,12 +32,21 @@ void check(Runs runs) {
     }
 }
 
-void set_lags(MicrorheologyResult& result, Runs runs, const std::vector<Lag>& lags) {
-    for (const Lag lag : lags) {
-        result.lag.push_back(static_cast<double>(lag.frames()) * runs[0].interval());
+void want_frames(Runs runs) {
+    for (const MicrorheologyAccumulator& run : runs)
+        if (run.frames() < fewest_frames)
+            throw InputError(
+                fmt::format("measure: microrheology of {} frames: needs at least {} a run; write frames more "
+                            "often or run longer",
+                            run.frames(), fewest_frames));
+}
+
+void set_lags(MicrorheologyResult& result, Runs runs, const std::vector<long>& lags) {
+    for (const long key : lags) {
+        result.lag.push_back(runs[0].lag(key));
         result.origins.push_back(0.0);
         for (const MicrorheologyAccumulator& run : runs)
-            result.origins.back() += origins(run, lag);
+            result.origins.back() += run.lags().at(key).origins;
     }
 }
 
@@ -147,6 +151,8 @@ namespace {
 void set_curves(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
                 double interval) {
     set_msd(result, blocks);
+    if (lag.empty())
+        return;
     set_stiffness(result, blocks, lag, interval);
     set_stiffness_zero(result, blocks, lag);
     if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
@@ -162,6 +168,8 @@ void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
     widen_row(result.msd_error, result.msd, other.msd);
     widen_row(result.stiffness_error, result.stiffness, other.stiffness);
     widen_row(result.spectrum.error, result.spectrum.value, other.spectrum.value);
+    if (!result.no_stiffness.empty())
+        return;
     result.scatter = std::hypot(result.scatter, result.stiffness_zero.value - other.stiffness_zero.value);
     result.stiffness_zero.error = std::hypot(result.scatter, result.bend);
 }
@@ -169,7 +177,10 @@ void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
 /// What the camera adds, m^2, with its error; 0 without one.
 Estimate to_take_off(MicrorheologyResult& result, const std::vector<LagBlock>& blocks,
                      const MicrorheologyOptions& options) {
-    const std::optional<Estimate> found = camera_noise(blocks);
+    bool from_one = result.lag.size() >= 6; // the first lags are those of 1 to 6 frames
+    for (std::size_t k = 1; k < 6 && from_one; ++k)
+        from_one = std::abs(result.lag[k] / result.lag[0] - static_cast<double>(k + 1)) < 1e-6;
+    const std::optional<Estimate> found = from_one ? camera_noise(blocks) : std::nullopt;
     if (found) {
         const double b = std::max(found->value, 0.0), sigma = 0.5 * std::sqrt(b);
         result.localisation = {sigma, 0.5 * std::sqrt(b + found->error) - sigma, found->count};
@@ -186,13 +197,14 @@ void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> block
     result.taken_off = b.value;
     take_off(blocks, b.value);
     const Row left = pooled(blocks, blocks.size());
-    const auto least = std::ranges::min_element(left.begin(), left.begin() + std::ssize(lag));
+    const auto known = lag.empty() ? std::ssize(left) : std::ssize(lag);
+    const auto least = std::ranges::min_element(left.begin(), left.begin() + known);
     if (b.value > 0.0 && *least <= 0.0)
         throw InputError(fmt::format(
             "measure: microrheology: localisation of {:.3g} a adds as much to the displacement over {:.3g} s "
             "as there is: nothing of the beads is left; correct tracks.localisation, or leave microrheology "
             "out",
-            0.5 * std::sqrt(b.value) / run.layout().bead_radius, lag[least - left.begin()]));
+            0.5 * std::sqrt(b.value) / run.layout().bead_radius, result.lag[least - left.begin()]));
     set_curves(result, blocks, lag, run.interval());
     MicrorheologyResult other = result;
     if (b.error > 0.0) {
@@ -211,15 +223,15 @@ void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> block
 }
 
 /// [lag] of a window's halves, over all runs; empty: the runs are of no part.
-Row hidden_by_drift(Runs runs, const std::vector<Lag>& lags) {
+Row hidden_by_drift(Runs runs, const std::vector<long>& lags) {
     Row hidden;
     if (!runs[0].sees_a_part())
         return hidden;
-    for (const Lag lag : lags) {
+    for (const long key : lags) {
         double sum = 0.0, count = 0.0;
         for (const MicrorheologyAccumulator& run : runs) {
-            sum += run.levels()[lag.level].halves[lag.channel];
-            count += run.levels()[lag.level].halves_origins[lag.channel];
+            sum += run.lags().at(key).halves;
+            count += run.lags().at(key).halves_origins;
         }
         hidden.push_back(count > 0.0 ? sum / count : 0.0);
     }
@@ -230,14 +242,29 @@ Row hidden_by_drift(Runs runs, const std::vector<Lag>& lags) {
 
 MicrorheologyResult reduce(Runs runs) {
     check(runs);
-    const std::vector<Lag> lags = common_lags(runs);
+    const bool is_film = !runs[0].layout().velocities;
+    const std::vector<long> lags = common_lags(runs);
+    if (is_film && lags.empty())
+        throw InputError(
+            "measure: microrheology: no bead is in two frames: are ids of particles in the file, "
+            "or tracks linked?");
     const std::vector<LagBlock> blocks = all_blocks(runs, lags);
     MicrorheologyResult result;
     set_lags(result, runs, lags);
     result.hidden = hidden_by_drift(runs, lags);
-    const Row lag = well_known(runs, lags, result.lag);
-    set_window(result, runs[0].options(), lag.back(), runs[0].interval());
-    if (runs[0].layout().velocities)
+    Row lag;
+    try { // a film may have displacements that make no stiffness
+        want_frames(runs);
+        lag = well_known(runs, lags);
+        set_window(result, runs[0].options(), lag.back(), runs[0].interval());
+    } catch (const InputError& error) {
+        if (!is_film)
+            throw;
+        lag.clear();
+        result.no_stiffness = error.what();
+        result.s_low = result.s_high = result.scatter = result.bend = unknown_error;
+    }
+    if (!is_film)
         set_curves(result, blocks, lag, runs[0].interval());
     else
         set_tracked_curves(result, blocks, lag, runs[0]);
@@ -288,22 +315,6 @@ double variance(const Row& values) {
     return sum / n;
 }
 
-template<class Values>
-void keep_last(std::vector<Values>& frames, const Values& frame) {
-    if (frames.size() == channels)
-        std::rotate(frames.begin(), frames.begin() + 1, frames.end());
-    else
-        frames.emplace_back();
-    frames.back() = frame;
-}
-
-std::vector<Row> unpack_frames(StateReader& in, std::size_t count, std::size_t beads) {
-    std::vector<Row> frames(count);
-    for (Row& frame : frames)
-        frame = in.array(beads);
-    return frames;
-}
-
 /// Every bead once; none before the first frame.
 std::vector<std::size_t> unpack_order(StateReader& in, std::size_t frames, std::size_t beads) {
     const std::size_t count = in.count(), expected = frames > 0 ? beads : 0;
@@ -336,10 +347,27 @@ MicrorheologyAccumulator::MicrorheologyAccumulator(const Layout& layout, const M
             static_cast<double>(first_of(g + 1, layout.beads) - first_of(g, layout.beads)));
 }
 
-double MicrorheologyAccumulator::weight(std::size_t level, std::size_t channel, std::size_t group) const {
-    const Level& of = levels_[level];
-    return layout_.all_beads > 0 ? of.pairs[channel * groups + group]
-                                 : of.origins[channel] * group_sizes_[group];
+double MicrorheologyAccumulator::interval() const {
+    return on_grid() || lags_.empty() ? times_.interval : lag(lags_.begin()->first);
+}
+
+double MicrorheologyAccumulator::lag(long key) const {
+    const LagSums& of = lags_.at(key);
+    return on_grid() ? static_cast<double>(key) * times_.interval : of.time / of.origins;
+}
+
+double MicrorheologyAccumulator::weight(long key, std::size_t group) const {
+    const LagSums& of = lags_.at(key);
+    return layout_.all_beads > 0 ? of.pairs[group] : of.origins * group_sizes_[group];
+}
+
+bool MicrorheologyAccumulator::is_well_known(long key) const {
+    if (!times_.has_all_frames())
+        return lag(key) <= 0.75 * (times_.last - times_.first);
+    double stride = 1.0; // of the frames of its octave
+    while (static_cast<double>(key) > stride * channels)
+        stride *= 2.0;
+    return 4.0 * stride * lags_.at(key).origins >= static_cast<double>(frames());
 }
 
 double MicrorheologyAccumulator::temperature() const {
@@ -358,10 +386,10 @@ void MicrorheologyAccumulator::start(const Frame& frame) {
 
 void MicrorheologyAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
-    times_.next(frame.time, "microrheology");
+    times_.next(frame.time, "microrheology", layout_.grid);
     if (times_.frames == 1 && layout_.all_beads == 0)
         start(frame);
-    if (times_.frames == 2 && options_.longest_lag > 0.0 && !within_longest(1))
+    if (times_.frames == 2 && options_.longest_lag > 0.0 && on_grid() && !within_longest(times_.interval))
         throw InputError(
             fmt::format("measure: microrheology, longest lag {:g} s: is below the {:g} s between frames",
                         options_.longest_lag, times_.interval));
@@ -369,65 +397,65 @@ void MicrorheologyAccumulator::add(const Frame& frame) {
         temperature_sum_ += (variance(frame.vx) + variance(frame.vy)) / 2.0;
     if (layout_.all_beads > 0)
         return add_named(frame);
-    push(0, displacements(frame.unwrapped_x, first_x_, order_),
-         displacements(frame.unwrapped_y, first_y_, order_));
+    push(0, {times_.tick,
+             frame.time,
+             displacements(frame.unwrapped_x, first_x_, order_),
+             displacements(frame.unwrapped_y, first_y_, order_),
+             {}});
 }
 
-bool MicrorheologyAccumulator::within_longest(std::size_t lag) const {
+bool MicrorheologyAccumulator::within_longest(double seconds) const {
     return options_.longest_lag == 0.0 ||
-           static_cast<double>(lag) * times_.interval <=
-               options_.longest_lag * (1.0 + 1e-9); // 16 * 0.1 s is within 1.6 s
+           seconds <= options_.longest_lag * (1.0 + 1e-9); // 16 * 0.1 s is within 1.6 s
 }
 
-void MicrorheologyAccumulator::correlate(std::size_t number, const Row& x, const Row& y) {
-    Level& level = levels_[number];
-    const std::size_t stored = level.x.size();
-    for (std::size_t c = number == 0 ? 1 : channels / 2 + 1; c <= stored && within_longest(c << number);
-         ++c) {
-        const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
-        std::array<Moved, groups> moved{};
-        for (std::size_t g = 0; g < groups; ++g) {
-            double sum = 0.0;
-            for (std::size_t i = first_of(g, x.size()), end = first_of(g + 1, x.size()); i < end; ++i) {
-                const double dx = x[i] - past_x[i], dy = y[i] - past_y[i];
-                sum += dx * dx + dy * dy;
-                moved[g].x += dx;
-                moved[g].y += dy;
-            }
-            moved[g].beads = group_sizes_[g];
-            level.sum[(c - 1) * groups + g] += sum;
+void MicrorheologyAccumulator::correlate(const Past& before, const Past& now, LagSums& sums) {
+    std::array<Moved, groups> moved{};
+    for (std::size_t g = 0; g < groups; ++g) {
+        double sum = 0.0;
+        for (std::size_t i = first_of(g, now.x.size()), end = first_of(g + 1, now.x.size()); i < end; ++i) {
+            const double dx = now.x[i] - before.x[i], dy = now.y[i] - before.y[i];
+            sum += dx * dx + dy * dy;
+            moved[g].x += dx;
+            moved[g].y += dy;
         }
-        add_halves(level, c - 1, moved);
-        level.origins[c - 1] += 1.0;
+        moved[g].beads = group_sizes_[g];
+        sums.sum[g] += sum;
     }
+    add_halves(sums, moved);
+    sums.origins += 1.0;
+    sums.time += now.time - before.time;
 }
 
-void MicrorheologyAccumulator::push(std::size_t number, const Row& x, const Row& y,
-                                    const std::vector<std::uint32_t>& bead) {
-    const bool named = layout_.all_beads > 0;
+void MicrorheologyAccumulator::push(std::size_t number, const Past& now) {
+    constexpr double bins_per_octave = 16.0;
+    const std::size_t most = on_grid() ? channels : 4 * channels;
     if (number == levels_.size())
-        levels_.push_back({{},
-                           {},
-                           Row(channels * groups, 0.0),
-                           Row(channels, 0.0),
-                           0.0,
-                           {},
-                           Row(named ? channels * groups : 0, 0.0),
-                           Row(channels, 0.0),
-                           Row(channels, 0.0)});
-    if (named)
-        correlate_named(number, x, y, bead);
+        levels_.emplace_back();
+    std::vector<Past>& past = levels_[number];
+    for (std::size_t back = past.size(); back-- > 0;) {
+        const Past& before = past[back];
+        const std::size_t ticks = now.tick - before.tick, channel = ticks >> number;
+        const double seconds =
+            on_grid() ? static_cast<double>(ticks) * times_.interval : now.time - before.time;
+        if (channel > most || !within_longest(seconds))
+            break;
+        if (number > 0 && channel <= most / 2) // the octave before has it
+            continue;
+        LagSums& sums =
+            lags_[on_grid() ? static_cast<long>(ticks) : std::lround(bins_per_octave * std::log2(seconds))];
+        layout_.all_beads > 0 ? correlate_named(before, now, sums) : correlate(before, now, sums);
+    }
+    if (past.size() == most)
+        std::ranges::rotate(past, past.begin() + 1);
     else
-        correlate(number, x, y);
-    Level& level = levels_[number];
-    keep_last(level.x, x);
-    keep_last(level.y, y);
-    if (named)
-        keep_last(level.bead, bead);
-    level.frames += 1.0;
-    const bool second = std::fmod(level.frames, 2.0) == 0.0;
-    if (second && within_longest((channels / 2 + 1) << (number + 1)))
-        push(number + 1, x, y, bead);
+        past.emplace_back();
+    past.back() = now;
+    // every second tick, where there is a lag to come
+    const std::size_t next = std::size_t{1} << (number + 1);
+    const double first_lag = static_cast<double>((most / 2 + 1) * next) * times_.interval;
+    if ((now.tick + 1) % next == 0 && (!on_grid() || within_longest(first_lag)))
+        push(number + 1, now);
 }
 
 void MicrorheologyAccumulator::save(StateWriter& out) const {
@@ -439,14 +467,19 @@ void MicrorheologyAccumulator::save(StateWriter& out) const {
     out.put(first_x_);
     out.put(first_y_);
     out.put(levels_.size());
-    for (const Level& level : levels_) {
-        out.put(level.frames);
-        out.put(level.sum);
-        out.put(level.origins);
-        out.put(level.x.size());
-        for (const auto* frames : {&level.x, &level.y})
-            for (const Row& frame : *frames)
-                out.put(frame);
+    for (const std::vector<Past>& level : levels_) {
+        out.put(level.size());
+        for (const Past& past : level) {
+            out.put(past.tick);
+            out.put(past.x);
+            out.put(past.y);
+        }
+    }
+    out.put(lags_.size());
+    for (const auto& [key, sums] : lags_) {
+        out.put(static_cast<std::size_t>(key));
+        out.put(sums.origins);
+        out.put(sums.sum);
     }
 }
 
@@ -458,18 +491,23 @@ void MicrorheologyAccumulator::load(StateReader& in) {
     first_y_ = in.array(order_.size());
     levels_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
-        Level level{};
-        level.frames = static_cast<double>(in.count());
-        level.sum = in.array(channels * groups);
-        level.origins = in.array(channels);
         const std::size_t stored = in.count();
         if (stored > channels)
             throw RunError(
                 fmt::format("measure: microrheology: {} stored frames of an octave, at most {} are legal",
                             stored, channels));
-        level.x = unpack_frames(in, stored, layout_.beads);
-        level.y = unpack_frames(in, stored, layout_.beads);
-        levels_.push_back(std::move(level));
+        std::vector<Past>& level = levels_.emplace_back(stored);
+        for (Past& past : level) {
+            past.tick = in.count();
+            past.x = in.array(layout_.beads);
+            past.y = in.array(layout_.beads);
+        }
+    }
+    lags_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) {
+        LagSums& sums = lags_[static_cast<long>(in.count())];
+        sums.origins = in.get();
+        std::ranges::copy(in.array(groups), sums.sum.begin());
     }
 }
 

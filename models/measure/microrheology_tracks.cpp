@@ -20,33 +20,26 @@ Row first(const Row& values, std::size_t count) {
 
 } // namespace
 
-void MicrorheologyAccumulator::correlate_named(std::size_t number, const Row& x, const Row& y,
-                                               const Names& bead) {
-    constexpr std::size_t half = channels / 2;
-    Level& level = levels_[number];
-    const std::size_t stored = level.x.size();
-    for (std::size_t c = number == 0 ? 1 : half + 1; c <= stored && within_longest(c << number); ++c) {
-        const Row &past_x = level.x[stored - c], &past_y = level.y[stored - c];
-        double *const sum = &level.sum[(c - 1) * groups], *const pairs = &level.pairs[(c - 1) * groups];
-        double found = 0.0;
-        std::array<Moved, groups> moved{};
-        for_each_common(bead, level.bead[stored - c], [&](std::size_t i, std::size_t j) {
-            const double dx = x[i] - past_x[j], dy = y[i] - past_y[j];
-            const std::size_t group = named_.group[bead[i]];
-            sum[group] += dx * dx + dy * dy;
-            pairs[group] += 1.0;
-            found += 1.0;
-            moved[group].x += dx;
-            moved[group].y += dy;
-            moved[group].beads += 1.0;
-        });
-        add_halves(level, c - 1, moved);
-        level.origins[c - 1] += found / static_cast<double>(layout_.beads);
-    }
+void MicrorheologyAccumulator::correlate_named(const Past& before, const Past& now, LagSums& sums) {
+    double found = 0.0;
+    std::array<Moved, groups> moved{};
+    for_each_common(now.bead, before.bead, [&](std::size_t i, std::size_t j) {
+        const double dx = now.x[i] - before.x[j], dy = now.y[i] - before.y[j];
+        const std::size_t group = named_.group[now.bead[i]];
+        sums.sum[group] += dx * dx + dy * dy;
+        sums.pairs[group] += 1.0;
+        found += 1.0;
+        moved[group].x += dx;
+        moved[group].y += dy;
+        moved[group].beads += 1.0;
+    });
+    add_halves(sums, moved);
+    const double origins = found / static_cast<double>(layout_.beads);
+    sums.origins += origins;
+    sums.time += origins * (now.time - before.time);
 }
 
-void MicrorheologyAccumulator::add_halves(Level& level, std::size_t channel,
-                                          std::span<const Moved, groups> moved) {
+void MicrorheologyAccumulator::add_halves(LagSums& sums, std::span<const Moved, groups> moved) {
     if (!sees_a_part())
         return;
     Moved half[2];
@@ -58,8 +51,8 @@ void MicrorheologyAccumulator::add_halves(Level& level, std::size_t channel,
         return;
     const double x = half[0].x / half[0].beads - half[1].x / half[1].beads,
                  y = half[0].y / half[0].beads - half[1].y / half[1].beads;
-    level.halves[channel] += 0.25 * (x * x + y * y);
-    level.halves_origins[channel] += 1.0;
+    sums.halves += 0.25 * (x * x + y * y);
+    sums.halves_origins += 1.0;
 }
 
 void MicrorheologyAccumulator::follow_drift(const Row& x, const Row& y, const Names& bead) {
@@ -97,7 +90,7 @@ void MicrorheologyAccumulator::add_named(const Frame& frame) {
         x[i] -= n.start_x[b] + n.drift_x;
         y[i] -= n.start_y[b] + n.drift_y;
     }
-    push(0, x, y, bead);
+    push(0, {times_.tick, frame.time, x, y, bead});
 }
 
 namespace {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace rodwake::measure {
 
@@ -117,8 +118,23 @@ std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
         const std::vector<Block> more = run.blocks();
         blocks.insert(blocks.end(), more.begin(), more.end());
     }
+    if (blocks.empty() && runs[0].layout().window && runs[0].settled_cutoff().value > 0.0)
+        throw InputError(fmt::format("measure: order: no bead is farther than the cut-off of {:.3g} a from "
+                                     "the border of the window; a larger window, or a smaller "
+                                     "measure.order_cutoff, is needed",
+                                     runs[0].settled_cutoff().value / runs[0].layout().bead_radius));
     if (blocks.empty())
         throw InputError("measure: no frames to measure order in: is the trajectory empty?");
+    // Two frames of a film, each a block, have a difference, but no scatter.
+    if (!runs[0].layout().velocities && blocks.size() == 2 && blocks[0].frames + blocks[1].frames < 3.0) {
+        for (const auto sums :
+             {&Block::pairs, &Block::order_pairs, &Block::order, &Block::fine_order, &Block::weighted})
+            std::ranges::transform(blocks[0].*sums, blocks[1].*sums, (blocks[0].*sums).begin(), std::plus{});
+        for (const auto sum : {&Block::psi6, &Block::local, &Block::neighbours, &Block::frames,
+                               &Block::full_frames, &Block::at_border})
+            blocks[0].*sum += blocks[1].*sum;
+        blocks.pop_back();
+    }
     return blocks;
 }
 
@@ -259,8 +275,6 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
 
 namespace {
 
-constexpr double most_bins = 1e6;
-
 void want(bool legal, const std::string& what) {
     if (!legal)
         throw InputError("measure: " + what);
@@ -270,10 +284,9 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 void want_bins(const Layout& layout, const OrderOptions& options) {
     const double half = 0.5 * layout.box.shorter(), ratio = options.order_bin / options.bin;
-    want(positive(options.bin) && options.bin <= half && half / options.bin <= most_bins,
-         fmt::format("bin {:g} m of g(r): must be above 0, at most half the box, {:g} m, and at least a "
-                     "millionth of that",
-                     options.bin, half));
+    want(positive(options.bin) && options.bin <= half,
+         fmt::format("bin {:g} m of g(r): must be above 0 and at most half the box, {:g} m", options.bin,
+                     half));
     want(positive(options.order_bin) && options.order_bin <= half,
          fmt::format("bin {:g} m of g_B(r): must be above 0 and at most half the box, {:g} m",
                      options.order_bin, half));
@@ -300,6 +313,14 @@ void validate(const Layout& layout, const OrderOptions& options) {
     want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box.shorter()),
          fmt::format("cut-off {:g} m for neighbours: must be above 0 and at most half the box, {:g} m",
                      options.cutoff.value_or(0.0), 0.5 * layout.box.shorter()));
+}
+
+/// Up to half the box, but not far into the emptiness around few beads: their dense crystal would be a tenth
+/// as wide with bins of 0.05 a.
+std::size_t bins_of_g(const Layout& layout, const OrderOptions& options) {
+    const double most = 4096.0 + 256.0 * std::sqrt(static_cast<double>(layout.beads));
+    return std::min(whole_bins(std::min(layout.box.shorter(), 4.0 * most * options.bin), options.bin),
+                    static_cast<std::size_t>(most));
 }
 
 /// Bins of g(r) in one of g_B(r).
@@ -364,7 +385,7 @@ void OrderAccumulator::add(const Frame& frame) {
 Cutoff OrderAccumulator::settled_cutoff() const {
     if (!waits() || waiting_.empty())
         return cutoff_;
-    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
+    const std::size_t bins = bins_of_g(layout_, options_);
     std::vector<double> pairs(bins, 0.0);
     double frames = 0.0;
     for (const Waiting& frame : waiting_) {
@@ -389,8 +410,7 @@ void OrderAccumulator::count_waiting() {
 OrderAccumulator::Block& OrderAccumulator::block_at(double time) {
     const double number = std::floor(time / options_.block);
     if (blocks_.empty() || block_number_.back() != number) {
-        const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
-                          together = bins_of_order_bin(options_);
+        const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
         blocks_.push_back({std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
                            std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
         if (layout_.window)
@@ -406,14 +426,10 @@ void OrderAccumulator::count(double time, const std::vector<double>& x, const st
                            ? order_by_delaunay(x, y, box)
                            : order_by_cutoff(x, y, box, cutoff_.value);
     const std::vector<std::size_t> inner = inner_beads(layout_, cutoff_.value, x, y);
-    if (inner.empty())
-        throw InputError(fmt::format("measure: order: no bead is farther than the cut-off of {:.3g} a from "
-                                     "the border of the window; a larger window, or a smaller "
-                                     "measure.order_cutoff, is needed",
-                                     cutoff_.value / layout_.bead_radius));
+    if (inner.empty()) // nothing is known of this frame
+        return;
     order = {only(order.psi, inner), only(order.neighbours, inner)};
-    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
-                      together = bins_of_order_bin(options_);
+    const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
     const PairSums sums = count_pairs(only(x, inner), only(y, inner), order.psi, box, options_.bin, bins);
     Block& block = block_at(time);
     add_to(block.pairs, sums.pairs, 1);
@@ -432,7 +448,7 @@ void OrderAccumulator::count(double time, const std::vector<double>& x, const st
 
 std::vector<double> OrderAccumulator::pairs_for_g(const std::vector<double>& x,
                                                   const std::vector<double>& y) const {
-    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin);
+    const std::size_t bins = bins_of_g(layout_, options_);
     return layout_.window ? count_pairs_in(*layout_.window, x, y, layout_.box, options_.bin, bins)
                           : count_pairs(x, y, {}, layout_.box, options_.bin, bins).pairs;
 }
@@ -479,8 +495,7 @@ void OrderAccumulator::load(StateReader& in) {
         std::vector<double> x = in.array(layout_.beads);
         waiting_.push_back({time, std::move(x), in.array(layout_.beads)});
     }
-    const std::size_t bins = whole_bins(layout_.box.shorter(), options_.bin),
-                      order_bins = bins / bins_of_order_bin(options_);
+    const std::size_t bins = bins_of_g(layout_, options_), order_bins = bins / bins_of_order_bin(options_);
     for (std::size_t left = in.count(); left > 0; --left) {
         Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
         if (layout_.window) {

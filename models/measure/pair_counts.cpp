@@ -32,6 +32,11 @@ struct Slot {
     double pairs = 0.0, order = 0.0; // side by side: one cache line, one vector of two
 };
 
+/// For distances up to `farthest` bins, of which the first `bins` are wanted.
+std::size_t most_slots(double farthest, std::size_t bins) {
+    return std::max(bins, static_cast<std::size_t>(std::min(farthest, 4.0 * static_cast<double>(bins))) + 2);
+}
+
 /// One pair after the other: a sum's order never changes.
 void add_row(const std::int32_t* at, const double* order, std::size_t count, Slot* slots) {
     for (std::size_t k = 0; k < count; ++k) {
@@ -56,14 +61,18 @@ PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
                      std::size_t bins) {
     const Columns c = columns(x, y, psi);
     const double per_bin = 1.0 / bin;
-    // Slots as far as the corners of the box, half its diagonal, so that the loop need not ask.
-    std::vector<Slot> slots(static_cast<std::size_t>(0.5001 * std::hypot(box.x, box.y) * per_bin) + 2);
-    slots.resize(std::max(slots.size(), bins));
+    // Slots as far as the corners of the box, half its diagonal, so that the loop need not ask; the last one
+    // has all that is farther in a box that is mostly empty.
+    const double farthest = 0.5001 * std::hypot(box.x, box.y) * per_bin;
+    std::vector<Slot> slots(most_slots(farthest, bins));
+    const bool has_rest = static_cast<double>(slots.size()) < farthest + 1.0;
     std::vector<std::int32_t> at(x.size() + padding);
     std::vector<double> order(x.size() + padding);
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const std::size_t count = x.size() - i - 1;
         fill_pair_row(c.rows(), i, count, box, per_bin, at.data(), order.data());
+        for (std::size_t k = 0; k < count && has_rest; ++k)
+            at[k] = std::min(at[k], static_cast<std::int32_t>(slots.size() - 1));
         add_row(at.data(), order.data(), count, slots.data());
     }
     return split(slots, bins);
@@ -82,8 +91,8 @@ std::vector<double> count_pairs_in(const Window& window, const std::vector<doubl
     const PeriodicBox without_images{2.0 * box.x, 2.0 * box.y};
     std::vector<std::int32_t> at(n + padding);
     std::vector<double> order(n + padding), share(bins), sums(bins, 0.0);
-    std::vector<std::int32_t> seen(static_cast<std::size_t>(1.0001 * std::hypot(box.x, box.y) / bin) + 2);
-    seen.resize(std::max(seen.size(), bins));
+    std::vector<std::int32_t> seen(most_slots(1.0001 * std::hypot(box.x, box.y) / bin, bins));
+    const auto last = static_cast<std::int32_t>(seen.size() - 1);
     CircleShares shares(window);
     for (std::size_t i = 0; i < n; ++i) {
         all_x[0] = x[i];
@@ -91,7 +100,7 @@ std::vector<double> count_pairs_in(const Window& window, const std::vector<doubl
         fill_pair_row(columns, 0, n, without_images, 1.0 / bin, at.data(), order.data());
         std::ranges::fill(seen, 0);
         for (std::size_t k = 0; k < n; ++k)
-            ++seen[static_cast<std::size_t>(at[k])];
+            ++seen[static_cast<std::size_t>(std::min(at[k], last))];
         --seen[0];
         shares.about(x[i], y[i], bin, share);
         for (std::size_t k = 0; k < bins; ++k)

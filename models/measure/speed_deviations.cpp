@@ -67,7 +67,14 @@ Blocks blocks_of(std::span<const HeadingTrack> runs, const DeviationOptions& opt
     Blocks blocks;
     blocks.step = common_step(runs);
     for (std::size_t r = 0; r < runs.size(); ++r) {
-        const std::size_t steps = even_rows(runs[r], blocks.step, this_measure) - 1;
+        const std::optional<HeadingTrack> even = even_track(runs[r], blocks.step);
+        if (!even)
+            throw InputError(
+                fmt::format("measure: {}: rows of a track are not {:g} s apart throughout: it goes "
+                            "by even steps of time; leave measure.speed_deviations out, or film "
+                            "at an even rate",
+                            this_measure, blocks.step));
+        const std::size_t steps = even->time.size() - 1;
         const double length = static_cast<double>(steps) * blocks.step;
         if (length < 2.0 * options.lag * (1.0 - 1e-9))
             throw InputError(fmt::format("measure: {}: a track of {:.4g} s: lags up to {:g} s need twice as "
@@ -76,7 +83,7 @@ Blocks blocks_of(std::span<const HeadingTrack> runs, const DeviationOptions& opt
         const std::size_t count =
             std::max<std::size_t>(1, static_cast<std::size_t>(length / options.block * (1.0 + 1e-9)));
         for (std::size_t b = 0; b < count; ++b) {
-            Way way = way_of(runs[r], b * steps / count, (b + 1) * steps / count);
+            Way way = way_of(*even, b * steps / count, (b + 1) * steps / count);
             if (way.steps == 0)
                 continue;
             blocks.ways.push_back(std::move(way));

@@ -11,16 +11,18 @@ namespace rodwake::measure {
 namespace {
 
 constexpr double half_turn = std::numbers::pi, whole_turn = 2.0 * std::numbers::pi;
-constexpr std::size_t longest_absence = 50; // frames after which a rod could be anyone
-constexpr std::size_t recent = 10;          // rows that tell how fast a rod goes
+constexpr std::int64_t longest_absence = 50; // frames after which a rod could be anyone
+constexpr std::size_t recent = 10;           // rows that tell how fast a rod goes
 
-/// From one place to another: nearest images in a periodic box.
+bool is_unwrapped(const Tracks& tracks) { return tracks.window || tracks.has_images; }
+
+/// From one place to another: nearest images in a periodic box, where image indices do not say more.
 struct RodWay {
     double x = 0.0, y = 0.0;
 
     RodWay(const Tracks& tracks, double x0, double y0, double x1, double y1)
-        : x(tracks.window ? x1 - x0 : nearest_image(x1 - x0, tracks.box.x)),
-          y(tracks.window ? y1 - y0 : nearest_image(y1 - y0, tracks.box.y)) {}
+        : x(is_unwrapped(tracks) ? x1 - x0 : nearest_image(x1 - x0, tracks.box.x)),
+          y(is_unwrapped(tracks) ? y1 - y0 : nearest_image(y1 - y0, tracks.box.y)) {}
     double length() const { return std::hypot(x, y); }
 };
 
@@ -28,21 +30,21 @@ RodWay step(const Tracks& tracks, const RodTrack& rod, std::size_t from, std::si
     return {tracks, rod.x[from], rod.y[from], rod.x[to], rod.y[to]};
 }
 
-/// At its end, m a frame.
+/// At its end, m/s.
 double late_speed(const Tracks& tracks, const RodTrack& rod) {
     const std::size_t last = rod.frame.size() - 1, from = last > recent ? last - recent : 0;
     return from == last ? 0.0
                         : step(tracks, rod, from, last).length() /
-                              static_cast<double>(rod.frame[last] - rod.frame[from]);
+                              (tracks.time[rod.frame[last]] - tracks.time[rod.frame[from]]);
 }
 
 /// Whether the second may be the first, come again under another number.
 bool goes_on(const Tracks& tracks, const RodTrack& first, const RodTrack& second, double spacing) {
     const std::size_t last = first.frame.back(), begin = second.frame.front();
-    if (begin <= last || begin - last > longest_absence)
+    if (begin <= last || tracks.tick[begin] - tracks.tick[last] > longest_absence)
         return false;
     const RodWay way(tracks, first.x.back(), first.y.back(), second.x.front(), second.y.front());
-    const double reach = 1.5 * late_speed(tracks, first) * static_cast<double>(begin - last) + spacing;
+    const double reach = 1.5 * late_speed(tracks, first) * (tracks.time[begin] - tracks.time[last]) + spacing;
     return way.length() <= reach;
 }
 
@@ -88,11 +90,13 @@ bool join_two(Tracks& tracks, double spacing) {
 }
 
 /// Rows in which an axis can be followed: where it turns by an eighth at most and is not away for long.
-std::size_t end_of_stretch(const RodTrack& rod, std::size_t first) {
-    constexpr std::size_t longest_gap = 5; // frames
+std::size_t end_of_stretch(const Tracks& tracks, const RodTrack& rod, std::size_t first) {
+    constexpr std::int64_t longest_gap = 5; // frames
     std::size_t last = first;
-    for (std::size_t i = first + 1; i < rod.frame.size() && rod.frame[i] - rod.frame[last] <= longest_gap + 1;
-         ++i) {
+    const auto since_last = [&](std::size_t i) {
+        return tracks.tick[rod.frame[i]] - tracks.tick[rod.frame[last]];
+    };
+    for (std::size_t i = first + 1; i < rod.frame.size() && since_last(i) <= longest_gap + 1; ++i) {
         if (std::isnan(rod.heading[i]))
             continue;
         if (std::abs(std::remainder(rod.heading[i] - rod.heading[last], half_turn)) > half_turn / 4.0)
@@ -127,7 +131,7 @@ void axes_to_headings(const Tracks& tracks, RodTrack& rod) {
             ++i;
             continue;
         }
-        const std::size_t end = end_of_stretch(rod, i);
+        const std::size_t end = end_of_stretch(tracks, rod, i);
         turn_ahead(tracks, rod, i, end);
         i = end;
     }
@@ -140,9 +144,9 @@ double nearest_turn(double heading, double before) {
 
 } // namespace
 
-void settle_rods(Tracks& tracks, double spacing, bool ahead) {
+void settle_rods(Tracks& tracks, double spacing, bool ahead, bool join) {
     constexpr std::size_t crowd = 100; // of so many rods nobody is without a rival
-    while (tracks.rods.size() <= crowd && join_two(tracks, spacing)) {
+    while (join && tracks.rods.size() <= crowd && join_two(tracks, spacing)) {
     }
     for (RodTrack& rod : tracks.rods) {
         if (ahead)
@@ -166,8 +170,8 @@ void RodPlayer::play(std::size_t frame, std::vector<RodPlace>& places) {
         if (row == rod.frame.size() || rod.frame[row] != frame)
             continue;
         const double x = rod.x[row], y = rod.y[row], heading = rod.heading[row];
-        places[k] = {tracks_.window ? x : x_(k, x, tracks_.box.x),
-                     tracks_.window ? y : y_(k, y, tracks_.box.y),
+        places[k] = {is_unwrapped(tracks_) ? x : x_(k, x, tracks_.box.x),
+                     is_unwrapped(tracks_) ? y : y_(k, y, tracks_.box.y),
                      std::abs(heading) > half_turn ? std::remainder(heading, whole_turn) : heading};
         ++row;
     }
@@ -181,8 +185,8 @@ HeadingTrack poses_of(const Tracks& tracks, std::size_t rod) {
     std::optional<double> before;
     for (std::size_t row = 0; row < track.frame.size(); ++row) {
         const std::size_t f = track.frame[row];
-        poses.x[f] = tracks.window ? track.x[row] : x(0, track.x[row], tracks.box.x);
-        poses.y[f] = tracks.window ? track.y[row] : y(0, track.y[row], tracks.box.y);
+        poses.x[f] = is_unwrapped(tracks) ? track.x[row] : x(0, track.x[row], tracks.box.x);
+        poses.y[f] = is_unwrapped(tracks) ? track.y[row] : y(0, track.y[row], tracks.box.y);
         if (std::isnan(track.heading[row]))
             continue;
         poses.heading[f] = before ? nearest_turn(track.heading[row], *before) : track.heading[row];

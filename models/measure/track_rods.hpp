@@ -7,9 +7,9 @@
 
 namespace rodwake::measure {
 
-/// Joins the tracks of rods whose number was lost; then, with `ahead`, turns axes into headings. `spacing`:
-/// of the particles, m.
-void settle_rods(Tracks& tracks, double spacing, bool ahead);
+/// With `join`, joins the tracks of rods whose number was lost; then, with `ahead`, turns axes into headings.
+/// `spacing`: of the particles, m.
+void settle_rods(Tracks& tracks, double spacing, bool ahead, bool join);
 
 std::optional<double> first_heading(const RodTrack& rod);
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <unordered_map>
 
@@ -25,18 +26,20 @@ using Index = std::vector<std::uint32_t>;
 /// When the frames were, and which each row belongs to.
 struct Film {
     std::vector<double> time;
+    std::vector<std::int64_t> tick;
+    double interval = 0.0;
+    bool on_grid = true;
     Index frame; ///< [rows]
 };
 
-constexpr double most_frames = 1e7;
+/// A grid of which more is missing says nothing: displacements then go by the times themselves.
+constexpr double sparsest_grid = 4.0;
 
-/// One wrong number among the frames makes a film that is empty but for its ends.
-void check_gaps(double count, std::size_t seen, const std::string& file) {
-    if (count > 1e4 + 1e3 * static_cast<double>(seen))
-        refuse_film(file,
-                    fmt::format("{:g} frames from the first to the last, of which {} have rows: is a frame "
-                                "or time wrong?",
-                                count, seen));
+void leave_grid(Film& film) {
+    film.on_grid = false;
+    film.tick.resize(film.time.size());
+    std::iota(film.tick.begin(), film.tick.end(), 0);
+    film.interval = (film.time.back() - film.time.front()) / static_cast<double>(film.time.size() - 1);
 }
 
 /// Different values, rising, and which of them each row has.
@@ -51,32 +54,38 @@ std::vector<T> different(const std::vector<T>& values) {
     return found;
 }
 
-/// Steps of the film: frames may be numbered 0, 5, 10, ...
+/// Frames may be numbered 0, 5, 10, ..., or 0, 1, 2, 4, 8, ...
 Film film_of_frames(const std::vector<std::int64_t>& frame, double per_second, const std::string& file) {
     const std::vector<std::int64_t> all = different(frame);
-    std::int64_t step = 0;
-    for (std::size_t i = 1; i < all.size(); ++i)
-        step = std::gcd(step, all[i] - all[i - 1]);
-    if (step == 0)
+    if (all.size() < 2)
         refuse_film(file, fmt::format("all rows are of frame {}: tracks need at least two frames", all[0]));
-    const std::int64_t count = (all.back() - all.front()) / step + 1;
-    if (static_cast<double>(count) > most_frames)
-        refuse_film(file, fmt::format("frames from {} to {}: more than {:g}; is the right column named in "
-                                      "tracks.columns?",
-                                      all.front(), all.back(), most_frames));
-    check_gaps(static_cast<double>(count), all.size(), file);
+    const auto since = [&](std::int64_t f) { // the difference of any two fits into 64 bits without a sign
+        return static_cast<std::uint64_t>(f) - static_cast<std::uint64_t>(all.front());
+    };
+    std::uint64_t step = 0;
+    for (const std::int64_t f : all)
+        step = std::gcd(step, since(f));
     Film film;
-    for (std::int64_t k = 0; k < count; ++k)
-        film.time.push_back(static_cast<double>(k * step) / per_second);
+    film.interval = static_cast<double>(step) / per_second;
+    for (const std::int64_t f : all) {
+        film.time.push_back(static_cast<double>(since(f)) / per_second);
+        film.tick.push_back(static_cast<std::int64_t>(since(f) / step));
+    }
+    if (static_cast<double>(film.tick.back()) >= sparsest_grid * static_cast<double>(all.size()))
+        leave_grid(film);
     film.frame.reserve(frame.size());
     for (const std::int64_t f : frame)
-        film.frame.push_back(static_cast<std::uint32_t>((f - all.front()) / step));
+        film.frame.push_back(static_cast<std::uint32_t>(std::ranges::lower_bound(all, f) - all.begin()));
     return film;
 }
 
-/// Times as they are if evenly spaced to a millionth, else on the grid nearest to them.
+/// Times as they are if evenly spaced to a millionth, else on the grid nearest to them if they lie within a
+/// tenth of its step, else as they are and on no grid.
 Film film_of_times(const std::vector<double>& time, const std::string& file) {
-    const std::vector<double> all = different(time);
+    std::vector<double> all = different(time);
+    const double rounding = 1e-12 * std::max(std::abs(all.front()), std::abs(all.back()));
+    all.erase(std::unique(all.begin(), all.end(), [&](double a, double b) { return b - a <= rounding; }),
+              all.end());
     if (all.size() < 2)
         refuse_film(file,
                     fmt::format("all rows are of time {:g} s: tracks need at least two frames", all[0]));
@@ -84,30 +93,24 @@ Film film_of_times(const std::vector<double>& time, const std::string& file) {
     for (std::size_t i = 1; i < all.size(); ++i)
         step = std::min(step, all[i] - all[i - 1]);
     const double count = std::round((all.back() - all.front()) / step);
-    if (count > most_frames)
-        refuse_film(file, fmt::format("two frames are {:g} s apart, and all of them take {:g} s: times must "
-                                      "be those of frames, evenly spaced; round them",
-                                      step, all.back() - all.front()));
-    step = (all.back() - all.front()) / count;
-    check_gaps(count, all.size(), file);
     Film film;
-    for (double k = 0.0; k <= count; k += 1.0)
-        film.time.push_back(all.front() + k * step);
-    std::unordered_map<double, std::uint32_t> number;
-    for (const double t : all) {
-        const double k = std::round((t - all.front()) / step), off = t - (all.front() + k * step);
-        if (std::abs(off) > 0.1 * step)
-            refuse_film(file,
-                        fmt::format("a frame at {:g} s between those {:g} s apart: times must be evenly "
-                                    "spaced; leave the frames between out",
-                                    t, step));
-        number.emplace(t, static_cast<std::uint32_t>(k));
-        if (std::abs(off) <= 1e-9 * step)
-            film.time[static_cast<std::size_t>(k)] = t;
+    film.on_grid = count < sparsest_grid * static_cast<double>(all.size());
+    film.interval = step = (all.back() - all.front()) / count;
+    for (std::size_t i = 0; i < all.size() && film.on_grid; ++i) {
+        const double k = std::round((all[i] - all.front()) / step), on = all.front() + k * step;
+        film.on_grid = std::abs(all[i] - on) <= 0.1 * step;
+        film.tick.push_back(static_cast<std::int64_t>(k));
+        film.time.push_back(std::abs(all[i] - on) <= 1e-9 * step ? all[i] : on);
+    }
+    if (!film.on_grid) {
+        film.time = all;
+        leave_grid(film);
+    } else if (film.tick[1] == 1) {
+        film.interval = film.time[1] - film.time[0];
     }
     film.frame.reserve(time.size());
     for (const double t : time)
-        film.frame.push_back(number.at(t));
+        film.frame.push_back(static_cast<std::uint32_t>(std::ranges::upper_bound(all, t) - all.begin() - 1));
     return film;
 }
 
@@ -130,7 +133,14 @@ Index row_order(const Film& film, const std::vector<std::int64_t>& id, std::vect
     return order;
 }
 
-/// Where a number of the file was seen last, and which bead or rod that was.
+/// In the layout's box, with image indices.
+struct Place {
+    double x, y;
+    std::int32_t image_x = 0, image_y = 0;
+};
+
+/// Where a number of the file was seen last (unwrapped, if there are image indices), and which bead or rod
+/// that was.
 struct Trail {
     std::size_t frame = 0;
     double x = 0.0, y = 0.0;
@@ -147,21 +157,30 @@ public:
         scale_places();
         Film film = rows_.time.empty() ? film_of_frames(rows_.frame, scale_.frames_per_second, file_)
                                        : film_of_times(rows_.time, file_);
+        if (hull_)
+            warn_of_far_spot();
         rows_.frame = {};
         rows_.time = {};
         std::vector<std::size_t> start;
         const Index order = row_order(film, rows_.id, start);
         film.frame = {};
         out_.time = std::move(film.time);
+        out_.tick = std::move(film.tick);
+        out_.interval = film.interval;
+        out_.on_grid = film.on_grid;
         take_all(order, start);
-        settle_rods(out_, spacing_, scale_.thin_end_ahead);
+        settle_rods(out_, spacing_, scale_.thin_end_ahead, !rows_.certain_ids && !out_.has_images);
+        warn_of_cover();
         return std::move(out_);
     }
 
 private:
     void scale_places() {
         out_.counts.rows = rows_.size();
+        out_.counts.dangling = rows_.dangling;
+        out_.warnings = std::move(rows_.warnings);
         out_.bead_radius = scale_.bead_radius;
+        out_.has_images = scale_.box && !rows_.image_x.empty();
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             rows_.x[i] *= scale_.pixel;
             rows_.y[i] *= scale_.pixel;
@@ -187,34 +206,101 @@ private:
         }
     }
 
-    /// In the layout's box; false: outside of the window.
-    bool put_in(double& x, double& y) const {
+    /// False: outside of the window.
+    bool put_in(Place& place) const {
         if (scale_.box) {
-            x = into_box(x, out_.box.x);
-            y = into_box(y, out_.box.y);
+            const Place given = place;
+            place.x = into_box(given.x, out_.box.x);
+            place.y = into_box(given.y, out_.box.y);
+            place.image_x += static_cast<std::int32_t>(std::lround((given.x - place.x) / out_.box.x));
+            place.image_y += static_cast<std::int32_t>(std::lround((given.y - place.y) / out_.box.y));
             return true;
         }
-        x -= low_.x;
-        y -= low_.y;
-        const bool inside = hull_ || out_.window->inside_by(x, y) >= 0.0;
-        x = std::clamp(x, 0.0, out_.box.x); // rounding, of a circle
-        y = std::clamp(y, 0.0, out_.box.y);
+        place.x -= low_.x;
+        place.y -= low_.y;
+        const bool inside = hull_ || out_.window->inside_by(place.x, place.y) >= 0.0;
+        place.x = std::clamp(place.x, 0.0, out_.box.x); // rounding, of a circle
+        place.y = std::clamp(place.y, 0.0, out_.box.y);
         return inside;
+    }
+
+    /// How far a number may go between two frames (`gap`: it was missing in between) and still be the same.
+    void set_rule() {
+        step_ = gap_ = HUGE_VAL;
+        if (scale_.longest_step) {
+            step_ = gap_ = *scale_.longest_step;
+            out_.cut_rule =
+                fmt::format("more than tracks.longest_step = {:.3g} a away", step_ / scale_.bead_radius);
+        } else if (!scale_.box && rows_.certain_ids && rows_.box) {
+            // Of a periodic box seen in a window: what leaves on one side comes in on the other.
+            step_ = gap_ = 0.5 * scale_.pixel * rows_.box->shorter();
+            out_.cut_rule = "across the border of the file's box";
+        } else if (!scale_.box && !rows_.certain_ids) {
+            step_ = 3.0 * spacing_;
+            gap_ = spacing_;
+            out_.cut_rule = fmt::format("more than 3 mean spacings of {:.3g} a away, or 1 after a gap; "
+                                        "tracks.longest_step sets another distance",
+                                        spacing_ / scale_.bead_radius);
+        }
+    }
+
+    /// One wrong row makes a hull that is mostly empty.
+    void warn_of_far_spot() {
+        constexpr double far = 20.0; // interquartile ranges from the median
+        double farthest = far;
+        std::optional<std::size_t> row;
+        for (const auto* places : {&rows_.x, &rows_.y}) {
+            std::vector<double> sorted = *places;
+            const auto at = [&](std::size_t quarter) {
+                const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(quarter * sorted.size() / 4);
+                std::ranges::nth_element(sorted, nth);
+                return *nth;
+            };
+            const double low = at(1), middle = at(2), range = at(3) - low;
+            for (std::size_t i = 0; i < places->size(); ++i)
+                if (const double off = std::abs((*places)[i] - middle);
+                    off > farthest * range && range > 0.0) {
+                    farthest = off / range;
+                    row = i;
+                }
+        }
+        if (!row)
+            return;
+        const std::string frame = rows_.time.empty() ? fmt::format("frame {}", rows_.frame[*row])
+                                                     : fmt::format("t = {:g} s", rows_.time[*row]);
+        out_.warnings.push_back(fmt::format(
+            "{}: {}: a spot at ({:g}, {:g}) of the file lies far from all others, and the window is the hull "
+            "of all: set tracks.window to leave such spots out",
+            file_, frame, rows_.x[*row] / scale_.pixel, rows_.y[*row] / scale_.pixel));
+    }
+
+    /// A wrong unit shows here: it is off by 1000 and more. The sparsest suspensions that are filmed cover
+    /// some 1e-3; discs cover pi/sqrt(12) = 0.907 at most.
+    void warn_of_cover() {
+        const double a = scale_.bead_radius,
+                     side = std::sqrt(seen_area(layout_of(out_))) +
+                            (hull_ ? std::sqrt(std::numbers::pi) * a : 0.0), // a hull is one of centres
+            covered = out_.beads_per_frame() * std::numbers::pi * std::pow(a / side, 2);
+        if (!out_.x.empty() && (covered < 1e-3 || covered > 0.91))
+            out_.warnings.push_back(fmt::format("{}: beads cover {:.2g} of the window: is tracks.pixel or "
+                                                "tracks.bead_radius right?",
+                                                file_, covered));
     }
 
     void take_all(const Index& order, const std::vector<std::size_t>& start) {
         const double area = out_.window ? out_.window->area() : out_.box.area();
         const double each = area * static_cast<double>(out_.frames()) / static_cast<double>(rows_.size());
         spacing_ = std::sqrt(2.0 / std::sqrt(3.0) * each);
+        set_rule();
         out_.x.reserve(order.size());
         out_.y.reserve(order.size());
         out_.bead.reserve(order.size());
         for (std::size_t f = 0; f < out_.frames(); ++f) {
             out_.start.push_back(out_.x.size());
-            out_.counts.empty_frames += start[f] == start[f + 1];
             take_frame(f, std::span(order).subspan(start[f], start[f + 1] - start[f]));
         }
         out_.start.push_back(out_.x.size());
+        out_.counts.empty_frames = static_cast<std::size_t>(out_.tick.back()) + 1 - out_.frames();
         if (out_.x.empty() && out_.rods.empty())
             refuse_film(file_,
                         fmt::format("no bead lies in the window: {} rows are outside; see tracks.window "
@@ -238,16 +324,24 @@ private:
             std::ranges::stable_sort(frame_beads_, {}, &Seen::bead);
         for (const Seen& seen : frame_beads_) {
             out_.bead.push_back(seen.bead);
-            out_.x.push_back(seen.x);
-            out_.y.push_back(seen.y);
+            out_.x.push_back(seen.place.x);
+            out_.y.push_back(seen.place.y);
+            if (out_.has_images) {
+                out_.image_x.push_back(seen.place.image_x);
+                out_.image_y.push_back(seen.place.image_y);
+            }
         }
     }
 
     bool is_rod(std::uint32_t row) const { return !rows_.is_rod.empty() && rows_.is_rod[row] != 0; }
 
     void take_row(std::size_t frame, std::uint32_t row) {
-        double x = rows_.x[row], y = rows_.y[row];
-        if (!put_in(x, y)) {
+        Place place{rows_.x[row], rows_.y[row]};
+        if (out_.has_images) {
+            place.image_x = rows_.image_x[row];
+            place.image_y = rows_.image_y[row];
+        }
+        if (!put_in(place)) {
             ++out_.counts.outside;
             return;
         }
@@ -255,13 +349,15 @@ private:
         if (rows_.id[row] == no_track) {
             ++out_.counts.untracked;
             if (!rod)
-                frame_beads_.push_back({untracked, x, y});
+                frame_beads_.push_back({untracked, place});
             return;
         }
+        const double x = out_.has_images ? std::fma(place.image_x, out_.box.x, place.x) : place.x,
+                     y = out_.has_images ? std::fma(place.image_y, out_.box.y, place.y) : place.y;
         Trail& trail = (rod ? rod_trails_ : trails_)[rows_.id[row]];
         follow(trail, rows_.id[row], frame, x, y, rod);
         if (!rod)
-            frame_beads_.push_back({trail.particle, x, y});
+            frame_beads_.push_back({trail.particle, place});
         else
             add_rod(trail, frame, row, x, y);
     }
@@ -272,12 +368,11 @@ private:
         bool restarts = !known;
         if (known) {
             const double dx = x - trail.x, dy = y - trail.y,
-                         away = scale_.box ? nearest_distance(dx, dy, out_.box) : std::hypot(dx, dy);
+                         away = scale_.box && !out_.has_images ? nearest_distance(dx, dy, out_.box)
+                                                               : std::hypot(dx, dy);
+            const auto ticks = static_cast<double>(out_.tick[frame] - out_.tick[trail.frame]);
             // rods are few, and go on while they are not seen
-            const double most = rod                       ? 3.0 * static_cast<double>(frame - trail.frame)
-                                : frame > trail.frame + 1 ? 1.0
-                                                          : 3.0;
-            restarts = away > most * spacing_;
+            restarts = away > (rod && !scale_.longest_step ? step_ * ticks : ticks > 1.0 ? gap_ : step_);
             out_.counts.restarts += restarts;
         }
         if (restarts) {
@@ -302,7 +397,7 @@ private:
 
     struct Seen {
         std::uint32_t bead;
-        double x, y;
+        Place place;
     };
 
     TrackRows rows_;
@@ -311,7 +406,7 @@ private:
     Tracks out_;
     Corner low_;
     bool hull_ = false;
-    double spacing_ = 0.0;
+    double spacing_ = 0.0, step_ = 0.0, gap_ = 0.0;               ///< m
     std::unordered_map<std::int64_t, Trail> trails_, rod_trails_; ///< a bead and a rod may have one number
     std::vector<Seen> frame_beads_;
 };
@@ -323,6 +418,17 @@ double Tracks::mean_length() const {
     return beads > 0 ? static_cast<double>(tracked + counts.missing) / static_cast<double>(beads) : 0.0;
 }
 
+std::size_t Tracks::frames_with_beads() const {
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < frames(); ++f)
+        count += start[f + 1] > start[f];
+    return count;
+}
+
+double Tracks::beads_per_frame() const {
+    return static_cast<double>(x.size()) / static_cast<double>(std::max<std::size_t>(frames_with_beads(), 1));
+}
+
 double Tracks::lost_share() const {
     const double seen = mean_length() * static_cast<double>(beads);
     return seen > 0.0 ? static_cast<double>(counts.missing) / seen : 0.0;
@@ -332,7 +438,7 @@ Tracks ordered_tracks(TrackRows rows, const TrackScale& scale, const std::string
     return Ordering(std::move(rows), scale, file).tracks();
 }
 
-Layout layout_of(const Tracks& tracks) {
+Layout layout_of(const Tracks& tracks, std::size_t stride) {
     Layout layout{tracks.box, tracks.bead_radius, 0.0,
                   static_cast<std::size_t>(std::max(1.0, std::round(tracks.beads_per_frame()))),
                   tracks.rods.size()};
@@ -343,6 +449,8 @@ Layout layout_of(const Tracks& tracks) {
     const bool all = tracks.beads > 0 && tracks.x.size() == tracks.frames() * tracks.beads &&
                      std::ranges::count(tracks.bead, untracked) == 0;
     layout.all_beads = all ? 0 : std::max<std::size_t>(tracks.beads, 1);
+    if (!tracks.has_all_frames() || tracks.frames_with_beads() < tracks.frames()) // others are not measured
+        layout.grid = tracks.on_grid ? tracks.interval * static_cast<double>(stride) : 0.0;
     return layout;
 }
 
@@ -362,14 +470,19 @@ void for_each_frame(const Tracks& tracks, std::size_t stride,
         frame.unwrapped_y = frame.y;
         frame.bead.assign(tracks.bead.begin() + from, tracks.bead.begin() + to);
         for (std::size_t i = 0; !tracks.window && i < frame.x.size(); ++i)
-            if (const std::uint32_t bead = frame.bead[i]; bead != untracked) {
+            if (const std::uint32_t bead = frame.bead[i]; tracks.has_images) { // as beds do
+                const std::size_t row = tracks.start[f] + i;
+                frame.unwrapped_x[i] = std::fma(tracks.image_x[row], tracks.box.x, frame.x[i]);
+                frame.unwrapped_y[i] = std::fma(tracks.image_y[row], tracks.box.y, frame.y[i]);
+            } else if (bead != untracked) {
                 frame.unwrapped_x[i] = unwrap_x(bead, frame.x[i], tracks.box.x);
                 frame.unwrapped_y[i] = unwrap_y(bead, frame.y[i], tracks.box.y);
             }
         if (layout.all_beads == 0)
             frame.bead.clear();
         rods.play(f, frame.rods);
-        if (f % stride == 0 && !use(frame, static_cast<double>(f + 1) / static_cast<double>(tracks.frames())))
+        if (static_cast<std::size_t>(tracks.tick[f]) % stride == 0 &&
+            !use(frame, static_cast<double>(f + 1) / static_cast<double>(tracks.frames())))
             return;
     }
 }

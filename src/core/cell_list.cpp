@@ -22,8 +22,12 @@ std::size_t cell_of(double coordinate, double side, double width, std::size_t ce
 
 CellList::CellList(std::span<const double> x, std::span<const double> y, const PeriodicBox& box, double reach)
     : box_(box), columns_(cells_along(box.x, box.y, x.size(), reach)),
-      rows_(cells_along(box.y, box.x, x.size(), reach)), start_(columns_ * rows_ + 1, 0), member_(x.size()),
-      x_(x.size()), y_(x.size()) {
+      rows_(cells_along(box.y, box.x, x.size(), reach)), member_(x.size()), x_(x.size()), y_(x.size()) {
+    // A long box that is mostly empty needs no more cells than places either.
+    const std::size_t most = 16 * x.size() + 1024;
+    if (columns_ * rows_ > most)
+        (columns_ > rows_ ? columns_ : rows_) = most / std::min(columns_, rows_);
+    start_.assign(columns_ * rows_ + 1, 0);
     std::vector<std::uint32_t> cell(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) {
         cell[i] = static_cast<std::uint32_t>(column(x[i]) + columns_ * row(y[i]));

@@ -117,6 +117,78 @@ class Tracks(ProgramTest):
         self.assertAlmostEqual(told["psi6"]["value"], np.mean(psi), delta=1e-9)
         self.assertAlmostEqual(told["at_border"], np.mean(border), delta=1e-12)
 
+    def film(self, frames, keys='window = "hull"', measure="", step=0.02, keep=1.0, rods=0):
+        """100 discs on a shaken lattice, 2.2 a apart, with a rod in the first `rods` of these frames or steps."""
+        random = np.random.default_rng(3)
+        k = np.arange(100)
+        place = 2.2 * np.stack([k % 10 + 0.5 * (k // 10 % 2), 0.866 * (k // 10)], axis=1) + 3
+        rows = []
+        for f in frames:
+            place = place + random.normal(scale=step, size=place.shape)
+            rows += [(int(f), int(i), float(x), float(y), 0, 0) for i, (x, y) in enumerate(place) if random.random() < keep]
+        rows += [(f, 7, 8.0 + 0.2 * f, 12.0, 0, 1) for f in range(rods)]
+        self.write_rows("frame,particle,x,y,theta,kind", rows)
+        self.write("tracks.toml", tracks(f'frames_per_second = 10\npixel = "1 a"\n{keys}', "[measure]\norder = true\norder_cutoff = \"3 a\"\n"
+                   "order_interval = 0.1\nblock = 1.0\n" + measure))
+
+    def seen(self, *words, code=0):
+        done = self.expect(code, "measure", "tracks.toml", "-o", "seen", "--force", *words)
+        return done.stdout + done.stderr, json.loads((self.folder / "seen/tracks.json").read_text()), self.results("seen")
+
+    def test_frames_without_rows_and_uneven_steps(self):
+        for frames, lags in ((range(60), [1, 2, 3, 4]), ([f for f in range(180) if f % 30 < 10], [1, 2, 3, 4]), ([0, *(2**k for k in range(20))], [1, 2, 4, 8]),
+                             ([0, *(27 + 1000 * k for k in range(40))], [27, 1000]), ([0, 1, 10**9], [1, 10**9])):
+            self.film(frames, measure="microrheology = true\n")
+            text, told, found = self.seen()
+            self.assertEqual((told["frames"], told["beads_per_frame"], told["lost_share"]), (len(frames), 100, 0), text)
+            self.assertAlmostEqual(told["phi_b"] * told["area"], 100 * np.pi, delta=1e-9)
+            msd = columns(self.folder / "seen/msd.csv")
+            self.assertTrue(all(np.isclose(10 * np.array(msd["lag"]), lag, rtol=0.04).any() for lag in lags), msd["lag"])
+            if msd["lag"][0] == 0.1 and len(frames) >= 60:
+                self.assertAlmostEqual(msd["msd"][0], 2 * 0.02**2, delta=5e-5)
+            self.assertEqual(found["microrheology"]["stiffness"]["value"] is None, len(frames) < 32)
+            self.assertEqual("no_stiffness" in found["microrheology"], len(frames) < 32)
+        self.film(range(60), measure="microrheology = true\ninterval = 0.3\n")
+        self.seen()
+        self.assertAlmostEqual(columns(self.folder / "seen/msd.csv")["lag"][0], 0.3)
+
+    def test_who_is_cut_where(self):
+        box = 'window = "periodic"\nbox = ["22 a", "19.052 a"]'
+        self.film(range(80), box, "microrheology = true\n", step=1.0, keep=0.8)
+        text, told, found = self.seen()
+        self.assertEqual((told["particles"], told["left_out"]), (100, []), text)
+        self.assertAlmostEqual(columns(self.folder / "seen/msd.csv")["msd"][0] / 2, 0.99, delta=0.06)  # the drift is taken off
+        text, told, found = self.seen("-s", 'tracks.longest_step="1.5 a"')
+        self.assertRegex(text, r"\d+ tracks cut where they jump: their number goes on more than tracks.longest_step = 1.5 a away")
+        self.film(range(80), step=1.0, keep=0.8)
+        self.assertIn("more than 3 mean spacings of", self.seen()[0])
+        self.assertEqual(self.seen("-s", "tracks.longest_step=unlimited")[1]["particles"], 100)
+        self.refuse(2, 'expected a length \\("2 a"\\), "auto" or "unlimited"', "check", "tracks.toml", "-s", "tracks.longest_step=never")
+
+    def test_a_far_spot_and_a_wrong_unit_are_told_at_once(self):
+        self.film(range(3), step=0.05)
+        text = (self.folder / "tracks.csv").read_text().splitlines()
+        self.write("tracks.csv", "\n".join([*text[:150], "1,49,3.0,1e7,0,0", *text[151:]]) + "\n")
+        words, told, found = self.seen()
+        self.assertRegex(words, r"frame 1: a spot at \(3, 1e\+07\) of the file lies far from all others.* set tracks.window")
+        self.assertEqual([one["rows"] for one in told["left_out"]][-2:], [0, 0])
+        self.film(range(10))
+        words, told, found = self.seen("-s", "tracks.pixel=28 mm", "-s", "measure.order_cutoff=3 a")
+        self.assertRegex(words, r"beads cover 0.0001\d of the window: is tracks.pixel or tracks.bead_radius right\?")
+
+    def test_two_frames_have_no_errors_and_rods_may_be_seen_longer_than_beads(self):
+        self.film([0, 10])
+        found = self.seen()[2]["order"]
+        self.assertIsNone(found["psi6"]["error"])
+        self.assertGreater(found["psi6"]["value"], 0.9)
+        everything = "flow = true\nflow_spacing = \"3 a\"\nflow_lag = 0.1\nmicrorheology = true\ndisplacement = \"lagrangian\"\nheading_diffusion = true\n"
+        for frames, rods in ((range(40), 41), (range(20), 40), ([0, 1, 2, 5, 9, 30], 40), ([0], 2)):
+            for window in ('window = "hull"', 'window = "periodic"\nbox = ["30 a", "30 a"]'):
+                self.film(frames, window, everything, rods=rods)
+                done = self.run_program("measure", "tracks.toml", "-o", "seen", "--force")
+                self.assertIn(done.returncode, (0, 1), done.stderr)  # what cannot be had is told; nothing crashes
+                self.assertTrue((self.folder / "seen/measure.json").is_file(), done.stderr)
+
     def test_trackmate_xml(self):
         self.write("tracks.toml", tracks('frames_per_second = 1\npixel = "1 a"', '[measure]\norder = true\norder_cutoff = "1 a"\nblock = "2 s"\n'))
         spots = "".join(f'<SpotsInFrame frame="{f}">' + "".join(

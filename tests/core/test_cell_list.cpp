@@ -123,6 +123,7 @@ TEST_CASE("a cell list keeps places as given, in the order of cells, and few cel
     CHECK(cells.rows() == 10);
     CHECK(CellList(p.x, p.y, p.box, 1e-9).columns() < 20);
     CHECK(CellList(p.x, p.y, {2.0, 8.0}, 0.3).rows() == 26);
+    CHECK(CellList(p.x, p.y, {1e15, 2.0}, 0.3).columns() < 2000); // mostly empty
     CHECK(CellList({}, {}, 1.0, 0.1).member().empty());
     CHECK(cells.column(-1e-20) == 0);
     CHECK(cells.column(1.9999) == 9);

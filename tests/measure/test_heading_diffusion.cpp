@@ -5,7 +5,9 @@
 #include "rodwake/measure/heading_diffusion.hpp"
 #include "synthetic.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 using namespace rodwake;
 using namespace rodwake::measure;
@@ -128,10 +130,37 @@ TEST_CASE("heading diffusion: tracks and windows that cannot serve are refused")
     std::vector<HeadingTrack> second_is_empty = many(1, 10.0, 1);
     second_is_empty.emplace_back();
     refused(second_is_empty, options, "a run has 0 rows: start sooner");
-    std::vector<HeadingTrack> uneven = many(1, 10.0, 1);
-    uneven[0].time[200] += 0.001;
-    CHECK_THROWS_AS(heading_diffusion(uneven, options), RunError);
     std::vector<HeadingTrack> stopped = many(1, 10.0, 1);
     stopped[0].time.back() -= 0.01; // the end of a run may lie between two rows
     CHECK(heading_diffusion(stopped, options).blocks == 1);
+}
+
+TEST_CASE("heading diffusion: rows of a film may be missing, or come at uneven times") {
+    const HeadingOptions filmed{10.0, 0.1, 1.0};
+    const HeadingDiffusion whole = heading_diffusion(many(4, 40.0, 3), filmed);
+    for (const double jitter : {0.0, 0.7}) { // of a step: on no grid
+        std::vector<HeadingTrack> some(4);
+        std::mt19937 random(2);
+        for (std::size_t run = 0; run < 4; ++run) {
+            const HeadingTrack all = many(4, 40.0, 3)[run];
+            const double step = all.time[1] - all.time[0];
+            for (std::size_t i = 0; i < all.time.size(); ++i)
+                if (i < 2 || random() % 3 > 0) {
+                    const double part =
+                        i < 2 || i + 1 == all.time.size() ? 0.0 : jitter * static_cast<double>(i % 7) / 7.0;
+                    some[run].time.push_back(all.time[i] + part * step);
+                    some[run].x.push_back(all.x[i]);
+                    some[run].y.push_back(all.y[i]);
+                    some[run].heading.push_back(i + 1 == all.time.size() ? all.heading[i]
+                                                                         : all.heading[i] * (1.0 - part) +
+                                                                               all.heading[i + 1] * part);
+                }
+        }
+        const HeadingDiffusion part = heading_diffusion(some, filmed);
+        INFO(jitter);
+        CHECK(part.diffusion.value == Approx(whole.diffusion.value).margin(2.0 * whole.diffusion.error));
+        CHECK(part.origins.back() > 0.3 * whole.origins.back());
+        CHECK(part.speed.value == Approx(whole.speed.value).epsilon(0.05));
+        CHECK(std::ranges::is_sorted(part.lag));
+    }
 }

@@ -66,7 +66,7 @@ def flip_byte(file, place=-1):
 def columns(file):
     """A CSV file by column."""
     lines = file.read_text().splitlines()
-    table = [[float(word) for word in line.split(",")] for line in lines[1:]]
+    table = [[float(word or "nan") for word in line.split(",")] for line in lines[1:]]
     return {name: [row[i] for row in table] for i, name in enumerate(lines[0].split(","))}
 
 

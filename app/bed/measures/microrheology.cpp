@@ -134,6 +134,10 @@ void tell_camera(const MicrorheologyResult& r, const Localisation& asked, double
     const Estimate found = r.localisation.value_or(Estimate{}).scaled(1.0 / a);
     told.values.push_back({"localisation", is_known ? Value(found) : Value()});
     told.values.push_back({"taken_off", r.taken_off / (a * a)});
+    if (!r.no_stiffness.empty()) {
+        told.values.push_back({"no_stiffness", r.no_stiffness});
+        told.line = "mean-square displacement; no stiffness: " + r.no_stiffness;
+    }
     if (r.taken_off != 0.0)
         told.line +=
             fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);

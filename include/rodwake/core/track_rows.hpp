@@ -58,4 +58,11 @@ struct Localisation {
     bool operator==(const Localisation&) const = default;
 };
 
+/// How far a particle may go from one frame to the next, or over a gap, without being another one.
+struct StepLimit {
+    std::optional<double> length = {}; ///< m; infinite: unlimited; absent: by the spacing, and who told the ids
+
+    bool operator==(const StepLimit&) const = default;
+};
+
 } // namespace rodwake

@@ -20,7 +20,8 @@ namespace rodwake::measure {
 struct FlowOptions {
     std::size_t rod = 0;
     double spacing = 0.0; ///< wanted spacing of the grid, m; e.g. 2 a
-    double lag = 0.0;     ///< s; a whole number of frames (rounded), at least one
+    double lag = 0.0;     ///< s; a whole number of frames (rounded), at least one; of a film on no grid the
+                          ///< two frames nearest to the lag, to half of it; 0: one frame
     double block = 5.0;   ///< s; at least the lag
     double marked_within =
         0.0; ///< m; beads this close to the rod's centre in the first frame are marked; e.g. 6 a
@@ -62,6 +63,7 @@ public:
 private:
     struct Past {
         double time = 0.0;
+        std::size_t tick = 0;
         std::vector<double> x, y; ///< unwrapped
         RodPlace rod;
         std::vector<std::uint32_t> bead; ///< as Frame::bead, without those in no track
@@ -75,7 +77,7 @@ private:
     Layout layout_;
     FlowOptions options_;
     RodGrid grid_;
-    EvenTimes times_;
+    FrameTimes times_;
     std::vector<Past> past_; ///< oldest first; as many as the lag needs
     std::vector<Block> blocks_;
     double block_number_ = 0.0; ///< of the last block

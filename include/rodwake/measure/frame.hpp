@@ -40,6 +40,9 @@ struct Layout {
     /// Beads come and go: frames name those they have, of so many in all, and `beads` is how many they have
     /// on average. 0: every frame has all beads.
     std::size_t all_beads = 0;
+    /// Of a film whose frames are not evenly spaced: time between neighbours of the grid on which they lie,
+    /// some of them missing, s; 0: on none.
+    std::optional<double> grid = {};
 
     bool operator==(const Layout&) const = default;
 };
@@ -92,15 +95,21 @@ RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame);
 /// outside the box.
 void check_frame(const Layout& layout, const Frame& frame);
 
-// Times of frames that must be evenly spaced.
+// Times of frames: evenly spaced, unless the layout says otherwise.
 
-struct EvenTimes {
+struct FrameTimes {
     std::size_t frames = 0;
-    double last = 0.0, interval = 0.0; ///< s; interval 0 before the second frame
+    double last = 0.0, interval = 0.0; ///< s; interval 0 before the second frame, and on no grid
+    double first = 0.0;                ///< s; of films with a grid alone
+    /// Of the last frame: intervals since the first one; on no grid how many frames were before.
+    std::size_t tick = 0;
 
     /// Counts the next frame in. Throws RunError ("measure: <what>: ...", with the times) if times do not
-    /// grow or their steps differ by more than a millionth, which is far above the round-off of times.
-    void next(double time, const char* what);
+    /// grow or, without a grid, their steps differ by more than a millionth, which is far above the round-off
+    /// of times.
+    void next(double time, const char* what, const std::optional<double>& grid = {});
+    /// No frame between the first and the last is missing.
+    bool has_all_frames() const { return tick + 1 == frames && interval > 0.0; }
     void save(StateWriter& out) const;
     void load(StateReader& in);
 };

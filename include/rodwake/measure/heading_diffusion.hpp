@@ -50,8 +50,8 @@ struct HeadingDiffusion {
 };
 
 /// Throws InputError for options that are not positive or lag_low >= lag_high, tracks whose rows are so far
-/// apart that fewer than 4 lags lie in the window, or shorter than twice lag_high; RunError for tracks that
-/// are not evenly spaced or have different steps.
+/// apart that fewer than 4 lags lie in the window, or shorter than twice lag_high. Where rows are not evenly
+/// spaced (films), each two of them count at the lag they are nearest to, which then is the mean of theirs.
 HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const HeadingOptions& options);
 
 } // namespace rodwake::measure

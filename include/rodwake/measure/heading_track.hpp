@@ -7,8 +7,9 @@
 
 namespace rodwake::measure {
 
-/// Of one run: evenly spaced times, s (a last one that is not is left out); place, m; heading without jumps,
-/// rad. All of one length. A rod of a film is not known in every row: heading, and perhaps place, are NaN.
+/// Of one run: times, s, evenly spaced but for films (a last one that is nearer is left out); place, m;
+/// heading without jumps, rad. All of one length. A rod of a film is not known in every row: heading, and
+/// perhaps place, are NaN.
 struct HeadingTrack {
     std::vector<double> time, x, y, heading;
 

@@ -64,8 +64,9 @@ struct FromTravel {
 
 class Measures {
 public:
-    /// Frames before the time `from` (s) are passed over, and those that FromTravel names. Throws InputError
-    /// for a layout that is none, or a rod that is not there.
+    /// Frames before the time `from` (s) are passed over, those that FromTravel names and those without
+    /// beads: what is measured in frames is measured of beads. Throws InputError for a layout that is none,
+    /// or a rod that is not there.
     Measures(const Layout& layout, double from, const FromTravel& travel = {});
 
     /// To be measured in every `every`-th frame, counted from the first that is measured. States are written

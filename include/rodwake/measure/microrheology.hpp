@@ -8,7 +8,10 @@
 //                place of the temperature; the 4 belongs to Delta = 4 T/k of a bound bead in the plane)
 //
 // Multi-tau: lags 1..16 frames, then 8 more an octave; each octave uses every second frame of the one before
-// (no averaging: that would bias Delta). Frames must be evenly spaced.
+// (no averaging: that would bias Delta). Frames must be evenly spaced; of a film some may be missing, which
+// then are no origins. Where the frames of a film lie on no grid, each two of the last 64 of an octave of
+// frames count at their own lag: lags that agree to a sixteenth of an octave, 4 %, are put together under
+// their mean.
 //
 // Beads that come and go (tracks, frame.hpp): every two frames of one bead at a lag count, and the drift is
 // summed up from frame to frame, over the beads that are in both. `origins` is then the number of pairs over
@@ -38,8 +41,10 @@
 #include "rodwake/measure/statistics.hpp"
 
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace rodwake::measure {
@@ -67,55 +72,61 @@ public:
     const Layout& layout() const { return layout_; }
     const MicrorheologyOptions& options() const { return options_; }
     std::size_t frames() const { return times_.frames; }
-    double interval() const { return times_.interval; } ///< s; 0 before the second frame
-    double temperature() const;                         ///< T_xy, m^2/s^2, mean over the frames
+    double interval() const;    ///< s; 0 before the second frame; on no grid the shortest lag
+    double temperature() const; ///< T_xy, m^2/s^2, mean over the frames
 
     static constexpr std::size_t channels = 16, groups = 16;
-    /// One octave of lags: 1..channels frames of every 2^level-th frame (from the second octave on the upper
-    /// half of them). Beads are split into groups by the y of their first places, for the errors.
-    struct Level {
-        /// The last `channels` frames of this octave, newest last; beads in the order of their groups.
-        std::vector<std::vector<double>> x, y;
-        std::vector<double> sum;     ///< [channels][groups], of |dx|^2 over beads and origins
-        std::vector<double> origins; ///< [channels]
-        double frames = 0.0;         ///< that came to this octave
-        // Where beads come and go:
-        std::vector<std::vector<std::uint32_t>> bead; ///< which they are, of x and y, rising
-        std::vector<double> pairs;                    ///< [channels][groups], what `sum` is over
-        // Of tracks in a window:
-        std::vector<double> halves, halves_origins; ///< [channels], of |D|^2/4, and how many
+    /// Of one lag. Beads are split into groups by the y of their first places, for the errors.
+    struct LagSums {
+        std::array<double, groups> sum{};   ///< of |dx|^2 over beads and origins
+        std::array<double, groups> pairs{}; ///< where beads come and go: what `sum` is over
+        double origins = 0.0;
+        double time = 0.0;                         ///< of the lag times origins, s, on no grid
+        double halves = 0.0, halves_origins = 0.0; ///< of tracks in a window: of |D|^2/4, and how many
     };
-    const std::vector<Level>& levels() const { return levels_; }
+    /// By the lag in intervals; on no grid by the sixteenth of an octave.
+    const std::map<long, LagSums>& lags() const { return lags_; }
+    double lag(long key) const;                       ///< s
+    double weight(long key, std::size_t group) const; ///< what the sum is over: beads times origins
+    /// Whether the lag has at least a quarter of the run's time origins; where frames are missing or on no
+    /// grid, whether it is at most three quarters of the film.
+    bool is_well_known(long key) const;
     /// Whether `halves` are there.
     bool sees_a_part() const { return !layout_.velocities && layout_.window.has_value(); }
-    /// What the sum of a lag and group is over: beads times origins.
-    double weight(std::size_t level, std::size_t channel, std::size_t group) const;
 
 private:
+    /// A frame of an octave; beads in the order of their groups, or of their names, rising.
+    struct Past {
+        std::size_t tick = 0;
+        double time = 0.0;
+        std::vector<double> x, y;
+        std::vector<std::uint32_t> bead;
+    };
     /// Displacements of a group's beads over one lag, summed.
     struct Moved {
         double x = 0.0, y = 0.0, beads = 0.0;
     };
     void start(const Frame& frame);
-    bool within_longest(std::size_t lag) const;
-    void correlate(std::size_t level, const std::vector<double>& x, const std::vector<double>& y);
-    void push(std::size_t level, const std::vector<double>& x, const std::vector<double>& y,
-              const std::vector<std::uint32_t>& bead = {});
-    void correlate_named(std::size_t level, const std::vector<double>& x, const std::vector<double>& y,
-                         const std::vector<std::uint32_t>& bead);
-    void add_halves(Level& level, std::size_t channel, std::span<const Moved, groups> moved);
+    bool on_grid() const { return layout_.grid != 0.0; }
+    bool within_longest(double seconds) const;
+    void push(std::size_t level, const Past& now);
+    void correlate(const Past& before, const Past& now, LagSums& sums);
+    void correlate_named(const Past& before, const Past& now, LagSums& sums);
+    void add_halves(LagSums& sums, std::span<const Moved, groups> moved);
     void follow_drift(const std::vector<double>& x, const std::vector<double>& y,
                       const std::vector<std::uint32_t>& bead);
     void add_named(const Frame& frame);
 
     Layout layout_;
     MicrorheologyOptions options_;
-    EvenTimes times_;
+    FrameTimes times_;
     double temperature_sum_ = 0.0;
     std::vector<double> first_x_, first_y_; ///< unwrapped places in the first frame, beads by group
     std::vector<std::size_t> order_;        ///< the beads by group
     std::vector<double> group_sizes_;
-    std::vector<Level> levels_;
+    /// The last 16 frames (64 on no grid) of every 2^level-th frame, newest last.
+    std::vector<std::vector<Past>> levels_;
+    std::map<long, LagSums> lags_;
 
     /// Of beads that come and go, [all beads]: first place without the drift until then, and group.
     struct Named {
@@ -136,9 +147,10 @@ struct MicrorheologyResult {
     /// the curve bends towards 0 below the hopping rate: the value is the stiffness felt over times of 1/s in
     /// the window, and the bend says how far it may still fall.
     Estimate stiffness_zero;
-    double scatter = 0.0; ///< part of the error: from noise, 1/m^2
-    double bend = 0.0;    ///< part of the error: what the bend of the curve within the window, beyond noise,
-                          ///< puts the straight line off at s = 0, 1/m^2
+    std::string no_stiffness; ///< of tracks: why stiffness and all that is made of it are unknown; else empty
+    double scatter = 0.0;     ///< part of the error: from noise, 1/m^2
+    double bend = 0.0; ///< part of the error: what the bend of the curve within the window, beyond noise,
+                       ///< puts the straight line off at s = 0, 1/m^2
     StiffnessSpectrum spectrum;   ///< 1/(s Delta~(s)) over all s, for the memory kernel
     Estimate spring;              ///< k, N/m
     double temperature = 0.0;     ///< T_xy, m^2/s^2
@@ -156,8 +168,8 @@ struct MicrorheologyResult {
 
 /// Errors: jackknife of the whole fit over runs if there are at least 4, else over groups of beads
 /// (neighbouring groups move together a little, which this leaves out). Throws InputError for fewer than 32
-/// frames, accumulators of different options or intervals, and where as much is to be taken off for the
-/// camera as beads move.
+/// frames (tracks: without any lag), accumulators of different options or intervals, and where as much is to
+/// be taken off for the camera as beads move.
 MicrorheologyResult reduce(std::span<const MicrorheologyAccumulator> runs);
 
 } // namespace rodwake::measure

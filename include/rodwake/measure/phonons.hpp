@@ -86,7 +86,7 @@ private:
     Layout layout_;
     PhononOptions options_;
     std::vector<Mode> modes_;
-    EvenTimes times_;
+    FrameTimes times_;
     std::size_t lags_ = 0;
     double first_time_ = 0.0, first_temperature_ = 0.0; ///< s, m^2/s^2
     std::vector<double> first_x_, first_y_;             ///< unwrapped, m

@@ -54,6 +54,7 @@ struct Tracks {
     TracksWindow window;
     std::optional<PeriodicBox> box; ///< m; with a periodic window; absent: the file's own
     Localisation localisation;
+    StepLimit longest_step;
 
     bool operator==(const Tracks&) const = default;
 };
