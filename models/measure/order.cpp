@@ -118,7 +118,7 @@ std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
         const std::vector<Block> more = run.blocks();
         blocks.insert(blocks.end(), more.begin(), more.end());
     }
-    if (blocks.empty() && runs[0].layout().window && runs[0].settled_cutoff().value > 0.0)
+    if (blocks.empty() && !runs.empty() && runs[0].layout().window && runs[0].settled_cutoff().value > 0.0)
         throw InputError(fmt::format("measure: order: no bead is farther than the cut-off of {:.3g} a from "
                                      "the border of the window; a larger window, or a smaller "
                                      "measure.order_cutoff, is needed",
@@ -284,9 +284,10 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 void want_bins(const Layout& layout, const OrderOptions& options) {
     const double half = 0.5 * layout.box.shorter(), ratio = options.order_bin / options.bin;
-    want(positive(options.bin) && options.bin <= half,
-         fmt::format("bin {:g} m of g(r): must be above 0 and at most half the box, {:g} m", options.bin,
-                     half));
+    want(options.bin >= 1e-6 * layout.bead_radius && options.bin <= half,
+         fmt::format("bin {:g} m of g(r): must be at least a millionth of a bead and at most half the box, "
+                     "{:g} m",
+                     options.bin, half));
     want(positive(options.order_bin) && options.order_bin <= half,
          fmt::format("bin {:g} m of g_B(r): must be above 0 and at most half the box, {:g} m",
                      options.order_bin, half));
