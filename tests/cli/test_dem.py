@@ -311,7 +311,7 @@ class ExtremesTest(BedTest):
         self.write("stirred.toml", 'schema = 1\n[granular]\nbeads = 300\nbox = "36 a"\nduration = "0.3 s"\n'
                    '[granular.plates]\ngap = "1.1 mm"\nfrequency = "50 Hz"\ngamma = 3.0\n[[granular.rods]]\nlength = "3.2 mm"\n'
                    'thick_diameter = "0.9 mm"\nthin_diameter = "0.6 mm"\nposition = ["10 a", "10 a"]\nimposed_speed = "0.01 m/s"\n'
-                   "[measure]\norder = true\norder_interval = 0.02\nblock = 0.05\n")
+                   "[measure]\norder = true\norder_interval = 0.03\nblock = 0.06\n")
         done = self.expect(0, "run", "stirred.toml", "-o", "stirred")
         self.assertRegex(done.stderr, "1 of 1 runs ended in an absorbing state")
         order = json.loads((self.folder / "stirred/measure.json").read_text())["order"]
