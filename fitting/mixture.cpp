@@ -75,7 +75,13 @@ void Mixture::settle() {
     const auto d = static_cast<double>(wide_.middle.size());
     for (std::size_t i = 0; i <= parts_.size(); ++i) {
         const double weight = i < parts_.size() ? (1.0 - wide_.weight) * parts_[i].weight : wide_.weight;
-        roots_.emplace_back(part(i).covariance.llt().matrixL());
+        Eigen::LLT<Eigen::MatrixXd> root(part(i).covariance);
+        if (root.info() != Eigen::Success) { // but for rounding it is positive definite
+            Eigen::MatrixXd wider = part(i).covariance;
+            wider.diagonal().array() += 1e-14 * wider.trace();
+            root.compute(wider);
+        }
+        roots_.emplace_back(root.matrixL());
         constants_.push_back(
             std::log(weight) + boost::math::lgamma(0.5 * (freedom + d)) - boost::math::lgamma(0.5 * freedom) -
             0.5 * d * std::log(freedom * std::numbers::pi) - roots_.back().diagonal().array().log().sum());

@@ -4,7 +4,10 @@
 #include "rodwake/core/parallel.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +60,15 @@ Peak climb(const Density& density, Eigen::VectorXd z) {
             break;
     }
     curvature = j.transpose() * j + one;
-    return {z, curvature.inverse(), value - 0.5 * std::log(curvature.determinant())};
+    const Peak peak{z, curvature.inverse(), value - 0.5 * std::log(curvature.determinant())};
+    if (peak.covariance.llt().info() == Eigen::Success && std::isfinite(peak.log_mass))
+        return peak;
+    // Data that fix one direction 1e8 times better than another: the prior makes every eigenvalue 1 at least,
+    // which rounding of the great ones hides.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(curvature);
+    const Eigen::VectorXd stiffness = axes.eigenvalues().cwiseMax(1.0);
+    return {z, axes.eigenvectors() * stiffness.cwiseInverse().asDiagonal() * axes.eigenvectors().transpose(),
+            value - 0.5 * stiffness.array().log().sum()};
 }
 
 /// The first few draws from the prior where the model exists.
@@ -82,6 +93,7 @@ bool same(const Peak& a, const Peak& b) {
 Mixture peaks(const Density& density, const Eigen::VectorXd& from, const PosteriorMethod& method) {
     constexpr std::size_t searches = 12;
     constexpr double negligible = 10.0; // e^-10 of the greatest mass
+    constexpr double greatest = 1e12;   // of a logarithm in which rounding leaves differences of 1e-3
     std::vector<Peak> found(searches + 1);
     parallel_for(found.size(), method.threads, [&](std::size_t i) {
         if (i == 0)
@@ -94,6 +106,12 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
     if (!std::isfinite(most))
         throw RunError("posterior: the model does not exist where the fit ended, within the priors; give "
                        "priors that hold places with a model");
+    if (std::abs(most) > greatest)
+        throw RunError(fmt::format(
+            "posterior: the data lie too far from the model for their standard errors: the log likelihood is "
+            "{:.2g} where it is greatest, and rounding hides its differences; look for outliers and wrong "
+            "units in the data, or give greater standard errors",
+            most));
     std::vector<Peak> kept;
     for (const Peak& peak : found)
         if (peak.log_mass > most - negligible && kept.size() < most_peaks &&

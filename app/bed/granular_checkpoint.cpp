@@ -88,6 +88,27 @@ inline constexpr auto parts<GranularArchive> = parts_of("scene build seed run st
 
 namespace rodwake::app {
 
+namespace {
+
+/// Throws InputError for a state that no run has written: what is read here sizes loops and lists.
+void require_state(const granular::State& state, const std::string& file) {
+    const granular::Beads& b = state.beads;
+    for (const auto* list : {&b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
+        if (list->size() != b.x.size())
+            throw InputError(fmt::format("{}: is damaged: its lists of the beads have {} and {} numbers",
+                                         file, b.x.size(), list->size()));
+    if (state.step < 0)
+        throw InputError(fmt::format("{}: is damaged: a state of step {}", file, state.step));
+}
+
+} // namespace
+
+void require_end(std::int64_t step, const granular::GranularProblem& problem, const std::string& file) {
+    if (step > problem.equilibration_steps + problem.steps)
+        throw InputError(fmt::format("{}: is damaged: a state of step {}, and the run has {}", file, step,
+                                     problem.equilibration_steps + problem.steps));
+}
+
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& checkpoint) {
     const store::Block block = store::to_block("granular run", checkpoint);
     store::write_generation(file, store::encode_blocks({&block, 1}));
@@ -98,7 +119,13 @@ std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& fil
     if (!loaded)
         return std::nullopt;
     LoadedCheckpoint result{{}, loaded->notice};
+    const GranularCheckpoint& c = result.checkpoint;
     store::from_block(loaded->blocks, "granular run", loaded->file.string(), result.checkpoint);
+    require_state(c.state, loaded->file.string());
+    if (c.progress.size() != c.state.rods.size() || c.thrust.size() != c.state.rods.size())
+        throw InputError(fmt::format("{}: is damaged: {} rods, of which {} have a path and {} a thrust",
+                                     loaded->file.string(), c.state.rods.size(), c.progress.size(),
+                                     c.thrust.size()));
     return result;
 }
 
@@ -130,6 +157,18 @@ GranularArchive load_archive(const std::filesystem::path& file) {
     store::from_block(blocks_of(file), archive_block, file.string(), archive);
     if (archive.states.empty())
         throw InputError(file.string() + ": holds no state");
+    std::int64_t last = -1;
+    for (const granular::State& state : archive.states) {
+        require_state(state, file.string());
+        const granular::State& first = archive.states.front();
+        if (state.beads.size() != first.beads.size() || state.rods.size() != first.rods.size())
+            throw InputError(fmt::format(
+                "{}: is damaged: {} beads and {} rods at step {}, {} and {} at first", file.string(),
+                state.beads.size(), state.rods.size(), state.step, first.beads.size(), first.rods.size()));
+        if (state.step <= std::exchange(last, state.step))
+            throw InputError(fmt::format("{}: is damaged: the state of step {} is not in order",
+                                         file.string(), state.step));
+    }
     return archive;
 }
 
@@ -144,6 +183,7 @@ granular::State state_of(const std::vector<std::byte>& bytes, const std::string&
     granular::State state;
     store::Kept<granular::State>::get(in, state);
     in.finish();
+    require_state(state, file);
     return state;
 }
 

@@ -47,6 +47,9 @@ void write_archive(const std::filesystem::path& file, const GranularArchive& arc
 /// Throws InputError for a damaged file, or one of another version's states.
 GranularArchive load_archive(const std::filesystem::path& file);
 
+/// Throws InputError for a step after the run's end.
+void require_end(std::int64_t step, const granular::GranularProblem& problem, const std::string& file);
+
 /// A state as bytes, of one length for all states of a run, and back.
 std::vector<std::byte> state_bytes(const granular::State& state);
 granular::State state_of(const std::vector<std::byte>& bytes, const std::string& file);

@@ -122,6 +122,7 @@ private:
         if (c.scene != plan_.scene_key || c.seed != bed_.problem.seed || c.run != task_.run)
             throw InputError(checkpoint_file_.string() + ": belongs to another scene, seed or run; choose "
                                                          "another folder with -o, or --force to start anew");
+        require_end(c.state.step, bed_.problem, checkpoint_file_.string());
         if (!loaded->notice.empty())
             log_->warn("{}", loaded->notice);
         if (c.build != build_name())
@@ -326,7 +327,7 @@ private:
         s.psi6 = sums.rows > 0 ? sums.psi6 / static_cast<double>(sums.rows) : 0.0;
         const granular::PlaneTensor pressure = record_.mean_pressure(simulation_);
         s.pressure = {granular::isotropic(pressure), pressure[0], pressure[1], pressure[2]};
-        s.absorbing_state = granular::in_absorbing_state(simulation_.temperatures(), bed_.problem);
+        s.absorbing_state = granular::in_absorbing_state(simulation_.far_temperatures(), bed_.problem);
         for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
             s.rods.push_back(rod_summary(i, s.simulated_time));
         if (s.rods.size() == 2)

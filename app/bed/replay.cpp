@@ -51,7 +51,14 @@ struct Kept {
     GranularArchive archive;
     BedPlan bed;
 
-    explicit Kept(const fs::path& run) : archive(archive_of(run)), bed(bed_of(archive, run.string())) {}
+    explicit Kept(const fs::path& run) : archive(archive_of(run)), bed(bed_of(archive, run.string())) {
+        require_end(end(), bed.problem, run.string());
+        const State& last = archive.states.back();
+        if (last.beads.size() != bed.problem.beads || last.rods.size() != bed.problem.rods.size())
+            throw InputError(fmt::format("{}: is damaged: {} beads and {} rods, and its scene has {} and {}",
+                                         run.string(), last.beads.size(), last.rods.size(), bed.problem.beads,
+                                         bed.problem.rods.size()));
+    }
 
     std::int64_t end() const { return archive.states.back().step; }
     double time(std::int64_t step) const {

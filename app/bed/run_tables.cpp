@@ -19,7 +19,8 @@ double summary_number(const fs::path& file, const std::string& name, const std::
     std::ifstream in(file);
     try {
         const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
-        return summary.at(nlohmann::json::json_pointer(pointer_to(name))).get<double>();
+        const nlohmann::json& found = summary.at(nlohmann::json::json_pointer(pointer_to(name)));
+        return found.is_boolean() ? double(found.get<bool>()) : found.get<double>();
     } catch (const nlohmann::json::exception&) {
         throw InputError(fmt::format("{}: no {}; make the granular run again", file.string(), what));
     }

@@ -97,7 +97,9 @@ void add_new(CLI::App& app, Options& options) {
     verb->add_option("FILE", options.target, "file to write [standard output]");
     for (const Question& question : new_scene_questions())
         verb->add_option(question.option, options.answers[question.option],
-                         fmt::format("{} [{}]", question.text, question.fallback))
+                         fmt::format("{}{} [{}]", question.text,
+                                     question.kinds.empty() ? "" : "; for --kind " + question.kinds,
+                                     question.fallback))
             ->check(question.legal);
     add_force(*verb, options, "replace FILE if it is there");
 }

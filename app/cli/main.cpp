@@ -1,4 +1,5 @@
 #include "options.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -55,7 +56,7 @@ int dispatch(const Options& options) {
 
 /// What a verb prints may still be in the buffer; a full disk shows here.
 int flushed(int code) {
-    if (std::fflush(stdout) == 0)
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)
         return code;
     throw RunError("cannot write to standard output");
 }
@@ -74,11 +75,11 @@ int main(int argc, char** argv) {
     open_standard_streams();
     end_well_without_memory();
     const Parsed parsed = parse_command_line(argc, argv);
-    if (parsed.exit_now)
-        return parsed.exit_code;
     install_signal_handlers();
     try {
-        return flushed(dispatch(parsed.options));
+        return flushed(parsed.exit_now ? parsed.exit_code : dispatch(parsed.options));
+    } catch (const rodwake::app::FinishedRun& told) {
+        return fail(told, 0);
     } catch (const rodwake::InputError& error) {
         return fail(error, 2);
     } catch (const std::exception& error) {

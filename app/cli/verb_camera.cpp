@@ -3,6 +3,7 @@
 
 #include "definition.hpp"
 #include "rodwake/app/camera.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -53,6 +54,9 @@ fs::path camera_folder(const Options& options) {
 
 int verb_camera(const Options& options) {
     const fs::path folder = camera_folder(options);
+    if (options.output.empty()) // a folder that the user names may be a link
+        app::refuse_link(folder);
+    app::refuse_link(folder / "images");
     for (const char* name : {"tracks.csv", "camera.toml", "images"})
         if (fs::exists(folder / name) && !options.force)
             throw InputError(fmt::format("{}: is there; --force replaces it, or name another folder with -o",

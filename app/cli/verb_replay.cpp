@@ -2,6 +2,7 @@
 
 #include "definition.hpp"
 #include "rodwake/app/replay.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "terminal.hpp"
 #include "verbs.hpp"
@@ -39,6 +40,8 @@ int verb_replay(const Options& options) {
     if (options.verify)
         return verify(options, context);
     const fs::path folder = replay_folder(options);
+    if (options.output.empty()) // a folder that the user names may be a link
+        app::refuse_link(folder);
     if (fs::exists(folder / "trajectory.h5md") && !options.force)
         throw InputError(fmt::format("{}: is there; --force replaces it, or name another folder with -o",
                                      (folder / "trajectory.h5md").string()));

@@ -8,8 +8,13 @@
 #include "terminal.hpp"
 #include "verbs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <memory>
+#include <thread>
 
 namespace rodwake::cli {
 
@@ -108,6 +113,24 @@ app::RunContext context_of(const Options& options, scan::MpiJob* job) {
     return context;
 }
 
+/// mpiexec kills its ranks a second after the signal, and planning a large scan takes longer. Its ledger is
+/// whole at any time, so it ends then wherever it is.
+void end_in_time(const std::stop_token& ended, const Options& options) {
+    using namespace std::chrono_literals;
+    for (int late = 0; !ended.stop_requested(); late += stop_signal() != 0 ? 1 : 0) {
+        std::this_thread::sleep_for(20ms);
+        if (late < 30)
+            continue;
+        const std::filesystem::path folder = output_folder(options);
+        tell(fmt::format(
+            "stopped by a signal; what was computed is in {}; the same command goes on from there\n",
+            folder.string()));
+        std::error_code ignored;
+        std::filesystem::remove(folder / "rodwake.lock", ignored);
+        std::_Exit(signal_exit_code(stop_signal()));
+    }
+}
+
 /// On a rank that rank 0 hands points to, which speaks for all.
 int serve(const Options& options, const scene::Scene& scene, std::span<const Stage> stages,
           const app::RunContext& context, scan::MpiJob& job) {
@@ -133,6 +156,9 @@ int verb_stages(const Options& options) {
     context.draws = draws(options);
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
+    std::jthread watch;
+    if (job && options.verb == Verb::scan)
+        watch = std::jthread([&](const std::stop_token& ended) { end_in_time(ended, options); });
     const auto plan = // large for a small stack
         std::make_unique<const app::Plan>(app::plan_run(scene, stages, output_folder(options), context));
     for (const std::string& doubt : app::doubts(*plan))

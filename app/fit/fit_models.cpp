@@ -291,6 +291,8 @@ FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, cons
                    FitInputs inputs) try {
     FitPlan rival = fit_plan(*scene::apply_model(scene, model).fit, std::move(inputs));
     require_same_data(plan, rival, model.name);
+    if (rival.keys.posterior && !rival.keys.posterior->evidence) // it is sampled for its evidence alone
+        rival.keys.posterior.reset();
     return rival;
 } catch (const InputError& error) {
     const std::string text = error.what();

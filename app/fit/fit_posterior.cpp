@@ -17,7 +17,7 @@ using fitting::ChainBlock;
 class BlockLedger {
 public:
     BlockLedger(std::filesystem::path file, const std::string& key, std::size_t free)
-        : file_(std::move(file)), key_(std::hash<std::string>{}(key)),
+        : file_(std::move(file)), key_(std::hash<std::string>{}(key)), free_(free),
           bytes_(8 * (10 + fitting::most_numbers_of_block(free))) {
         try {
             read();
@@ -66,13 +66,17 @@ private:
                 *one = in.get<double>();
             for (auto* list : {&block.z, &block.kept, &block.kept_density})
                 *list = in.get_array<double>();
+            const std::size_t kept = block.kept_density.size();
+            if (block.z.size() != free_ || block.kept.size() % std::max<std::size_t>(free_, 1) != 0 ||
+                (kept > 0 && block.kept.size() != kept * free_))
+                throw InputError(file_.string() + ": is damaged");
             done_.push_back(std::move(block));
         }
     }
 
     std::filesystem::path file_;
     std::uint64_t key_;
-    std::size_t bytes_;
+    std::size_t free_, bytes_;
     std::vector<ChainBlock> done_;
     std::unique_ptr<store::AppendLog> log_;
 };

@@ -387,8 +387,14 @@ std::string posterior_cost(const FitPlan& plan, const RunContext& context) {
     const fitting::PosteriorMethod method = posterior_method(plan);
     const double count = fitting::evaluations(method, fitting::free_parameters(plan.problem).size());
     const auto threads = static_cast<double>(std::min(method.chains, context.thread_count()));
-    return fmt::format("  posterior: {} samples, about {:.0f} evaluations, {}\n", method.samples, count,
-                       duration_text(count * evaluation_time(plan.problem, false) / threads));
+    const std::size_t rivals = method.evidence ? plan.keys.models.size() : 0;
+    const double all = count * static_cast<double>(1 + rivals);
+    return fmt::format("  posterior: {} samples{}, about {:.0f} evaluations, {}\n", method.samples,
+                       rivals > 0 ? fmt::format(" of each of {} models, for their evidence "
+                                                "(fit.posterior.evidence = false: of the fit alone)",
+                                                1 + rivals)
+                                  : "",
+                       all, duration_text(all * evaluation_time(plan.problem, false) / threads));
 }
 
 std::string fit_cost(const Plan& plan, const RunContext& context) {

@@ -60,18 +60,28 @@ std::string table_text(const scene::TableInfo& table) {
                                    table.keys.empty() ? "KEY" : full_name(table.keys.front())));
 }
 
-/// Units that depend on the scene, in words.
+/// Units that depend on the scene, in words: of the theory first.
 std::string unit_text(std::string_view unit) {
-    static const std::map<std::string_view, std::string> of_scene = {
-        {"{length}", "f/mu (m with units = \"si\")"},
-        {"{length}^2", "f^2/mu^2 (m^2 with units = \"si\")"},
-        {"{time}", "f/(mu v0) (s with units = \"si\")"},
-        {"{order time}", "f/(mu v0) (s with units = \"si\", and of beds)"},
-        {"{scan length}", "f/mu (m with units = \"si\"), of beds a"},
-        {"{scan time}", "f/(mu v0) (s with units = \"si\"), of beds s"},
-        {"{data}", "that of the data (fit.length_unit)"}};
-    const auto found = of_scene.find(unit);
-    return found != of_scene.end() ? found->second : unit == "1" ? "" : std::string(unit);
+    struct Dependent {
+        std::string_view name, theory, other, when;
+    };
+    constexpr Dependent all[] = {{"{length}", "f/mu", "m", "with units = \"si\""},
+                                 {"{time}", "f/(mu v0)", "s", "with units = \"si\""},
+                                 {"{order length}", "f/mu", "m", "with units = \"si\"; of beds a"},
+                                 {"{order time}", "f/(mu v0)", "s", "with units = \"si\", and of beds"},
+                                 {"{scan length}", "f/mu", "m", "with units = \"si\"; of beds a"},
+                                 {"{scan time}", "f/(mu v0)", "s", "with units = \"si\", and of beds"},
+                                 {"{data}", "that of the data", "fit.length_unit", "names it"},
+                                 {"{unit}", "that of the row", "column unit", "names it"}};
+    std::string theory(unit == "1" ? "" : unit), other = theory;
+    std::string_view when;
+    for (const Dependent& one : all)
+        for (auto at = theory.find(one.name); at != std::string::npos; at = theory.find(one.name)) {
+            theory.replace(at, one.name.size(), one.theory);
+            other.replace(other.find(one.name), one.name.size(), one.other);
+            when = one.when;
+        }
+    return when.empty() ? theory : fmt::format("{} ({} {})", theory, other, when);
 }
 
 std::string maker(const FileKind& kind) {
@@ -126,6 +136,29 @@ std::string values_text(const std::string& name) {
     return text;
 }
 
+/// How runs of rods end: the criteria of docs/physics.md for `outcome`, or one of its words.
+std::string outcome_text(const std::string& name) {
+    constexpr std::pair<const char*, const char*> criteria[] = {
+        {"contact", "the separation fell to contact_distance, or was within it at the start"},
+        {"pursuit",
+         "the headings differ by at most 0.1 rad; one rod is behind the other, within 0.2 of their "
+         "separation of its axis; over the last fifth of the run the separation changed by at most "
+         "5 %; and the wake of the front rod can turn the rear one by 0.05 rad or more in the run"},
+        {"escape",
+         "the separation grows, and neither heading turns by more than the residual turn allowed, "
+         "0.05 of the difference of the headings, while the separation doubles, at its largest rate "
+         "of the last fifth of the run"},
+        {"undecided", "none of these by t_end; a longer run may tell"},
+        {"capture", "contact or pursuit"}};
+    std::string text;
+    for (const auto& [word, meaning] : criteria)
+        if (name == word || name == "outcome")
+            text += fmt::format("{}: how a run of rods ends\n", word) + line("criterion", meaning);
+    return text.empty()
+               ? ""
+               : text + line("see", "docs/physics.md, \"Outcomes\"; for rods of beds docs/measures.md");
+}
+
 std::string scene_text(const std::string& name) {
     std::string text;
     const std::string plain = plain_name(name);
@@ -169,7 +202,7 @@ std::string last_part(const std::string& name) { return name.substr(name.rfind('
 } // namespace
 
 std::optional<std::string> explain(const std::string& name) {
-    std::string text = scene_text(name);
+    std::string text = outcome_text(name) + scene_text(name);
     for (const FileKind& kind : file_kinds())
         if (name == kind.pattern || fits(name, kind.pattern))
             text += file_text(kind);

@@ -76,8 +76,13 @@ bool is_temporary(const std::string& name) {
            name.find_first_not_of("0123456789", end + 4) == std::string::npos;
 }
 
-/// What a link leads to is not the run's, so nothing is written through one. Results that are kept may be
-/// links.
+void refuse_link(const fs::path& path) {
+    if (fs::is_symlink(path))
+        throw InputError(path.string() + ": is a link, and rodwake does not write through links: remove it, "
+                                         "or choose another folder with -o");
+}
+
+/// Results that are kept may be links.
 void RunFolder::refuse_links() const {
     const auto require = [&](const fs::directory_entry& entry) {
         const FileKind* kind = kind_of(entry.path().filename().string());
@@ -85,10 +90,8 @@ void RunFolder::refuse_links() const {
         const bool ours = kind ? kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record ||
                                      is_outdated(*kind, name)
                                : entry.is_directory() && is_own(name + "/");
-        if (entry.is_symlink() && ours)
-            throw InputError(entry.path().string() +
-                             ": is a link, and rodwake does not write through links: remove it, or "
-                             "choose another folder with -o");
+        if (ours)
+            refuse_link(entry.path());
     };
     for (const fs::directory_entry& entry : fs::directory_iterator(path_))
         require(entry);

@@ -222,8 +222,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
     const bool undrawn = draws && had_run_ && !fs::exists(path_ / "report.html"), // which is drawn last
         lacks =
             undrawn || (general != lost_.end() && (draws || !std::ranges::all_of(general->second, is_drawn)));
-    if (stages_.empty() && !lacks)
-        refuse("holds a finished run of this scene");
+    if (stages_.empty() && !lacks && !force)
+        throw FinishedRun(path_.string() + ": holds a finished run of this scene; choose another folder with "
+                                           "-o, or --force to replace it");
     drop_outdated(scene, stages);
     if (old && old->granular && scene.granular && contains(kept_, Stage::granular))
         kept_runs_ = old->granular->runs;

@@ -105,9 +105,11 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
       log(make_logger(context, directory.file("log.txt"))), units(output_units(plan.scene)),
       results(directory.file("result.h5")), start_(std::chrono::steady_clock::now()) {
     log->debug("{}", context.command);
-    if (!directory.lock_taken_over().empty())
+    if (!directory.lock().doubt().empty())
+        log->warn("{}", directory.lock().doubt());
+    if (!directory.lock().taken_over().empty())
         log->warn("{}: {} left its lock behind and is gone; taking over", directory.path().string(),
-                  directory.lock_taken_over());
+                  directory.lock().taken_over());
     if (directory.resumed())
         log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
     else if (directory.extended())

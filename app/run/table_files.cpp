@@ -1,7 +1,12 @@
 #include "table_files.hpp"
 
+#include "rodwake/core/error.hpp"
 #include "rodwake/store/block_file.hpp"
 #include "rodwake/store/bytes.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
 
 namespace rodwake::app {
 
@@ -24,11 +29,23 @@ void put(store::ByteWriter& out, const elastic::CellTable& cells) {
     out.put_array(cells.coefficients);
 }
 
-elastic::CellTable get_cells(store::ByteReader& in) {
+/// Of polynomials with `rows` coefficients each, to which its numbers must lead. Throws InputError.
+elastic::CellTable get_cells(store::ByteReader& in, std::size_t rows, const std::string& file) {
     elastic::CellTable cells;
     cells.cells_per_unit = in.get_array<std::int32_t>();
     cells.polynomial_of = in.get_array<std::int32_t>();
     cells.coefficients = in.get_array<double>();
+    std::size_t count = 0;
+    bool sound = cells.cells_per_unit.size() < 100 && cells.coefficients.size() % rows == 0;
+    for (const std::int32_t n : cells.cells_per_unit) {
+        sound = sound && n >= 1 && n < 10'000;
+        count += sound ? 8 * static_cast<std::size_t>(n) * static_cast<std::size_t>(n) : 0;
+    }
+    const auto polynomials = static_cast<std::int64_t>(cells.coefficients.size() / rows);
+    for (const std::int32_t number : cells.polynomial_of)
+        sound = sound && number >= -1 && number < polynomials;
+    if (!sound || count != cells.polynomial_of.size())
+        throw InputError(file + ": is damaged: the cells of the table do not fit together");
     return cells;
 }
 
@@ -56,8 +73,12 @@ PlaneTable decode(std::string_view bytes, const std::string& file) {
     table.points_checked = in.get<std::int64_t>();
     table.degree = in.get<std::int32_t>();
     table.lowest_level = in.get<std::int32_t>();
-    table.strain = get_cells(in);
-    table.gradient = get_cells(in);
+    if (table.degree < 1 || table.degree > 20 || std::abs(table.lowest_level) > 200)
+        throw InputError(fmt::format("{}: is damaged: a table of degree {} from level {} on", file,
+                                     table.degree, table.lowest_level));
+    const auto terms = static_cast<std::size_t>((table.degree + 1) * (table.degree + 1));
+    table.strain = get_cells(in, 3 * terms, file);
+    table.gradient = get_cells(in, 6 * terms, file);
     in.finish();
     return table;
 }

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -73,7 +74,10 @@ bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scen
     bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
                                                     : rods::state_size(scene.rods_run->form, rods)) &&
                 checkpoint.headings.size() == rods &&
-                checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1;
+                checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1 &&
+                checkpoint.time >= 0.0 && checkpoint.time <= scene.rods_run->t_end &&
+                std::max(checkpoint.record.smallest.first, checkpoint.record.smallest.second) <
+                    std::max<std::size_t>(rods, 1);
     for (const auto& output : checkpoint.outputs)
         good = good && output.size() == size;
     return good;

@@ -155,12 +155,16 @@ StageEnd measure_ways(const scene::Scene& scene, const fs::path& results, const 
     const auto target = target_of(scene, results, context);
     const Tradeoff& table = target->table;
     const fs::path folder = ways_folder(results, table.part);
+    refuse_link(folder);
+    refuse_link(folder / "log.txt");
     fs::create_directories(folder);
     const FolderLock lock(folder);
     const std::optional<Tradeoff> earlier = earlier_ways(folder, table, context);
     if (earlier && earlier->finished)
         return StageEnd::finished;
     const Logger log = make_logger(context, folder / "log.txt");
+    if (!lock.doubt().empty())
+        log->warn("{}", lock.doubt());
     log->info("tradeoff: {} ways to compute the {}; the reference is {}", table.ways.size(),
               to_string(table.part), table.reference);
     const auto write = [&](const Tradeoff& now) {

@@ -50,7 +50,7 @@ double neighbour_cutoff(double bead_radius, double phi_b) {
 }
 
 bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
-    constexpr double still = 1e-6;
+    constexpr double still = 3e-5;
     const Plates& plates = problem.plates;
     const double speed = 2.0 * std::numbers::pi * plates.frequency * plates.amplitude(problem.gravity);
     return problem.beads > 1 && T.xy < still * speed * speed;

@@ -423,6 +423,32 @@ const GranularProblem& Simulation::problem() const { return impl_->problem; }
 const Tallies& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
 Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
+
+Temperatures Simulation::far_temperatures() const {
+    const Bodies& b = impl_->bodies;
+    const PeriodicBox& box = impl_->problem.box;
+    std::vector<std::pair<double, std::size_t>> far(b.beads); // squared distance from the nearest rod, bead
+    for (std::size_t i = 0; i < b.beads; ++i) {
+        far[i] = {HUGE_VAL, i};
+        for (const MovingRod& rod : b.rods) {
+            const Vector3 apart = row(b.position, i) - rod.body().position;
+            far[i].first = std::min(far[i].first, std::pow(std::remainder(apart.x(), box.x), 2) +
+                                                      std::pow(std::remainder(apart.y(), box.y), 2));
+        }
+    }
+    if (!b.rods.empty()) {
+        std::ranges::sort(far, std::ranges::greater());
+        far.resize(std::min(b.beads, std::max<std::size_t>(2, b.beads / 4)));
+    }
+    const double count = std::max(static_cast<double>(far.size()), 1.0);
+    Vector3 mean = Vector3::Zero(), squares = Vector3::Zero();
+    for (const auto& [distance, i] : far)
+        mean += row(b.velocity, i) / count;
+    for (const auto& [distance, i] : far)
+        squares += (row(b.velocity, i) - mean).cwiseAbs2() / count;
+    return {(squares.x() + squares.y()) / 2.0, squares.z()};
+}
+
 Energy Simulation::energy() const { return total_energy(impl_->bodies, impl_->problem.gravity); }
 
 double Simulation::psi6(double cutoff) const {

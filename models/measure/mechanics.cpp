@@ -216,10 +216,12 @@ void MechanicsAccumulator::save(StateWriter& out) const {
 }
 
 void MechanicsAccumulator::load(StateReader& in) {
-    path_.resize(in.count());
-    for (Mark& mark : path_)
+    path_.clear();
+    for (std::size_t left = in.count(); left > 0; --left) { // a wrong number ends where the numbers do
+        Mark& mark = path_.emplace_back();
         for (double* value : {&mark.time, &mark.x, &mark.y})
             *value = in.get();
+    }
 }
 
 bool usable_inertia(const Estimate& inertia) {

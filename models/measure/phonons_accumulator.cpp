@@ -225,9 +225,9 @@ void PhononAccumulator::load(StateReader& in) {
     const std::size_t beads = times_.frames > 0 ? layout_.beads : 0, count = modes_.size();
     first_x_ = in.array(beads);
     first_y_ = in.array(beads);
-    history_.resize(in.count());
-    for (Row& currents : history_)
-        currents = in.array(4 * count);
+    history_.clear();
+    for (std::size_t left = in.count(); left > 0; --left)
+        history_.push_back(in.array(4 * count));
     blocks_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
         Block block;

@@ -23,7 +23,15 @@ def bed_headline(run):
     if speeds and all(map(words.is_number, speeds)):
         told = ", ".join(words.number(speed * 1e3, 3) for speed in speeds)
         text += f"; mean speed of the rod{'s' if len(speeds) > 1 else ''} {told} mm/s, positive thin end first"
-    return f'<p class="outcome"><span class="tag">granular</span>{text}.</p>'
+    return f'{absorbing(bed.summary)}<p class="outcome"><span class="tag">granular</span>{text}.</p>'
+
+
+def absorbing(summary):
+    """Of a bed that has stopped: before all else, for no number that follows is one of a bed that moves."""
+    still, runs = int(summary.get("absorbing_runs", summary.get("absorbing_state")) or 0), summary.get("finished_runs", 1)
+    return ('<p class="verdict"><strong>The bed does not move:</strong> '
+            f"{words.number(still)} of {words.number(runs)} runs ended in an absorbing state, in which the beads bounce in step with the plates "
+            "and meet no other. No number below is a property of a bed, and it has no phase.</p>") if still else ""
 
 
 def tracks_headline(run):

@@ -4,6 +4,7 @@
 #include "bind.hpp"
 #include "rod_problem.hpp"
 #include "rodwake/app/convert.hpp"
+#include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "signals.hpp"
 
@@ -115,7 +116,13 @@ std::string run(const scene::Scene& scene, const fs::path& folder, const std::op
         context.executor = executor_in_python(execute);
     const std::vector<Stage> stages = stages_of(scene, names);
     app::StageEnd end = app::StageEnd::failed;
-    const auto work = [&] { end = app::run(app::plan_run(scene, stages, folder, context), folder, context); };
+    const auto work = [&] {
+        try {
+            end = app::run(app::plan_run(scene, stages, folder, context), folder, context);
+        } catch (const app::FinishedRun&) {
+            end = app::StageEnd::finished;
+        }
+    };
     attended(
         work, [&] { reports.deliver(on_log, on_progress); }, [&] { stopped = true; });
     return name_of(end);

@@ -36,6 +36,8 @@ void attended(const std::function<void()>& work, const std::function<void()>& at
             });
     if (raised)
         std::rethrow_exception(raised);
+    if (PyErr_CheckSignals() != 0) // goes before an error of workers that the same signal ended
+        throw py::error_already_set();
     done.get();
     attend(); // what was reported last
 }

@@ -100,7 +100,7 @@ class Scene:
         stages    some of those the scene has, or one; None: all
         threads   up to 1024; 0: one for each core; results do not depend on it
         seed      replaces those of the scene
-        force     do again what the folder holds already; else a finished run is refused
+        force     do again what the folder holds already; else a finished run is returned as it is
         progress  called some times a second as progress(what, value, end, unit); what it raises ends the run
 
         Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
@@ -120,9 +120,15 @@ class Scene:
         if progress is not None:
             arguments.function("progress", progress)
         command = self._command(folder, stages=stages, seed=seed)
-        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, _log.log, progress, execute, shipped.converter())
+        errors: list[str] = []  # the folder, and its log, may be gone before anyone looks
+
+        def log(level: int, text: str) -> None:
+            errors.extend([text] if level >= logging.ERROR else [])
+            _log.log(level, text)
+
+        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, log, progress, execute, shipped.converter())
         if end == "failed":
-            raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
+            raise RunError(f"{folder}: the run failed: {'; '.join(errors) or 'its log.txt tells why'}")
         return open_run(folder)
 
     def _command(self, folder: Folder, **options: Any) -> str:

@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cerrno>
+#include <fcntl.h>
 #include <fstream>
+#include <unistd.h>
 
 namespace rodwake::scan {
 
@@ -35,15 +38,31 @@ void require_whole_pages(const std::filesystem::path& file) {
         throw InputError(file.string() + ": is damaged: the file was cut short");
 }
 
+/// Of a network file system that locks no files SQLite would say that another process has the file.
+bool can_be_locked(const std::filesystem::path& file, int flags) {
+    const bool writes = (flags & SQLITE_OPEN_READWRITE) != 0;
+    const int id = ::open(file.c_str(), O_CLOEXEC | (writes ? O_RDWR | O_CREAT : O_RDONLY), 0644);
+    if (id < 0)
+        return true; // SQLite says why
+    struct flock lock {};
+    lock.l_type = F_RDLCK, lock.l_whence = SEEK_SET, lock.l_len = 1;
+    const bool can = ::fcntl(id, F_SETLK, &lock) == 0 || errno == EAGAIN || errno == EACCES;
+    ::close(id);
+    return can;
+}
+
 } // namespace
 
 Connection::Connection(const std::filesystem::path& file, int flags) : file_(file) {
     require_whole_pages(file);
+    const bool locks = can_be_locked(file, flags);
     sqlite3* handle = nullptr;
-    const int code = sqlite3_open_v2(file.c_str(), &handle, flags, nullptr);
+    const int code = sqlite3_open_v2(file.c_str(), &handle, flags, locks ? nullptr : "unix-none");
     handle_.reset(handle);
     require(code);
     sqlite3_extended_result_codes(handle, 1);
+    if (!locks) // its log would need shared memory, and so locks, otherwise; the folder is ours alone
+        run("PRAGMA locking_mode = EXCLUSIVE");
     sqlite3_busy_timeout(handle, 10'000); // ms: whoever reads it meanwhile
 }
 

@@ -23,7 +23,7 @@ hid_t open_for_reading(const std::filesystem::path& path, const std::string& adv
         refuse("not a file that can be read");
     if (!hdf5_survives(path))
         refuse("the HDF5 file is damaged: the HDF5 library crashes on it, or finds no end");
-    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, without_locks().get());
     if (file < 0 && H5Fis_hdf5(path.c_str()) > 0)
         refuse("the HDF5 file is cut short or damaged");
     if (file < 0)
@@ -116,6 +116,17 @@ void Hdf5Table::check_storage(std::size_t bytes) const {
                       "(h5repack does)");
     const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
     const double needed = product(shape_) * static_cast<double>(bytes);
+    if (H5Pget_layout(made.get()) == H5D_CHUNKED) {
+        std::vector<hsize_t> sides(shape_.size());
+        hsize_t found = 0;
+        H5Pget_chunk(made.get(), static_cast<int>(sides.size()), sides.data());
+        double wanted = 1.0;
+        for (std::size_t k = 0; k < sides.size(); ++k)
+            wanted *= std::ceil(static_cast<double>(shape_[k]) / static_cast<double>(sides[k]));
+        if (wanted > 0.0 &&
+            (H5Dget_num_chunks(get(), space_.get(), &found) < 0 || static_cast<double>(found) < wanted))
+            file_->refuse(path_ + " is not complete");
+    }
     if (needed > most * stored_bytes(*file_, get()))
         file_->refuse(path_ + " is not complete");
 }

@@ -28,6 +28,10 @@ private:
     Hdf5Handle file_;
 };
 
+/// Access to a file without locking it: a lock would be held on by any process forked meanwhile, and some
+/// network file systems have none. Files that are written have their own temporary.
+Hdf5Handle without_locks();
+
 /// False if HDF5 crashes on what is in the file, or does not come to an end: a child process looks first.
 bool hdf5_survives(const std::filesystem::path& path);
 

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>
+#include <fstream>
 #include <optional>
 #include <poll.h>
 #include <sys/resource.h>
@@ -20,10 +21,29 @@ namespace rodwake::store {
 
 namespace {
 
+constexpr rlim_t most_memory = 800'000'000; // beyond what the parent had
+bool is_child = false; ///< this process was forked to look into a file, and may die of it
+
+/// A file that asks for more memory than any of ours is damaged: dying says so.
+void die_without_memory() {
+    const auto lacks = [](unsigned, const H5E_error2_t* error, void* found) -> herr_t {
+        *static_cast<bool*>(found) |= error->maj_num == H5E_RESOURCE;
+        return 0;
+    };
+    bool found = false;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, lacks, &found);
+    if (is_child && found)
+        ::_exit(1);
+}
+
 /// One string, or several as a list.
 std::string string_attribute(hid_t attribute, hid_t type, std::size_t count) {
-    if (H5Tis_variable_str(type) > 0)
+    if (H5Tis_variable_str(type) > 0) {
+        std::vector<char*> rows(is_child ? count : 0, nullptr); // the reader will follow its pointers, too
+        if (!rows.empty() && H5Aread(attribute, type, rows.data()) < 0)
+            die_without_memory();
         return "(variable-length string)";
+    }
     const std::size_t size = H5Tget_size(type);
     std::string table(size * count, '\0');
     if (H5Aread(attribute, type, table.data()) < 0)
@@ -53,6 +73,10 @@ herr_t guarded(Work work) {
     try {
         work();
         return 0;
+    } catch (const std::bad_alloc&) {
+        if (is_child)
+            ::_exit(1);
+        return -1;
     } catch (...) {
         return -1;
     }
@@ -67,6 +91,26 @@ herr_t append_attribute(hid_t object, const char* name, const H5A_info_t*, void*
     });
 }
 
+/// As the reader will: a crash, or a loop without end, happens here first. What cannot be read the reader
+/// tells better.
+void touch_rows(hid_t dataset) {
+    const Hdf5Handle stored(H5Dget_type(dataset), H5Tclose, "read a dataset's type");
+    const H5T_class_t kind = H5Tget_class(stored.get());
+    std::vector<hsize_t> extent = extent_of(dataset);
+    if ((kind != H5T_INTEGER && kind != H5T_FLOAT && kind != H5T_ENUM) || extent.empty() || extent[0] == 0)
+        return;
+    const hsize_t last = std::exchange(extent[0], 1) - 1;
+    double size = static_cast<double>(H5Tget_size(stored.get()));
+    for (const hsize_t side : extent)
+        size *= static_cast<double>(side);
+    if (size > static_cast<double>(most_memory))
+        ::_exit(1);
+    std::vector<std::byte> row(static_cast<std::size_t>(size));
+    for (const hsize_t at : {hsize_t{0}, last})
+        if (!read_rows(dataset, stored.get(), at, 1, row.data()))
+            die_without_memory();
+}
+
 /// Looks into the index of chunks, too: it may be damaged.
 std::string shape_of(hid_t dataset) {
     const Hdf5Handle made(H5Dget_create_plist(dataset), H5Pclose, "read about a dataset");
@@ -74,6 +118,8 @@ std::string shape_of(hid_t dataset) {
     hsize_t chunks = 0;
     if (H5Pget_layout(made.get()) == H5D_CHUNKED && H5Dget_num_chunks(dataset, space.get(), &chunks) < 0)
         throw RunError("HDF5: cannot read chunks");
+    if (is_child && H5Pget_layout(made.get()) != H5D_VIRTUAL && H5Pget_external_count(made.get()) == 0)
+        touch_rows(dataset);
     return fmt::format("[{}]", fmt::join(extent_of(dataset), "]["));
 }
 
@@ -94,7 +140,7 @@ herr_t append_object(hid_t root, const char* name, const H5O_info_t* info, void*
 /// The guard is the caller's: in a forked child it is held for ever.
 std::string listing(const std::filesystem::path& path) {
     set_up_hdf5();
-    const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, without_locks().get());
     if (id < 0)
         throw InputError(path.string() + ": not a readable HDF5 file");
     const Hdf5Handle file(id, H5Fclose, "open " + path.string());
@@ -116,10 +162,17 @@ void die_in_silence() {
 }
 
 [[noreturn]] void answer(const std::filesystem::path& path, int to) {
-    constexpr unsigned longest = 120; // s; the listing of a large file takes some tenths of one
+    constexpr unsigned longest = 15; // s; a large file takes some tenths of one
+    is_child = true;
     die_in_silence();
     const rlimit none{0, 0};
     ::setrlimit(RLIMIT_CORE, &none);
+    rlim_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages >> pages >> pages >> pages >> pages >> pages; // the last: data
+    const rlim_t memory = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + most_memory;
+    const rlimit enough{memory, memory};
+    if (pages > 0)
+        ::setrlimit(RLIMIT_DATA, &enough);
     ::alarm(longest);
     try {
         set_up_hdf5();

@@ -139,8 +139,6 @@ TEST_CASE("Frames become extended XYZ if asked for, or if that of all runs is sh
     CHECK_FALSE(writes("formats = [\"h5md\"]", "").xyz);
     CHECK_FALSE(writes("formats = [\"xyz_if_short\"]", "").h5md);
     CHECK_FALSE(writes("formats = []", "").xyz);
-    CHECK_FALSE(writes("", "").gsd);
-    CHECK(writes("formats = [\"gsd\"]", "").gsd);
 }
 
 TEST_CASE("The order of rods is a stage of its own, after the rods or the bed that it looks at") {

@@ -17,7 +17,7 @@ using Catch::Contains;
 namespace {
 
 constexpr const char* small_bed =
-    "schema = 1\n[granular]\nphi_b = 0.6\nbox = \"12 a\"\nequilibrate = 0.0\nduration = 0.05\n";
+    "schema = 1\n[granular]\nphi_b = 0.6\nbox = \"12 a\"\nequilibrate = 0.0\nduration = 0.1\n";
 
 /// Three states of a run, 500 steps apart.
 app::GranularArchive kept_run() {
@@ -63,4 +63,32 @@ TEST_CASE("The state before a step is the last one kept", "[replay]") {
     CHECK(archive.before(499)->step == 0);
     CHECK(archive.before(500)->step == 500);
     CHECK(archive.before(5000)->step == 1000);
+}
+
+TEST_CASE("What an archive or a checkpoint sizes loops and lists by is looked at first", "[replay]") {
+    const store_test::Scratch folder;
+    const auto file = folder.path() / "archive.rwc";
+    const auto refused = [&](const char* why, const auto& damage) {
+        app::GranularArchive archive = kept_run();
+        damage(archive.states);
+        app::write_archive(file, archive);
+        CHECK_THROWS_WITH(app::verify(file, {}), Contains(file.string() + ": ") && Contains(why));
+    };
+    using States = std::vector<granular::State>;
+    refused("a state of step 4611686018427387904", [](States& s) { s.back().step = std::int64_t{1} << 62; });
+    refused("a state of step -1", [](States& s) { s.front().step = -1; });
+    refused("is not in order", [](States& s) { s[2].step = 500; });
+    refused("lists of the beads", [](States& s) { s[1].beads.wz.pop_back(); });
+    refused("lists of the beads", [](States& s) { s[0].beads.x.clear(); });
+    refused("beads and 0 rods at step 500", [](States& s) { s[1].beads.resize(3); });
+    refused("beads and 1 rods at step 1000", [](States& s) { s[2].rods.resize(1); });
+    refused("and its scene has", [](States& s) {
+        for (granular::State& state : s)
+            state.beads.resize(3);
+    });
+    app::GranularCheckpoint checkpoint;
+    checkpoint.state = kept_run().states.back();
+    checkpoint.progress.resize(2);
+    app::write_checkpoint(folder.path() / "final.rwc", checkpoint);
+    CHECK_THROWS_WITH(app::load_checkpoint(folder.path() / "final.rwc"), Contains("2 have a path"));
 }

@@ -286,7 +286,7 @@ TEST_CASE("Two processes do not share a folder, and a lock that was left behind 
     REQUIRE(::waitpid(child, nullptr, 0) == child);
     {
         const RunFolder folder(scratch / "run", pair(), Stages{Stage::rods}, false);
-        CHECK(has(folder.lock_taken_over(), "process " + std::to_string(child)));
+        CHECK(has(folder.lock().taken_over(), "process " + std::to_string(child)));
     }
-    CHECK(RunFolder(scratch / "run", pair(), Stages{Stage::rods}, false).lock_taken_over().empty());
+    CHECK(RunFolder(scratch / "run", pair(), Stages{Stage::rods}, false).lock().taken_over().empty());
 }

@@ -166,6 +166,15 @@ class ModelsTest(FitTest):
         self.assertEqual(self.files(), resumed)
         self.assertIn("models/second/posterior.nc", resumed)
 
+    def test_rivals_are_sampled_for_their_evidence_alone(self):
+        self.make_profile()
+        self.write("fit.toml", FIT + PRIORS.replace("samples = 4000", "samples = 40"))
+        for evidence, count in (("true", 3), ("false", 1)):
+            keys = ("-s", f"fit.posterior.evidence={evidence}")
+            self.assertEqual("of each of 3 models" in self.expect(0, "check", "fit.toml", *keys).stdout, evidence == "true")
+            self.expect(0, "fit", "fit.toml", "-o", evidence, "--quiet", *keys)
+            self.assertEqual(len(list((self.folder / evidence).rglob("posterior.json"))), count)
+
     def test_rods_that_diffuse(self):
         self.make_pair("kappa = 0.8")
         alone = RIVALS[:RIVALS.index("[[fit.models]]")].replace('["kappa"]', '["kappa", "D_r"]')

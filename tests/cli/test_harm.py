@@ -1,14 +1,17 @@
 """Surroundings that are against the program: closed streams, limits of the system, links, inputs under the names of results,
 damaged files. Nothing is lost without a word, nothing of others is touched, and no end is unseemly."""
 
+import errno
 import json
 import os
 import shutil
 import signal
+import socket
 import sqlite3
 import subprocess
 import unittest
 
+from beds import BED
 from fits import FitTest
 from rodwake import PAIR, PROGRAM, SOURCE, ProgramTest, snapshot, wait_until
 from scans import GRID, rows_of
@@ -46,9 +49,43 @@ class Streams(Surroundings):
         self.assertTrue((self.folder / "out/report.html").exists())
 
     def test_a_full_standard_output_is_told(self):
-        done = self.shell("$RODWAKE info --schema >/dev/full")
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, "standard output|No space left")
+        self.expect(0, "rods", "pair.toml", "-o", "out", "--quiet")
+        for verb in ("info --schema", "info", "info --completion bash", "info out", "help", "help kappa", "help run", "--version", "run --help",
+                     "scenes", "new", "check pair.toml"):
+            done = self.shell(f"$RODWAKE {verb} >/dev/full")
+            self.assertEqual(done.returncode, 1, verb)
+            self.assertRegex(done.stderr, "standard output|No space left", verb)
+
+
+@unittest.skipUnless("RODWAKE_FAULTY_SYSTEM" in os.environ, "needs the library of faults")
+class Locks(Surroundings):
+    """File systems without locks, as NFS and Lustre may be."""
+
+    def without_locks(self, verb, scene, error):
+        system = {"LD_PRELOAD": os.environ["RODWAKE_FAULTY_SYSTEM"], "FAULT_IN": "rodwake", "FAULT_UNDER": os.path.realpath(self.folder),
+                  "FAULT_CALL": "lock", "FAULT_AT": "-1", "FAULT_ERRNO": str(error)}
+        return subprocess.run([PROGRAM, verb, scene, "-o", "out"], cwd=self.folder, text=True, capture_output=True, timeout=60,
+                              env={**os.environ, **system})
+
+    def test_work_goes_on_with_a_warning(self):
+        self.write("grid.toml", GRID)
+        for error in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
+            for verb, scene in (("rods", "pair.toml"), ("scan", "grid.toml")):
+                done = self.without_locks(verb, scene, error)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn(f"cannot lock files ({os.strerror(error)})", done.stderr)
+                self.assertFalse((self.folder / "out/rodwake.lock").exists())
+                shutil.rmtree(self.folder / "out")
+
+    def test_the_file_is_the_lock(self):
+        (self.folder / "out").mkdir()
+        gone = subprocess.Popen(["true"])
+        gone.wait()
+        for process, code, text in ((os.getpid(), 2, "process .* works in this folder.*cannot lock files.*remove"), (gone.pid, 0, "is gone; taking over")):
+            self.write("out/rodwake.lock", f"process {process} on host {socket.gethostname()}\n")
+            done = self.without_locks("rods", "pair.toml", errno.ENOLCK)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertRegex(done.stderr, text)
 
 
 class Drawing(Surroundings):
@@ -69,7 +106,7 @@ class Drawing(Surroundings):
         self.assertTrue((self.folder / "out/report.html").exists())
         self.assertTrue(list((self.folder / "out/figures").glob("*.png")))
         self.assertEqual((self.folder / "out/rods.csv").stat().st_mtime_ns, before, "computed again")
-        self.refuse(2, "holds a finished run", "run", "pair.toml", "-o", "out")
+        self.refuse(0, "holds a finished run", "run", "pair.toml", "-o", "out")
 
 
 class Limits(Surroundings):
@@ -149,6 +186,11 @@ class Others(Surroundings):
             shutil.rmtree(self.folder / "linked")
         (self.folder / "out/figures").symlink_to(self.folder / "elsewhere")
         self.assertRegex(self.expect(1, "plot", "out").stderr, "figures: is a link")
+        for verb, name in (("replay", "replay"), ("camera", "camera"), ("tradeoff", "tradeoff_bed")):
+            (self.folder / "out" / name).symlink_to(self.folder / "elsewhere")
+            arguments = ("bed.toml", "-o", "out", "--limit", "0.1") if verb == "tradeoff" else ("out",)
+            self.write("bed.toml", BED)
+            self.assertRegex(self.expect(2, verb, *arguments).stderr, f"{name}: is a link")
         self.assertEqual(snapshot(self.folder / "elsewhere"), before)
 
     def test_a_result_kept_elsewhere_is_read(self):

@@ -42,7 +42,7 @@ class ExtendTest(ScanTest):
     def test_a_finished_scan_is_left_alone(self):
         self.scan("grid.toml", "out")
         for more in ((), ("-j", "1")):
-            self.refuse_scan("out: holds a finished run of this scene", "grid.toml", "out", *more)
+            self.refuse_scan("out: holds a finished run of this scene", "grid.toml", "out", *more, code=0)
         self.scan("grid.toml", "out", "--force")
 
     def test_what_is_gone_of_a_finished_scan_is_made_again(self):
@@ -55,7 +55,7 @@ class ExtendTest(ScanTest):
             self.assertRegex(done.stderr, f"scan: {gone[-1]}.* gone; made again")
             self.assertEqual("are in the ledger already" in done.stderr, "ledger.sqlite" not in gone)
             self.assert_same("out", "whole")
-            self.refuse_scan("holds a finished run", "scan.toml", "out")
+            self.refuse_scan("holds a finished run", "scan.toml", "out", code=0)
 
     def test_a_changed_scene_is_refused_with_what_changed(self):
         self.scan("grid.toml", "out")
@@ -107,7 +107,7 @@ class ShareTest(ScanTest):
 
     def test_a_share_that_is_computed_again_is_refused_or_goes_on(self):
         self.shares((1,), 2)
-        self.refuse_scan("part-1-of-2: holds a finished run", "grid.toml", "out", "--part", "1/2")
+        self.refuse_scan("part-1-of-2: holds a finished run", "grid.toml", "out", "--part", "1/2", code=0)
 
     def test_wrong_shares(self):
         for part in ("0/3", "4/3", "1", "1/0", "a/b", "1/2x", "-1/2"):
@@ -139,7 +139,7 @@ class FailureTest(ScanTest):
         for row in failed:
             self.assertEqual((row["outcome"], row["time"], row["turn0"], row["retries"]), ("", "", "", "3"))
         self.assertEqual(self.status("out"), "finished")
-        self.refuse_scan("holds a finished run", "grid.toml", "out", *FAILING)
+        self.refuse_scan("holds a finished run", "grid.toml", "out", *FAILING, code=0)
         self.again(rows, {row[0] for row in self.ledger("out")[0] if row[4] == "failed"})
 
     def test_causes_that_differ_in_numbers_are_one(self):

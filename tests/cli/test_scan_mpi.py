@@ -1,10 +1,11 @@
 """mpiexec -n N rodwake scan: the same tables as on threads, and nothing lost when ranks die."""
 
+import os
 import signal
 import subprocess
 
 import rodwake
-from ranks import ENVIRONMENT, ScanRanksTest, command
+from ranks import ENVIRONMENT, ScanRanksTest, command, processes_below, rank_of
 
 
 class SameTablesTest(ScanRanksTest):
@@ -33,6 +34,20 @@ class DeathTest(ScanRanksTest):
         self.scan("scan.toml", "whole", "--quiet")
         for rank in (0, 1):
             self.finish_after_deaths(rank, 2)
+
+    def test_a_signal_to_a_large_scan_ends_before_mpiexec_loses_patience(self):
+        """It kills ranks a second after the signal, in which large tables cannot be written."""
+        for to_rank in (False, True):
+            process = subprocess.Popen(command(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=8192"), cwd=self.folder,
+                                       env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.assertTrue(rodwake.wait_until(lambda: self.points("run") > (300_000 if to_rank else 150_000), 200))
+            target = next(one for one in processes_below(process.pid) if rank_of(one) == 0) if to_rank else process.pid
+            os.kill(target, signal.SIGINT)
+            told = process.communicate(timeout=60)[1]
+            self.assertIn("stopped by a signal; what was computed is in run", told)
+            self.assertEqual(process.returncode, 130 if to_rank else 1, told)  # mpiexec's own code of a job that it ended is 1
+            self.assertFalse((self.folder / "run/rodwake.lock").exists())
+            self.assertEqual(self.status("run"), "interrupted")
 
     def test_a_signal_to_the_job_keeps_what_is_done(self):
         with self.job(2, "scan", "scan.toml", "-o", "run", "--quiet", "-s", "scan.resolution=8192") as process:

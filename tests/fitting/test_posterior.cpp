@@ -289,6 +289,33 @@ TEST_CASE("chains at different places are told from chains that mix") {
     CHECK(marginal(chains).ess < 100.0);
 }
 
+TEST_CASE("data that no parameters reach are told, and others are sampled, whatever their errors") {
+    const std::vector<Prior> priors = {{PriorKind::uniform, 0.0, 5.0}, {PriorKind::uniform, -5.0, 5.0}};
+    const auto sampled = [&](double off, double sigma, bool level, bool one, bool holes) {
+        const Problem problem =
+            toy({{.name = "a", .start = 0.0}, {.name = "b", .start = 0.0}}, one ? 1 : 6,
+                [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) {
+                    for (Eigen::Index i = 0; i < r.size(); ++i)
+                        r[i] = (p[0] * (level ? 0.0 : static_cast<double>(i)) + p[1] - 1.0 - off) / sigma;
+                    if (holes && p[0] > 0.5)
+                        r[0] = std::nan("");
+                });
+        return sample(problem, priors, std::vector<double>{0.0, 0.0}, {.chains = 2, .samples = 80});
+    };
+    for (const double off : {0.0, 1e7})
+        for (const double sigma : {1e-150, 4e-12, 1e-6, 1.0, 1e12})
+            for (const int kind : {0, 1, 2, 4, 5}) {
+                INFO(off << " off, sigma " << sigma << ", kind " << kind);
+                try {
+                    const auto found = sampled(off, sigma, kind & 1, kind & 2, kind & 4);
+                    CHECK(std::isfinite(found->marginals[1].mean));
+                } catch (const rodwake::RunError& error) {
+                    CHECK(off / sigma > 1e5);
+                    CHECK(std::string(error.what()).find("posterior: ") == 0);
+                }
+            }
+}
+
 TEST_CASE("improper priors are refused") {
     const Problem problem = linear_case();
     for (const Prior& wrong :

@@ -1,5 +1,12 @@
 """Scans: the same bytes whoever evaluates the points."""
 
+import contextlib
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
 import unittest
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
@@ -44,6 +51,38 @@ class ScanTest(unittest.TestCase):
         with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, local_directory=str(new_folder(self))) as cluster:
             with Client(cluster) as client:
                 self.assertEqual(self.csv_of(threads=2), self.csv_of(client))
+
+    def test_ctrl_c_ends_a_scan_of_dask(self):
+        """Whoever is at the terminal signals the workers, too."""
+        for whole_group in (False, True):
+            folder = new_folder(self)
+            script = (f"import rodwake, time\nfrom distributed import Client, LocalCluster\n"
+                      f"if __name__ == '__main__':\n"
+                      f"    scene = rodwake.Scene.load({str(SCENES / 'pair.toml')!r})\n"
+                      f"    axes = {{'coupling.kappa': [0.1 + 0.01 * k for k in range(300)], 'rods.1.position.0': [0.01 * k - 6 for k in range(1000)]}}\n"
+                      f"    cluster = LocalCluster(2, threads_per_worker=1, dashboard_address=None, local_directory={str(folder)!r})\n"
+                      f"    try:\n        rodwake.scan(scene, axes, executor=Client(cluster), folder={str(folder / 'scan')!r})\n"
+                      f"    except KeyboardInterrupt:\n        print('stopped', time.time(), flush=True)\n        import os; os._exit(0)\n")
+            (folder / "script.py").write_text(script)
+            with subprocess.Popen([sys.executable, str(folder / "script.py")], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                                  start_new_session=True) as process:
+                try:
+                    while not (folder / "scan/ledger.sqlite-wal").exists():
+                        self.assertIsNone(process.poll())
+                        time.sleep(0.1)
+                    time.sleep(2)
+                    signalled = time.time()
+                    (os.killpg if whole_group else os.kill)(process.pid, signal.SIGINT)
+                    word, at = process.communicate(timeout=30)[0].split()
+                finally:
+                    with contextlib.suppress(ProcessLookupError):
+                        os.killpg(process.pid, signal.SIGKILL)
+            self.assertEqual(word, "stopped")
+            self.assertLess(float(at) - signalled, 5.0)  # a second, and what a busy machine adds
+            self.assertEqual(rodwake.open_run(folder / "scan").status, "interrupted")
+            self.assertFalse((folder / "scan/rodwake.lock").exists())
+            with contextlib.closing(sqlite3.connect(folder / "scan/ledger.sqlite")) as ledger:
+                self.assertEqual(ledger.execute("PRAGMA integrity_check").fetchall(), [("ok",)])
 
     def test_the_scan_of_a_scene_refines_alike(self):
         scene = rodwake.Scene.load(SCENES / "phase_parallel.toml")

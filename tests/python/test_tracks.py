@@ -105,6 +105,8 @@ class TracksTest(unittest.TestCase):
             rodwake.Tracks(table, pixel=1.0, frames_per_second=1.0, windwo="hull")
         with self.assertRaisesRegex(rodwake.InputError, r"positions: expected an array of shape \(T, N, 2\)"):
             rodwake.Tracks.from_arrays(np.zeros((3, 4)))
+        with self.assertRaisesRegex(rodwake.RunError, "run failed: measure: microrheology: [a-z]"):  # the reason, for the log is gone
+            rodwake.Tracks.from_arrays(film(2, 20), **KEYS).displacement()
         with self.assertRaisesRegex(rodwake.InputError, "none.csv.*no such file"):
             rodwake.Tracks(new_folder(self) / "none.csv", pixel=1.0, **KEYS).order()
 

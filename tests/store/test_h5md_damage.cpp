@@ -2,13 +2,18 @@
 
 #include "hdf5_edit.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/rng.hpp"
 #include "stored_frames.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <array>
+#include <chrono>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <sys/resource.h>
 
 using namespace rodwake;
 using namespace store_test;
@@ -270,4 +275,33 @@ TEST_CASE("Failures print nothing of their own") {
             error_of<InputError>([&] { store::H5mdReader(scratch / name); });
     };
     CHECK(printed_to_error(fail).empty());
+}
+
+TEST_CASE("A file damaged at any place is read or refused, soon and within a gigabyte") {
+    const Scratch scratch;
+    write_h5md(scratch / "whole", SampleFrames());
+    std::ifstream stored(scratch / "whole", std::ios::binary);
+    const std::string whole{std::istreambuf_iterator<char>(stored), {}};
+    RandomStream random(3);
+    const auto any = [&](std::size_t count) {
+        return static_cast<std::size_t>(random.uniform() * double(count));
+    };
+    for (int k = 0; k < 200; ++k) {
+        std::string damaged = whole;
+        const std::size_t at = any(whole.size() - 8), length = std::size_t{1} << any(4);
+        for (std::size_t i = at; i < at + length; ++i)
+            damaged[i] = k % 3 == 0 ? '\xff' : k % 3 == 1 ? '\0' : static_cast<char>(any(256));
+        CAPTURE(k, at, length);
+        scratch.file("damaged", damaged);
+        const auto start = std::chrono::steady_clock::now();
+        try {
+            holds(scratch / "damaged", SampleFrames());
+        } catch (const InputError&) {
+        } catch (const RunError&) {
+        }
+        CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(20));
+    }
+    rusage used{};
+    ::getrusage(RUSAGE_SELF, &used);
+    CHECK(used.ru_maxrss < 1'000'000); // kB
 }

@@ -291,8 +291,8 @@ class Bench(faults.Bench):
         for one in (info, done):
             if one.returncode not in (0, 1, 2) or faults.UNSEEMLY.search(one.stderr):
                 return "unseemly", f"exit code {one.returncode}", one.stderr
-        finished = done.returncode == 2 and "holds a finished run" in done.stderr
-        if done.returncode == 0 or finished:
+        finished = done.returncode == 0 and "holds a finished run" in done.stderr
+        if done.returncode == 0:
             differing = self.differing(self.place)
             return "finished" if finished else "resumed", f"silent: {differing}" if differing else "", ""
         forced = self.call([*self.command, "--force"])

@@ -119,8 +119,7 @@ class Bench:
         wrong = self.judge(place, done, call)
         if done.returncode != 0:
             again = subprocess.run(arguments(self.verb), cwd=place, capture_output=True, text=True, timeout=120)
-            finished = again.returncode == 2 and "holds a finished run" in again.stderr
-            if again.returncode != 0 and not finished:
+            if again.returncode != 0:
                 wrong.append(f"not taken up: {again.stderr.strip()[-200:]}")
             elif self.differing(place, call):
                 wrong.append(f"taken up with other results: {self.differing(place, call)}")

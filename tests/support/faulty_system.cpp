@@ -1,7 +1,7 @@
 // A system on which one call fails: a library to be preloaded into the program under test (faults.py).
 //
-//   FAULT_CALL   write | fsync | rename | open | unlink | malloc
-//   FAULT_AT     the number of the call that fails, from 1; 0: none
+//   FAULT_CALL   write | fsync | rename | open | unlink | malloc | lock (flock, and fcntl that locks)
+//   FAULT_AT     the number of the call that fails, from 1; 0: none; -1: all of them
 //   FAULT_ERRNO  what it fails with; -1: half of a write comes through, and the next one fails with ENOSPC
 //   FAULT_UNDER  folder: only calls on files in it count (malloc: after the first, not HDF5's)
 //   FAULT_LEAST  bytes: only allocations of so many and more count; otherwise of 1 kB, which fail in practice
@@ -26,8 +26,9 @@ extern "C" void* __libc_malloc(std::size_t size);
 
 namespace {
 
-enum Call { call_write, call_fsync, call_rename, call_open, call_unlink, call_malloc, calls };
-constexpr std::array<const char*, calls> names = {"write", "fsync", "rename", "open", "unlink", "malloc"};
+enum Call { call_write, call_fsync, call_rename, call_open, call_unlink, call_malloc, call_lock, calls };
+constexpr std::array<const char*, calls> names = {"write",  "fsync",  "rename", "open",
+                                                  "unlink", "malloc", "lock"};
 
 /// Plain, for it is asked before constructors have run.
 struct Plan {
@@ -94,7 +95,7 @@ bool fails(Call call) {
     if (call != call_malloc)
         begun = true;
     const long number = ++counted[static_cast<std::size_t>(call)];
-    if (plan.call != call || number != plan.at)
+    if (plan.call != call || (number != plan.at && plan.at != -1))
         return false;
     errno = plan.error;
     return true;
@@ -170,6 +171,29 @@ int fsync(int file) {
 int fdatasync(int file) {
     static const auto real = next<int (*)(int)>("fdatasync");
     return fails(call_fsync, file) ? -1 : real(file);
+}
+
+int flock(int file, int operation) {
+    static const auto real = next<int (*)(int, int)>("flock");
+    return fails(call_lock, file) ? -1 : real(file, operation);
+}
+
+int fcntl64(int file, int command, ...) {
+    static const auto real = next<int (*)(int, int, ...)>("fcntl64");
+    std::va_list rest;
+    va_start(rest, command);
+    void* argument = va_arg(rest, void*);
+    va_end(rest);
+    const bool locks = command == F_SETLK || command == F_SETLKW || command == F_GETLK;
+    return locks && fails(call_lock, file) ? -1 : real(file, command, argument);
+}
+
+int fcntl(int file, int command, ...) {
+    std::va_list rest;
+    va_start(rest, command);
+    void* argument = va_arg(rest, void*);
+    va_end(rest);
+    return fcntl64(file, command, argument);
 }
 
 int rename(const char* from, const char* to) {

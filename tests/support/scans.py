@@ -85,8 +85,8 @@ class ScanTest(ProgramTest):
     def scan(self, scene, run, *arguments, code=0):
         return self.expect(code, "scan", scene, "-o", run, *arguments)
 
-    def refuse_scan(self, pattern, scene, run, *arguments):
-        return self.refuse(2, pattern, "scan", scene, "-o", run, *arguments)
+    def refuse_scan(self, pattern, scene, run, *arguments, code=2):
+        return self.refuse(code, pattern, "scan", scene, "-o", run, *arguments)
 
     def rows(self, run, name="scan.csv"):
         return rows_of(self.folder / run / name)

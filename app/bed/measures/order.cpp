@@ -134,13 +134,23 @@ constexpr SeriesInfo series[] = {
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
-    const OrderResult r = measure::reduce(measure::take<OrderAccumulator>(data.sums, "order"));
+    OrderResult r = measure::reduce(measure::take<OrderAccumulator>(data.sums, "order"));
+    const auto still = std::ranges::count_if(data.tables, [](const RunTables& run) {
+        return run.summary("absorbing_state", "absorbing_state") != 0.0;
+    });
+    std::string border;
+    if (still > 0) {
+        r.decay.decay = measure::Decay::undetermined;
+        r.decay.reason =
+            fmt::format("{} of {} runs ended in an absorbing state: a bed that does not move has no phase",
+                        still, data.tables.size());
+        border = "; " + r.decay.reason;
+    }
     const Found f = {r, a};
     Values told = values_of(values, f);
-    std::string border;
     if (r.at_border) { // of tracks alone, and told of by the stage
         told.push_back({"at_border", *r.at_border});
-        border = fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
+        border += fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
     }
     return {.values = std::move(told),
             .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,

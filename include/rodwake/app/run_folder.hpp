@@ -9,6 +9,7 @@
 
 #include "rodwake/app/plan.hpp"
 #include "rodwake/app/run_context.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -45,6 +46,9 @@ std::string stage_key(const scene::Scene& scene, Stage stage);
 /// Whether the folder holds this stage of this scene, finished.
 bool holds_finished(const std::filesystem::path& folder, const scene::Scene& scene, Stage stage);
 
+/// Throws InputError for a link: what it leads to is not the run's, so nothing is written through it.
+void refuse_link(const std::filesystem::path& path);
+
 /// Holds `rodwake.lock` of a folder until it goes.
 class FolderLock {
 public:
@@ -58,18 +62,27 @@ public:
     FolderLock& operator=(FolderLock&&) = delete;
 
     const std::string& taken_over() const { return taken_over_; }
+    /// Why the lock may not hold, for the user; empty if it does.
+    const std::string& doubt() const { return doubt_; }
 
 private:
     std::string name_;
     int file_ = -1;
-    std::string taken_over_;
+    std::string taken_over_, doubt_;
+};
+
+/// The folder holds all that is asked for, so there is nothing to do.
+class FinishedRun : public InputError {
+public:
+    using InputError::InputError;
 };
 
 class RunFolder {
 public:
     /// Makes the folder, or takes up the run in it. Throws InputError for a folder that cannot be used
-    /// (above), RunError if it cannot be written. Nothing of an earlier run is touched yet. `reopen_scan`: a
-    /// scan goes on though it is finished; `draws`: figures that are gone are reason enough.
+    /// (above), FinishedRun for one in which nothing is left to do, RunError if it cannot be written. Nothing
+    /// of an earlier run is touched yet. `reopen_scan`: a scan goes on though it is finished; `draws`:
+    /// figures that are gone are reason enough.
     RunFolder(std::filesystem::path path, const scene::Scene& scene, std::span<const Stage> stages,
               bool force, bool reopen_scan = false, bool draws = false);
 
@@ -87,7 +100,7 @@ public:
     bool extended() const { return extended_; }
     /// Of stages that were finished.
     const LostFiles& lost() const { return lost_; }
-    const std::string& lock_taken_over() const { return lock_.taken_over(); }
+    const FolderLock& lock() const { return lock_; }
 
     /// How each stage stands with the stages that are to be done at `status`.
     StageRecords records(const std::string& status) const;

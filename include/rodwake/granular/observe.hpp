@@ -38,10 +38,11 @@ PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial
 inline double isotropic(const PlaneTensor& pressure) { return (pressure[0] + pressure[2]) / 2.0; }
 
 /// Whether the beads have stopped moving sideways between vibrating plates: an absorbing state, in which each
-/// bead bounces in step with the plates, or by itself, and meets no other. T.xy is then at most 1e-6 of the
+/// bead bounces in step with the plates, or by itself, and meets no other. T.xy is then at most 3e-5 of the
 /// square of the plates' largest speed, Gamma g/(2 pi f); that of a bed that moves is 1e-3 to 1e-1 of it, and
-/// without collisions friction with the plates takes it to zero exponentially. Never of fewer than two beads,
-/// nor of static plates.
+/// without collisions friction with the plates takes it to zero exponentially. T is that of beads far from
+/// the rods, which stir those around them (Simulation::far_temperatures). Never of fewer than two beads, nor
+/// of static plates.
 bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem);
 
 /// J; potential above z = 0. Spins of beads and rods are part of the kinetic energy.
