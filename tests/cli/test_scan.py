@@ -216,6 +216,25 @@ class DesignTest(ScanTest):
             self.assertAlmostEqual(told["certified_area"][name], share, places=9)  # rounding of each cell 1e-14
         self.assertGreater(area["verified"] + area["checked"], 0.2)
 
+    def test_which_two_of_three_rods_met(self):
+        three = CROSSING + "[[rods]]\nposition = [4.0, 1.0]\nheading = 3.1\n"
+        self.write("three.toml", three + "[scan]\n" + axis("rods.1.position.0", -5.0, 5.0, 5) + axis("coupling.kappa", 5.0, 60.0, 3))
+        self.scan("three.toml", "three")
+        rows = self.rows("three")
+        met = [(row["pair_i"], row["pair_j"]) for row in rows if row["outcome"] in ("contact", "pursuit")]
+        self.assertGreater(len(set(met)), 1)
+        self.assertEqual({(row["pair_i"], row["pair_j"]) for row in rows if row["outcome"] not in ("contact", "pursuit")} - {("", "")}, set())
+        for row in rows[::3]:
+            self.write("one.toml", three)
+            self.expect(0, "rods", "one.toml", "-o", "one", "--force", "--quiet", *[word for key in ("rods.1.position.0", "coupling.kappa")
+                                                                                    for word in ("-s", f"{key}={float(row[key])}")])
+            told = json.loads((self.folder / "one/outcome.json").read_text())
+            if told["outcome"] in ("contact", "pursuit"):
+                self.assertEqual([int(row["pair_i"]), int(row["pair_j"])], told["pair"])
+        self.write("two.toml", CROSSING + "[scan]\n" + axis("rods.1.position.0", -5.0, 5.0, 2))
+        self.scan("two.toml", "two")
+        self.assertNotIn("pair_i", self.rows("two")[0])
+
     def test_words_and_ties(self):
         self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'
                    '[[scan.axes]]\nkeys = ["coupling.gamma1", "coupling.gamma2"]\nfactor = [1.0, -1.0]\nvalues = [1.0, 2.0]\n')

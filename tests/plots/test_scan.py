@@ -84,8 +84,8 @@ class AdaptiveTest(ScanCase):
         self.assertTrue((ends[..., 0] >= 0.1 * (1 - 1e-9)).all() and (ends[..., 0] <= 100 * (1 + 1e-9)).all())
 
     def test_open_cells_are_hatched(self):
-        def hatched(area):
-            self.retell(certificates={"verified": 10, "checked": 20, "open": 0}, certified_area=area)
+        def hatched(area, word="verified"):
+            self.retell(certificates={word: 10, "checked": 20, "open": 0}, certified_area=area)
             made, caption = self.draw()
             self.assertIn("verified 10, checked 20", caption)
             cells = [len(one.get_paths()) for one in made.axes[0].collections if one.get_hatch()]
@@ -93,6 +93,7 @@ class AdaptiveTest(ScanCase):
             return cells
         wanted = (self.folder / "cells.csv").read_text().count(",open\n")
         self.assertEqual(hatched({"verified": 0.25, "checked": 0.7, "open": 0.05}), [wanted])
+        self.assertEqual(hatched({"proved": 0.25, "checked": 0.7, "open": 0.05}, "proved"), [wanted])  # as version 0.3 wrote it
         self.assertEqual(hatched({"verified": 0.0, "checked": 0.0, "open": 1.0}), [])  # they were not asked for
 
     def test_window(self):
