@@ -101,7 +101,7 @@ double FarWakes::error_growth(std::span<const KernelSource> rods_in_xi, bool pol
         largest = std::max(largest, aligned);
     }
     const double area = std::max(extent.width, 1.0) * std::max(extent.height, 1.0);
-    return (polar ? 1.4 : 0.8) * std::sqrt(1.3 * squares / area + 0.01 * largest);
+    return (polar ? 1.6 : 0.8) * std::sqrt(1.3 * squares / area + 0.003 * largest);
 }
 
 FarWakes::FarWakes(const Medium& medium, double strain_tolerance, double polar_tolerance, bool polar)

@@ -60,7 +60,7 @@ def outcome(run):
 
 def known(run):
     """How well the outcome is known."""
-    verified = " The outcome is verified: a bound of the run's error leaves no other."
+    verified = " The outcome is verified."  # version 0.3 wrote proved
     return {"verified": verified, "proved": verified, "checked": " The outcome is checked by a second, tighter run.",
             "open": " The outcome is neither verified nor checked."}.get(run.outcome.get("certificate"), "")
 
