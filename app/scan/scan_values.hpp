@@ -44,7 +44,7 @@ struct EncounterEnd {
     double angle = 0.0;           ///< likewise
     long steps = 0, rhs_evaluations = 0;
     double certificate = 2.0; ///< number of the Certificate; a word in scan.csv
-    rods::Separation pair;    ///< of which the outcome tells
+    rods::Separation pair{};  ///< of which the outcome tells
 
     static constexpr auto fields() {
         using R = EncounterEnd;
