@@ -34,7 +34,8 @@ class PageTest(ProgramTest):
 
     def setUp(self):
         super().setUp()
-        self.page.evaluate("rodwake.page.store.change({...rodwake.page.start, time: 0, ...rodwake.page.paths.whole()}); scrollTo(0, 0)")
+        self.page.evaluate("rodwake.page.store.change({...rodwake.page.start, time: 0}, false); rodwake.page.paths.solve();"
+                           " rodwake.page.store.change(rodwake.page.paths.whole()); scrollTo(0, 0)")
         self.frame()
 
     def tearDown(self):
