@@ -159,7 +159,7 @@ TEST_CASE("crowds whose errors add up keep to their tolerances, too") {
     RandomStream random(7);
     const double side = std::sqrt(2000.0 / 3.9);
     Crowd alike = crowd(2000, side, side), clumps = crowd(2000, 45.0, 45.0), marching = clumps;
-    const Crowd dense = crowd(2000, side, side);
+    Crowd dense = crowd(2000, side, side);
     for (Source& rod : alike.rods)
         rod.heading = 0.3;
     for (std::size_t i = 0; i < 2000; ++i) { // of 20, within 0.25 xi
@@ -174,7 +174,7 @@ TEST_CASE("crowds whose errors add up keep to their tolerances, too") {
         for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
             const Result got = sums_of(all->rods, {1.0, 1.0},
                                        {.strain_tolerance = tolerance, .polar_tolerance = tolerance}, true);
-            CAPTURE(all - &alike, tolerance, got.done);
+            CAPTURE(all->width, all->rods[0].heading, tolerance, got.done);
             CHECK(largest_difference(got.sums, exact, 0, strain_parts) <= tolerance);
             CHECK(largest_difference(got.sums, exact, strain_parts, all_parts) <= tolerance);
             far += got.done < 2000 * 1999;
