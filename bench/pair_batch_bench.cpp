@@ -2,7 +2,7 @@
 // rods::simulate with explicit Runge-Kutta, and boost::numeric::odeint's dopri5 on the scalar right-hand side
 // with a look for contact after each step, all in one run. Counters: trajectories a second; the median error
 // of the final state against a run at 1e-12, where both end alike. `plain` and `certified`: 2000 pairs with
-// kappa up to the argument, without and with certificates; seconds a pair, and the shares that are proved and
+// kappa up to the argument, without and with certificates; seconds a pair, and the shares that are verified and
 // checked.
 
 #include "instruction_set.hpp"
@@ -153,7 +153,7 @@ void with_kappa(benchmark::State& state, const Run& run) {
         const auto has = [&](const rods::PairResult& one) { return one.certificate == certificate; };
         return static_cast<double>(std::ranges::count_if(results, has)) / count;
     };
-    state.counters["proved"] = share(Certificate::proved);
+    state.counters["verified"] = share(Certificate::verified);
     state.counters["checked"] = share(Certificate::checked);
 }
 

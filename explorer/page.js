@@ -38,7 +38,7 @@ class Explorer {
     this.wake = new WakePicture(find("#wake-stage"), this.store, api, this.paths);
     this.diagram = new Diagram(find("#diagram-stage"), this.store, api);
     this.diagramKey = this.diagram.key();
-    this.controls = buildControls(this.store, state => this.paths.whole(api.simulate(problemOf(state))));
+    this.controls = buildControls(this.store, state => this.paths.whole(api.simulate(problemOf(state)), state));
     this.controls.forEach(control => control.follow());
     this.frames = [];
     this.store.listeners.push(keys => this.onChange(keys));

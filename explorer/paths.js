@@ -96,13 +96,16 @@ class Paths {
       });
     this.tick = step;
   }
-  /** A view of all that happens, or of its first part where rods go far. */
-  whole({ path } = this.run) {
-    const reach = 40;
-    const all = path.flatMap(row => [[row[1], row[2]], [row[4], row[5]]]);
+  /** A view of all that happens, or of its first part where rods go far, and of the wakes at the start: ten screening lengths
+   *  behind the rods, but no longer than the paths, which would be small beside them. */
+  whole({ path } = this.run, { alpha } = this.store.state) {
+    const reach = 40, low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    const include = place => place.forEach((at, k) => { low[k] = Math.min(low[k], at); high[k] = Math.max(high[k], at); });
     const [x0, y0] = [(path[0][1] + path[0][4]) / 2, (path[0][2] + path[0][5]) / 2];
-    const near = all.filter(([x, y]) => Math.hypot(x - x0, y - y0) < reach);
-    const low = [0, 1].map(k => Math.min(...near.map(point => point[k]))), high = [0, 1].map(k => Math.max(...near.map(point => point[k])));
+    for (const row of path)
+      for (const [x, y] of [[row[1], row[2]], [row[4], row[5]]]) if (row === path[0] || Math.hypot(x - x0, y - y0) < reach) include([x, y]);
+    const tail = Math.min(10 / alpha, Math.max(high[0] - low[0], high[1] - low[1]));
+    for (const k of [1, 4]) include([path[0][k] - tail * Math.cos(path[0][k + 2]), path[0][k + 1] - tail * Math.sin(path[0][k + 2])]);
     const wide = Number((1.35 * Math.max(high[0] - low[0], high[1] - low[1], 6)).toPrecision(4));
     const short = value => Number(value.toPrecision(5));
     return { wide, left: short((low[0] + high[0] - wide) / 2), top: short((low[1] + high[1] + wide) / 2) };

@@ -79,9 +79,10 @@ function toAddress(state) {
 function fromAddress(text, before) {
   const state = { ...before };
   for (const [key, value] of new URLSearchParams(text)) {
+    if (!Object.hasOwn(START, key)) continue;
     if (CHOICES[key]) {
       if (CHOICES[key].includes(value)) state[key] = value;
-    } else if (key in START && value !== "" && legal(PARAMETERS[key] ?? { legal: {} }, Number(value))) {
+    } else if (value !== "" && legal(PARAMETERS[key] ?? { legal: {} }, Number(value))) {
       state[key] = Number(value);
     }
   }

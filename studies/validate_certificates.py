@@ -129,7 +129,7 @@ def straight(lab):
     margins, far = margins_of(points), np.arange(count) % 2 == 1
     meets = margins < 0.0
     said = np.array([row["outcome"] == "contact" for row in found])
-    proved = np.array([row["certificate"] == "proved" for row in found])
+    proved = np.array([row["certificate"] == "verified" for row in found])
     lines = []
     for away, of_away in (("3 to 30", ~far), ("1e6", far)):
         for low, high in zip((0.0, *DECADES[:-1]), DECADES):
@@ -138,7 +138,7 @@ def straight(lab):
                 lines.append((away, f"{low:g} to {high:g}", of.sum(), (of & meets & ~said).sum(), (of & ~meets & said).sum(),
                               f"{proved[of].mean():.2%}", (of & proved & (said != meets)).sum()))
     table(f"Straight walkers, {count} encounters", ("contact distances away", "margin", "encounters", "contacts missed", "contacts made up",
-                                                    "proved", "proved and wrong"), lines)
+                                                    "verified", "verified and wrong"), lines)
     lines = []
     for name, seen in {"rodwake": said[:20_000], **by_others(lab, points)}.items():
         seen = np.asarray(seen)
@@ -184,7 +184,7 @@ def tell(points, run, exact, rtol):
     lines = []
     for name, chosen in (("contact grazed", slice(0, None, 2)), ("any", slice(1, None, 2))):
         pairs = [(a, b, point) for a, b, point in zip(run[chosen], exact[chosen], points[chosen]) if a["status"] == b["status"] == "ok"]
-        for certificate in ("proved", "checked", "open"):
+        for certificate in ("verified", "checked", "open"):
             of = [(a["outcome"] != b["outcome"], point) for a, b, point in pairs if a["certificate"] == certificate]
             wrong = [point for differs, point in of if differs]
             lines.append((name, certificate, len(of), f"{len(of) / len(pairs):.1%}", len(wrong)))
@@ -207,7 +207,7 @@ def diagrams(lab):
         total = sum(points.values())
         lines.append((scene, total, *(f"{points[name] / total:.1%}" for name in points), *(f"{area[name]:.1%}" for name in area),
                       *(f"{one:.1f}" for one in seconds)))
-    table("Shipped diagrams", ("scene", "points", "proved", "checked", "open", "area proved", "checked", "open", "seconds without", "with"), lines)
+    table("Shipped diagrams", ("scene", "points", "verified", "checked", "open", "area verified", "checked", "open", "seconds without", "with"), lines)
 
 
 # Narrow wakes

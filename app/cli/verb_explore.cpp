@@ -28,9 +28,6 @@ int verb_explore(const Options& options) {
     if (options.quiet)
         return 0;
     fmt::print("{}: {} kB; open it in a browser, no network is needed\n", page.string(), text.size() / 1000);
-    if (start)
-        for (const std::string& line : app::left_out_by_explorer(start->scene))
-            fmt::print("  {}\n", line);
     return 0;
 }
 

@@ -52,15 +52,20 @@ bool holds(const fs::path& file, const std::string& text) {
 
 /// Where the explorer shows what ran, its page goes beside the report, which then speaks of it. Of scans
 /// scan.html computes; a scene that is not readable is for the plotting program to tell.
-void write_explorer(const fs::path& folder) {
+void write_explorer(const fs::path& folder, bool quiet) {
     std::optional<scene::Scene> scene;
     try {
         scene = scene::read_scene(folder / "scene.toml");
     } catch (const InputError&) {
         return;
     }
-    if (!app::shown_by_explorer(*scene) || scene->scan)
+    if (scene->scan || !scene->rods_run)
         return;
+    if (const std::vector<std::string> left = app::left_out_by_explorer(*scene); !left.empty()) {
+        if (!quiet && scene->rods.size() == 2)
+            fmt::print("no {}: {}\n", app::explorer_file, left.front());
+        return;
+    }
     const std::string name = fs::absolute(folder).lexically_normal().filename().string();
     const std::string page =
         app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name});
@@ -83,7 +88,7 @@ void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
     const bool elsewhere =
         std::ranges::any_of(looks, [](const auto& look) { return look.starts_with("--output="); });
     if (!elsewhere)
-        write_explorer(run_directory);
+        write_explorer(run_directory, quiet);
     const int code = app::run_child(command,
                                     "figures need python3 with matplotlib and h5py (tools/quickstart "
                                     "--deps-only or pip installs them)",

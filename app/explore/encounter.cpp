@@ -14,7 +14,9 @@ namespace rodwake::app {
 
 namespace {
 
-constexpr long most_attempts = 200'000; // of one encounter: some seconds in a browser
+// Steps that an encounter may take, and a cell of a diagram that the kernels do not take: about a second, and
+// a tenth of one, in a browser.
+constexpr long most_attempts = 100'000, most_attempts_of_cell = 5'000;
 
 void check_rtol(double rtol) {
     if (!(rtol >= 1e-13 && rtol <= 0.1))
@@ -49,6 +51,8 @@ bool by_kernels(const rods::RodProblem& problem, double rtol, EncounterPath& enc
     };
     rods::PairResult result;
     rods::simulate_pairs({&*pair, 1}, options, {&result, 1});
+    if (result.end == rods::PairEnding::too_many_steps)
+        throw too_stiff(most_attempts, result.time);
     if (result.handed_over()) {
         encounter.rows.clear();
         return false;
@@ -67,7 +71,7 @@ EncounterSummary summary_of(const rods::RodOutcome& outcome) {
 /// By itself, whatever it is.
 EncounterSummary end_alone(const rods::RodProblem& problem, double rtol) {
     try {
-        return summary_of(explicit_run(problem, rtol, most_attempts, [](auto&&...) {}));
+        return summary_of(explicit_run(problem, rtol, most_attempts_of_cell, [](auto&&...) {}));
     } catch (const std::exception&) { // one bad cell must not cost the others
         constexpr double nan = std::numeric_limits<double>::quiet_NaN();
         return {Ending::undecided, nan, nan};
@@ -117,9 +121,12 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
     }
     std::vector<rods::PairResult> results(pairs.size());
     rods::simulate_pairs(pairs, {rtol, 0.01 * rtol}, results);
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t k = 0; k < pairs.size(); ++k)
-        ends[places[k]] = results[k].handed_over() ? end_alone(problems[places[k]], rtol)
-                                                   : summary_of(rods::outcome_of(results[k]));
+        ends[places[k]] = results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
+                              ? EncounterSummary{Ending::undecided, nan, nan}
+                              : results[k].handed_over() ? end_alone(problems[places[k]], rtol)
+                                                         : summary_of(rods::outcome_of(results[k]));
 }
 
 void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::Places points,

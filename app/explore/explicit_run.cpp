@@ -60,9 +60,7 @@ public:
         on_row(time_, y_, rates_);
         for (long tried = 0; !ended_; ++tried) {
             if (tried == max_attempts)
-                throw RunError(fmt::format("more than {} steps by t = {:.6g}: too stiff for an explicit "
-                                           "method; rodwake rods solves it",
-                                           max_attempts, time_));
+                throw too_stiff(max_attempts, time_);
             if (advance())
                 on_row(time_, y_, rates_);
         }
@@ -199,6 +197,12 @@ rods::RodModel model_on_plane(const rods::RodProblem& problem) {
     const bool interacting = problem.couplings.any() && problem.medium;
     return {interacting ? std::make_shared<const PlaneWakes>(*problem.medium) : nullptr, problem.couplings,
             problem.rods.size()};
+}
+
+RunError too_stiff(long attempts, double time) {
+    return RunError(fmt::format("more than {} steps by t = {:.6g}: too stiff for an explicit "
+                                "method; rodwake rods solves it",
+                                attempts, time));
 }
 
 rods::RodOutcome explicit_run(const rods::RodProblem& problem, double rtol, long max_attempts,

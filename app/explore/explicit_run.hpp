@@ -1,6 +1,7 @@
 #pragma once
 // Any number of rods by an explicit method, without SUNDIALS.
 
+#include "rodwake/core/error.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <functional>
@@ -10,6 +11,8 @@ namespace rodwake::app {
 /// The equations of a problem in the exact field on the plane, each wake by itself: without the sums over
 /// many rods of elastic/mutual_wakes.hpp, which need threads and would be most of the page.
 rods::RodModel model_on_plane(const rods::RodProblem& problem);
+
+RunError too_stiff(long attempts, double time);
 
 /// Told the time, the state and its rates at the start and after each step.
 using OnRow = std::function<void(double time, integrate::State y, integrate::State rates)>;

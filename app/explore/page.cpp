@@ -8,13 +8,17 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
+#include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 namespace rodwake::app {
 
@@ -25,10 +29,36 @@ using nlohmann::ordered_json;
 /// In the order in which they are one script.
 constexpr const char* scripts[] = {"kernel.js", "rodwake.js", "state.js",   "controls.js", "stage.js",
                                    "wake.js",   "paths.js",   "diagram.js", "files.js",    "page.js"};
-/// Keys whose symbols, units and meanings the page shows.
-constexpr std::pair<std::string_view, std::string_view> shown_keys[] = {
-    {"medium", "eta"},      {"medium", "alpha"},   {"coupling", "kappa"},           {"coupling", "gamma1"},
-    {"coupling", "gamma2"}, {"rods_run", "t_end"}, {"rods_run", "contact_distance"}};
+/// What the page can do with the keys of [medium], [coupling] and [rods_run]. It starts from those with a
+/// number, under their names, and shows their symbols, units and meanings. The others are harmless: they are
+/// said in those numbers, or say how the same encounter is solved. Any key that is not here has to keep its
+/// default, or there is no page.
+struct PageKey {
+    std::string_view table, name;
+    double (*number)(const rods::RodProblem&) = nullptr;
+};
+using P = const rods::RodProblem&;
+constexpr PageKey page_keys[] = {
+    {"medium", "eta", [](P p) { return p.medium->eta; }},
+    {"medium", "alpha", [](P p) { return 1.0 / p.medium->xi; }},
+    {"rods_run", "t_end", [](P p) { return p.t_end; }},
+    {"rods_run", "contact_distance", [](P p) { return p.contact_distance.value_or(0.0); }},
+    {"coupling", "kappa", [](P p) { return p.couplings.kappa; }},
+    {"coupling", "gamma1", [](P p) { return p.couplings.gamma1; }},
+    {"coupling", "gamma2", [](P p) { return p.couplings.gamma2; }},
+    {"medium", "xi"},               // which is what a scene has of eta and alpha in all their forms
+    {"coupling", "polar_basis"},    // in the numbers of the gammas
+    {"coupling", "gamma_flow"},     // likewise
+    {"coupling", "rows_direction"}, // without gamma_rows nothing
+    {"rods_run", "output_times"},
+    {"rods_run", "output_interval"},
+    {"rods_run", "method"},
+    {"rods_run", "form"},
+    {"rods_run", "rtol"},
+    {"rods_run", "atol"},
+    {"rods_run", "max_steps"},
+    {"rods_run", "turning_tolerance"}, // of sums over many rods, as the next
+    {"rods_run", "precision"}};
 
 std::string part_of_page(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -55,30 +85,24 @@ std::string base64(std::string_view bytes) {
 ordered_json described_keys() {
     ordered_json keys;
     const auto schema = nlohmann::json::parse(scene::schema_json());
-    for (const auto& [table, name] : shown_keys)
+    for (const PageKey& shown : page_keys)
         for (const auto& key : schema["keys"])
-            if (key["table"] == table && key["key"] == name)
-                keys[std::string(name)] = {{"symbol", key.value("symbol", "")},
-                                           {"unit", key.contains("unit") ? key["unit"]["reduced"] : ""},
-                                           {"meaning", key["meaning"]},
-                                           {"range", key["range"]}};
+            if (shown.number != nullptr && key["table"] == shown.table && key["key"] == shown.name)
+                keys[std::string(shown.name)] = {{"symbol", key.value("symbol", "")},
+                                                 {"unit", key.contains("unit") ? key["unit"]["reduced"] : ""},
+                                                 {"meaning", key["meaning"]},
+                                                 {"range", key["range"]}};
     return keys;
 }
 
 ordered_json start_state(const scene::Scene& scene) {
-    if (!scene.rods_run)
-        throw InputError("no [rods_run]: the page shows encounters of two rods of the theory");
+    if (const std::vector<std::string> left = left_out_by_explorer(scene); !left.empty())
+        throw InputError(fmt::format("no page of this scene: {}", fmt::join(left, "; ")));
     const rods::RodProblem problem = rod_problem(scene);
-    if (problem.rods.size() < 2)
-        throw InputError(fmt::format("rods: {}; the page shows encounters of two", problem.rods.size()));
-    if (!problem.medium)
-        throw InputError("no [medium]: rods without one walk straight, and there is no wake to show");
-    ordered_json state = {{"eta", problem.medium->eta},
-                          {"alpha", 1.0 / problem.medium->xi},
-                          {"t_end", problem.t_end},
-                          {"contact_distance", problem.contact_distance.value_or(0.0)}};
-    for (const rods::Coupling& coupling : rods::coupling_list)
-        state[std::string(coupling.name)] = problem.couplings.*coupling.number;
+    ordered_json state;
+    for (const PageKey& key : page_keys)
+        if (key.number != nullptr)
+            state[std::string(key.name)] = key.number(problem);
     for (const std::size_t rod : {0u, 1u}) {
         const rods::Pose& pose = problem.rods[rod];
         state[fmt::format("x{}", rod)] = pose.x;
@@ -123,19 +147,31 @@ std::string explorer_page(const std::filesystem::path& folder, const std::option
 
 std::vector<std::string> left_out_by_explorer(const scene::Scene& scene) {
     std::vector<std::string> left;
-    if (scene.rods.size() > 2)
-        left.push_back(fmt::format("rods: the page shows the first two of {}", scene.rods.size()));
-    if (scene.medium && scene.medium->box())
-        left.emplace_back("medium.periodic: the page shows the infinite plane");
-    if (scene.medium && scene.medium->field != scene::FieldBackend::exact)
-        left.emplace_back("medium.field: the page has the exact steady field");
+    if (!scene.rods_run)
+        left.emplace_back("no [rods_run]: the page shows encounters of two rods of the theory");
+    if (scene.rods.size() != 2)
+        left.push_back(fmt::format("rods: {}; the page shows encounters of two", scene.rods.size()));
+    if (!scene.medium)
+        left.emplace_back("no [medium]: rods without one walk straight, and there is no wake to show");
     if (scene.noise)
         left.emplace_back("[noise]: the page has none");
+    std::istringstream written(scene::to_toml(scene)); // every key with its value
+    std::string table;
+    for (std::string line; std::getline(written, line);) {
+        if (line.starts_with('['))
+            table = line.substr(1, line.find(']') - 1);
+        const std::size_t equals = line.find(" = ");
+        if ((table != "medium" && table != "coupling" && table != "rods_run") || equals == std::string::npos)
+            continue;
+        const std::string name = line.substr(0, equals), key = table + "." + name;
+        const bool known = std::ranges::any_of(
+            page_keys, [&](const PageKey& one) { return one.table == table && one.name == name; });
+        if (!known && line.substr(equals + 3) != scene::key_info(key).value().default_value)
+            left.push_back(fmt::format("{}: the page has only two rods in the exact steady field on the "
+                                       "infinite plane, turned by kappa, gamma1, gamma2 and gamma_flow",
+                                       table + "." + line));
+    }
     return left;
-}
-
-bool shown_by_explorer(const scene::Scene& scene) {
-    return scene.rods_run && scene.rods.size() == 2 && scene.medium && left_out_by_explorer(scene).empty();
 }
 
 } // namespace rodwake::app

@@ -39,7 +39,7 @@ std::vector<scan::Lattice::Place> corners_of(const scan::Lattice& lattice, const
 Certificate worst_corner(const scan::Lattice& lattice, const scan::Leaf& leaf, const Known& known) {
     if (leaf.mixed || leaf.outcome < 0)
         return Certificate::open;
-    Certificate worst = Certificate::proved;
+    Certificate worst = Certificate::verified;
     for (const scan::Lattice::Place& corner : corners_of(lattice, leaf)) {
         const auto at = known.find(lattice.id(corner));
         worst = std::max(worst, at == known.end() ? Certificate::open : at->second);
@@ -59,15 +59,15 @@ bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan:
     return rods::all_end(pairs, static_cast<Ending>(leaf.outcome), {problem.run().rtol, problem.run().atol});
 }
 
-/// Cells whose corners are proved are so themselves, or their corners alone are: then they are checked.
-void prove_cells(const ScanPlan& plan, const scan::Lattice& lattice, const std::vector<scan::Leaf>& leaves,
+/// Cells whose corners are verified are so themselves, or their corners alone are: then they are checked.
+void verify_cells(const ScanPlan& plan, const scan::Lattice& lattice, const std::vector<scan::Leaf>& leaves,
                  std::size_t threads, std::vector<Certificate>& cells) {
     constexpr std::size_t at_once = 64;
     parallel_for((leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {
         PointProblem problem(plan);
         for (std::size_t i = at_once * block; i < std::min(leaves.size(), at_once * (block + 1)); ++i)
             try {
-                if (cells[i] == Certificate::proved && !is_uniform(problem, lattice, leaves[i]))
+                if (cells[i] == Certificate::verified && !is_uniform(problem, lattice, leaves[i]))
                     cells[i] = Certificate::checked;
             } catch (const InputError&) { // values that no point may have
                 cells[i] = Certificate::checked;
@@ -104,7 +104,7 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
     const scan::Lattice lattice(plan.design);
     for (const scan::Leaf& leaf : summary.leaves)
         found.cells.push_back(worst_corner(lattice, leaf, known));
-    prove_cells(plan, lattice, summary.leaves, threads, found.cells);
+    verify_cells(plan, lattice, summary.leaves, threads, found.cells);
     for (std::size_t i = 0; i < found.cells.size(); ++i)
         found.area[static_cast<std::size_t>(found.cells[i])] += area_of(lattice, summary.leaves[i]);
     return found;
@@ -112,9 +112,9 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
 
 std::string certificates_text(const ScanCertificates& certificates) {
     const auto& [points, area, cells] = certificates;
-    std::string text = fmt::format("{} points proved, {} checked, {} open", points[0], points[1], points[2]);
+    std::string text = fmt::format("{} points verified, {} checked, {} open", points[0], points[1], points[2]);
     if (!cells.empty())
-        text += fmt::format("; of the area {:.1f} % proved, {:.1f} % checked, {:.1f} % open", 100.0 * area[0],
+        text += fmt::format("; of the area {:.1f} % verified, {:.1f} % checked, {:.1f} % open", 100.0 * area[0],
                             100.0 * area[1], 100.0 * area[2]);
     return text;
 }

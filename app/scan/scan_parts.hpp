@@ -82,8 +82,8 @@ std::optional<ScanList> read_scan_list(const scene::Scene& scene);
 inline bool of_beds(const ScanPlan& plan) { return plan.subject == scene::ScanSubject::beds; }
 
 /// Of the points that did not fail how many are known how well, by the number of the Certificate. Of an
-/// adaptive scan its cells, as Summary::leaves, and their shares of the area: proved if no pair within ends
-/// otherwise, checked if the corners agree and are proved or checked, else open.
+/// adaptive scan its cells, as Summary::leaves, and their shares of the area: verified if no pair within ends
+/// otherwise, checked if the corners agree and are verified or checked, else open.
 struct ScanCertificates {
     std::array<std::int64_t, 3> points{};
     std::array<double, 3> area{};
@@ -91,7 +91,7 @@ struct ScanCertificates {
 };
 ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledger,
                                  const scan::Summary& summary, std::size_t threads);
-/// "120 points proved, 3 checked, 0 open; of the area ..."
+/// "120 points verified, 3 checked, 0 open; of the area ..."
 std::string certificates_text(const ScanCertificates& certificates);
 
 /// scan.csv, scan.h5 (with the sample of trajectories), scan.json; cells.csv and boundary.csv where there are

@@ -133,6 +133,9 @@ scan::Columns columns_of_rods(const scene::Scene& scene) {
     for_each_number(some, told_turns, [&](const auto& field, int rod, double) {
         columns.observables.push_back(numbered(field.name, rod));
     });
+    if (scene.rods.size() > 2)
+        for (const std::string_view name : field_names<MetPair>())
+            columns.observables.emplace_back(name);
     if (scene.noise)
         for (const std::string_view name : field_names<CaptureNumbers>())
             columns.observables.emplace_back(name);

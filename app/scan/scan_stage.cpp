@@ -251,7 +251,7 @@ std::string scan_cost(const ScanPlan& plan) {
 constexpr ColumnInfo cells_columns[] = {
     {"outcome", "1", "of all corners of the cell; mixed: they differ"},
     {"certificate", "1",
-     "proved: no pair within the cell ends otherwise; checked: the corners are proved or checked; open"}};
+     "verified: no pair within the cell ends otherwise; checked: the corners are verified or checked; open"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
     {"between", "1", "the two outcomes"},

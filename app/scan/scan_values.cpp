@@ -56,6 +56,7 @@ EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
     end.steps = run.solution.statistics.steps;
     end.rhs_evaluations = run.solution.statistics.rhs_evaluations;
     end.certificate = static_cast<double>(outcome.certificate);
+    end.pair = outcome.pair;
     return end;
 }
 
@@ -81,9 +82,14 @@ void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& uni
                                                                  : 1.0;
         result.values[next++] = number * unit;
     });
+    if (plan.base.rods.size() > 2) {
+        const bool met = end.ending == Ending::contact || end.ending == Ending::pursuit;
+        for (const std::size_t rod : {end.pair.first, end.pair.second})
+            result.values[next++] = met ? static_cast<double>(rod) : std::nan("");
+    }
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
         if (const std::string& name = plan.columns.observables[k];
-            !std::isfinite(result.values[k]) && name != "non_reciprocity") {
+            !std::isfinite(result.values[k]) && name != "non_reciprocity" && !name.starts_with("pair_")) {
             result.status = scan::Status::not_finite;
             result.set_cause(name + " is not finite");
         }
@@ -116,6 +122,7 @@ std::vector<ColumnInfo> numbers() {
         return std::ranges::find(all, name, &ColumnInfo::name) != all.end();
     };
     add_number_columns<EncounterEnd>(all);
+    add_number_columns<MetPair>(all);
     add_number_columns<CaptureNumbers>(all);
     std::vector<ColumnInfo> of_beds;
     add_number_columns<PairNumbers>(of_beds);

@@ -44,6 +44,7 @@ struct EncounterEnd {
     double angle = 0.0;           ///< likewise
     long steps = 0, rhs_evaluations = 0;
     double certificate = 2.0; ///< number of the Certificate; a word in scan.csv
+    rods::Separation pair{};  ///< of which the outcome tells
 
     static constexpr auto fields() {
         using R = EncounterEnd;
@@ -61,11 +62,24 @@ struct EncounterEnd {
             field("steps", &R::steps, {"1", "of the solver"}),
             field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"}),
             field(certificate_column, &R::certificate,
-                  {"1", "how well the outcome is known: proved, checked or open (in scan.h5 0, 1, 2)"})};
+                  {"1", "how well the outcome is known: verified, checked or open (in scan.h5 0, 1, 2)"})};
     }
 };
 
 inline constexpr int told_turns = 8; ///< rods whose turns are columns
+
+/// Columns of more than two rods: with two everybody knows which met.
+struct MetPair {
+    double i, j;
+
+    static constexpr auto fields() {
+        using R = MetPair;
+        return std::tuple{field("pair_i", &R::i,
+                                {"1", "of three or more rods: the first, from 0, of the pair in contact or "
+                                      "pursuit; empty: no pair is"}),
+                          field("pair_j", &R::j, {"1", "the second of that pair"})};
+    }
+};
 
 /// The last columns of rods with [noise].
 struct CaptureNumbers {

@@ -99,7 +99,7 @@ void fields(Visitor& v, Scan& scan) {
           .example("10.0"),
       scan.time_limit);
     v(key("certificates")
-          .doc("of rods: whether the outcomes of rods that turn are proved, or checked by a second run, a "
+          .doc("of rods: whether the outcomes of rods that turn are verified, or checked by a second run, a "
                "hundred "
                "times tighter, which takes many times as long; without, they are open")
           .example("true"),

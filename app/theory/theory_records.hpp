@@ -163,7 +163,7 @@ struct OutcomeReport {
         using R = OutcomeReport;
         return std::tuple{field("outcome", &R::outcome, {"", "contact, pursuit, escape or undecided"}),
                           field("certificate", &R::certificate,
-                                {"", "how well the outcome is known: proved, checked or open"}),
+                                {"", "how well the outcome is known: verified, checked or open"}),
                           field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
                           field("min_separation", &R::min_separation,
                                 {"{length}", "smallest separation of any pair at any time"}),

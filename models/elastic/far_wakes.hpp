@@ -9,9 +9,10 @@
 // keeps a Gaussian's length from its images. Of pairs nearer than the reach of the error the nodes' part is
 // taken off again and the exact field put in.
 //
-// Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods");
-// it is random from rod to rod, and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost:
-// N (near pairs + nodes) + sum of the meshes, some N^(1/2) nodes of a crowd of even density.
+// Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods"),
+// for a crowd whose error_growth is at most 1; of others that times as much. It is random from rod to rod,
+// and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost: N (near pairs + nodes) + sum
+// of the meshes, some N^(1/2) nodes of a crowd of even density.
 //
 // Bits depend neither on threads nor on the vectors of a machine, but on its C library.
 
@@ -28,6 +29,10 @@ class FarWakes {
 public:
     /// Largest eta: beyond it the Gaussians of the longitudinal motion are too wide beside those of shear.
     static constexpr double largest_eta = 20.0;
+
+    /// By how much errors of single wakes add up beyond the tolerances, about: they do the more the denser
+    /// the rods are, and those of rods that lie close together and walk alike add up without cancelling.
+    static double error_growth(std::span<const KernelSource> rods_in_xi, bool polar);
 
     /// Errors of a strain and, if `polar`, a polar vector, in f/mu per length and its square.
     FarWakes(const Medium& medium, double strain_tolerance, double polar_tolerance, bool polar);

@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <mutex>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -247,8 +249,33 @@ double all_pairs_cost(const Task& task) {
     return n * n * exact * (task.options.accuracy == Accuracy::single ? 0.5 : 1.0);
 }
 
+} // namespace
+
+/// Made when they are first asked for.
+struct MutualWakes::Far {
+    std::mutex mutex;
+    std::map<std::pair<bool, double>, const FarWakes> kept;
+
+    const FarWakes& of(const Medium& medium, const MutualWakesOptions& options, bool polar) {
+        const std::scoped_lock lock(mutex);
+        return kept
+            .try_emplace({polar, options.strain_tolerance + options.polar_tolerance}, medium,
+                         options.strain_tolerance, options.polar_tolerance, polar)
+            .first->second;
+    }
+};
+
+namespace {
+
+bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool polar, std::size_t rods) {
+    constexpr double finest = 1e-10; // in xi: transforms are good to 1e-12 of a sum's parts
+    return options.strain_tolerance * medium.xi >= finest &&
+           (!polar || options.polar_tolerance * medium.xi * medium.xi >= finest) && medium.eta >= 0.0 &&
+           medium.eta <= FarWakes::largest_eta && rods >= fewest_far_rods;
+}
+
 /// How many near pairs there were; none, if all pairs are cheaper and nothing was done.
-std::optional<std::size_t> add_far_and_near(const Task& task, const FarWakes& far) {
+std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& kept) {
     const double per_xi = 1.0 / task.field.medium().xi;
     const std::vector<std::uint32_t> order = compact_order(task.rods);
     std::vector<KernelSource> rods, in_xi;
@@ -256,6 +283,16 @@ std::optional<std::size_t> add_far_and_near(const Task& task, const FarWakes& fa
         const KernelSource& rod = rods.emplace_back(task.rods[k]);
         in_xi.push_back({rod.x * per_xi, rod.y * per_xi, rod.cosine, rod.sine});
     }
+    // crowds whose errors add up get smaller ones, in steps of the square root of two, of which few are made
+    MutualWakesOptions options = task.options;
+    for (double growth = FarWakes::error_growth(in_xi, task.polar); growth > 1.0;
+         growth *= std::numbers::sqrt2 / 2.0) {
+        options.strain_tolerance *= std::numbers::sqrt2 / 2.0;
+        options.polar_tolerance *= std::numbers::sqrt2 / 2.0;
+    }
+    if (!may_be_far(options, task.field.medium(), task.polar, rods.size()))
+        return std::nullopt;
+    const FarWakes& far = kept.of(task.field.medium(), options, task.polar);
     const FarWakes::Plan plan = far.plan(in_xi);
     if (plan.cost > all_pairs_cost(task))
         return std::nullopt;
@@ -272,32 +309,6 @@ std::optional<std::size_t> add_far_and_near(const Task& task, const FarWakes& fa
         for (std::size_t i = 0; i < rods.size(); ++i)
             task.sum[k][order[i]] = sorted.sum[k][i];
     return done;
-}
-
-} // namespace
-
-/// Made when they are first asked for.
-struct MutualWakes::Far {
-    std::mutex mutex;
-    std::array<std::unique_ptr<const FarWakes>, 2> kept;
-
-    const FarWakes& of(const Medium& medium, const MutualWakesOptions& options, bool polar) {
-        const std::scoped_lock lock(mutex);
-        auto& one = kept[polar ? 1 : 0];
-        if (!one)
-            one = std::make_unique<const FarWakes>(medium, options.strain_tolerance, options.polar_tolerance,
-                                                   polar);
-        return *one;
-    }
-};
-
-namespace {
-
-bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool polar, std::size_t rods) {
-    constexpr double finest = 1e-10; // in xi: transforms are good to 1e-12 of a sum's parts
-    return options.strain_tolerance * medium.xi >= finest &&
-           (!polar || options.polar_tolerance * medium.xi * medium.xi >= finest) && medium.eta >= 0.0 &&
-           medium.eta <= FarWakes::largest_eta && rods >= fewest_far_rods;
 }
 
 std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
@@ -324,7 +335,7 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
     for (int k = 0; k < task.parts(); ++k)
         std::fill_n(task.sum[k], rods.size(), 0.0);
     if (may_be_far(options, kernel.medium(), task.polar, rods.size()))
-        if (const auto done = add_far_and_near(task, far.of(kernel.medium(), options, task.polar)))
+        if (const auto done = add_far_and_near(task, far))
             return *done;
     add_all_pairs(task);
     return rods.empty() ? 0 : rods.size() * (rods.size() - 1);

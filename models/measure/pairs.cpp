@@ -37,7 +37,7 @@ void check(const PairTrack& track, const PairOptions& options) {
     want_positive("locked heading (rad)", limit.locked_heading);
     want_positive("lateral offset", limit.lateral_offset);
     want_positive("steady separation", limit.steady_separation);
-    want_positive("residual turn (rad)", limit.residual_turn);
+    want_positive("residual turn", limit.residual_turn);
     want_positive("last part of the track", limit.steady_fraction);
     if (track.t.size() < 2)
         throw InputError(fmt::format("measure: pair: a track of {} rows: needs 2 or more", track.t.size()));

@@ -112,7 +112,7 @@ bool stays_apart(const TwoRuns& runs) {
 Feels feels_of(const elastic::Medium& medium, const Couplings& couplings, double t_end,
                const EndingCriteria& criteria) {
     return [&, t_end](double distance) {
-        return reaches(medium, couplings, distance, t_end, criteria.residual_turn);
+        return reaches(medium, couplings, distance, t_end, criteria.felt_turn);
     };
 }
 
@@ -232,13 +232,13 @@ bool checked(const RodProblem& problem, const RodOptions& options, const RodResu
 std::optional<Certificate> certificate_at_once(const RodProblem& problem, const RodOutcome& outcome,
                                                const EndingCriteria& criteria) {
     if (problem.rods.size() < 2)
-        return Certificate::proved;
+        return Certificate::verified;
     if (outcome.ending == Ending::contact && outcome.time == 0.0)
         return certificate_at_start(problem, outcome);
     if (problem.rods.size() > most_followed_rods)
         return Certificate::open;
     if (walks_straight(problem))
-        return !problem.box && straight_ending(problem, criteria) == outcome.ending ? Certificate::proved
+        return !problem.box && straight_ending(problem, criteria) == outcome.ending ? Certificate::verified
                                                                                     : Certificate::open;
     return std::nullopt;
 }
@@ -256,12 +256,12 @@ Certificate certificate_of(const RodProblem& problem, const RodOptions& options,
     };
     const double short_steps = options.ode.method == integrate::Method::erk ? for_proof : 1.0;
     if (proves(first) || (pair && short_steps < 1.0 && proves(follow_tighter(problem, options, short_steps))))
-        return Certificate::proved;
+        return Certificate::verified;
     if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first.run)))
         return Certificate::open;
     const FollowedRun tight = follow_tighter(problem, options, pair ? short_steps * tighter_by : tighter_by);
     if (proves(tight))
-        return Certificate::proved;
+        return Certificate::verified;
     return checked(problem, options, first.run, tight.run) ? Certificate::checked : Certificate::open;
 }
 
@@ -331,7 +331,7 @@ void look_again(std::span<const PairProblem> pairs, const PairOptions& options, 
         PairResult& result = results[rest[k]];
         if (!ends[k].handed_over() && ends[k].ending == result.ending &&
             proved(again[k], tracks[k], result.ending, options.criteria, space))
-            result.certificate = Certificate::proved;
+            result.certificate = Certificate::verified;
         else if (check && checked(again[k], result, ends[k], options))
             result.certificate = Certificate::checked;
         else
@@ -351,7 +351,7 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
     for (const Pose& rod : problem.rods)
         largest = std::max({largest, std::abs(rod.x), std::abs(rod.y)});
     const double limit = problem.contact_distance.value_or(0.0);
-    return met.pair.distance < limit - 1e-14 * (largest + limit) ? Certificate::proved : Certificate::open;
+    return met.pair.distance < limit - 1e-14 * (largest + limit) ? Certificate::verified : Certificate::open;
 }
 
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough) {
@@ -371,7 +371,7 @@ void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& o
         const auto told = certificate_at_once(pairs[i], result, options);
         result.certificate = told.value_or(Certificate::open);
         if (!told && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
-            result.certificate = Certificate::proved;
+            result.certificate = Certificate::verified;
         else if (!told)
             rest.push_back(i);
     }

@@ -18,7 +18,7 @@ using integrate::State;
 /// Of the theory's own field in the plane; of another one it is not known how far it reaches.
 bool may_follow(const RodProblem& problem, double distance, const EndingCriteria& criteria) {
     return !problem.medium || problem.field || problem.box ||
-           reaches(*problem.medium, problem.couplings, distance, problem.t_end, criteria.residual_turn);
+           reaches(*problem.medium, problem.couplings, distance, problem.t_end, criteria.felt_turn);
 }
 
 /// Ending of all pairs together; sets the pair it is about.

@@ -63,9 +63,11 @@ Truth escapes(const EncounterBounds& b, const EndingCriteria& limit) {
         negated(at_most(around(b.x * vx + b.y * vy, r * turn + (v + turn) * b.place_error), 0.0));
     if (v <= turn) // they may walk abreast
         return parting == false ? Truth(false) : std::nullopt;
-    const Interval left{b.late_turning.low * (r - b.place_error) / (v + turn),
-                        b.late_turning.high * (r + b.place_error) / (v - turn)};
-    return both(parting, at_most(left, limit.residual_turn));
+    const double angle = angle_between(b.heading[0], b.heading[1]);
+    const Interval beyond{
+        b.late_turning.low * (r - b.place_error) / (v + turn) - limit.residual_turn * (angle + turn),
+        b.late_turning.high * (r + b.place_error) / (v - turn) - limit.residual_turn * (angle - turn)};
+    return both(parting, at_most(beyond, 0.0));
 }
 
 /// Over the places that the pair may be at.

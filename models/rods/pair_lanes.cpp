@@ -200,9 +200,9 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
         result.late = {l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
         const Ending ending = classify_pair(result.state, result.rate, 0, 1, result.late, options_.criteria);
         const PairProblem& pair = pairs_[pair_[lane]];
-        const bool alone = ending == Ending::pursuit && // nobody follows whom he does not feel
-                           !reaches(pair.medium, pair.couplings, result.separation, pair.t_end,
-                                    options_.criteria.residual_turn);
+        const bool alone =
+            ending == Ending::pursuit && // nobody follows whom he does not feel
+            !reaches(pair.medium, pair.couplings, result.separation, pair.t_end, options_.criteria.felt_turn);
         result.ending = alone ? Ending::undecided : ending;
     }
     next(lane);

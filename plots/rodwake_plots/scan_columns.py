@@ -33,6 +33,8 @@ KNOWN = {
     "final_separation": Quantity("", "final separation", "length", False),
     "final_angle": Quantity("", "final angle between the headings", "rad", True),
     "non_reciprocity": Quantity("", "turning asymmetry", "", True, largest=1.0),
+    "pair_i": Quantity("", "first rod of the pair that met", "", False),
+    "pair_j": Quantity("", "second rod of the pair that met", "", False),
     "capture_runs": Quantity("", "runs with noise", "", False),
     "rhs_evaluations": Quantity("", "evaluations of the right-hand side", "", False),
     "delta_y": Quantity(r"\Delta y", "change of separation", "a", True),

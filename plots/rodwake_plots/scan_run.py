@@ -15,7 +15,7 @@ from .errors import PlotError
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit")
-CERTIFICATES = ("proved", "checked", "open")  # how well an outcome is known
+CERTIFICATES = ("verified", "checked", "open")  # how well an outcome is known
 
 
 class Curve(NamedTuple):
@@ -38,6 +38,9 @@ class ScanRun:
     def __init__(self, folder):
         self.folder = folder
         self.told = files.Record(folder / TOLD)
+        for key in ("certificates", "certified_area"):  # version 0.3 wrote proved
+            if isinstance(self.told.get(key), dict):
+                self.told[key] = {"verified" if name == "proved" else name: share for name, share in self.told[key].items()}
         with files.reading(folder / TOLD, "an axis"):
             self.axes = [axis_of(axis, self.told.get("bead_radius")) for axis in self.told.need("axes")]
         if not self.axes:
@@ -70,6 +73,8 @@ class ScanRun:
         """{name: numbers, or a list of words}, in the order of the file."""
         choices = [axis.key for axis in self.axes if axis.is_choice]
         found = files.read_csv(self.path, ("outcome", "status", "certificate", *choices), needed=[axis.key for axis in self.axes] + ["outcome", "status"])
+        if "certificate" in found:
+            found["certificate"] = ["verified" if name == "proved" else name for name in found["certificate"]]
         if not found["outcome"]:
             raise PlotError(f"{self.path}: holds no points: nothing to draw")
         return found
@@ -139,7 +144,7 @@ class ScanRun:
     def open_cells(self):
         """[cell]: whether it is not known to have one outcome; none of a scan that was not asked for certificates."""
         area = self.told.get("certified_area") or {}
-        if not (area.get("proved") or area.get("checked")):
+        if not (area.get("verified") or area.get("checked")):
             return np.zeros(len(self.cells[2]), dtype=bool)
         found = files.read_csv(self.folder / CELLS, text=("outcome", "certificate"), needed=["certificate"])
         return np.array([name == "open" for name in found["certificate"]])

@@ -131,7 +131,7 @@ def missed_html(scan):
 def certificates_html(scan):
     """How well the outcomes are known."""
     points, area = (scan.told.get(key) for key in ("certificates", "certified_area"))
-    if not isinstance(points, dict) or not any(points.get(name) for name in ("proved", "checked")):
+    if not isinstance(points, dict) or not any(points.get(name) for name in ("verified", "checked")):
         return ""
     told = ", ".join(f"{name} {count(points[name])}" for name in CERTIFICATES if points.get(name))
     shares = ", ".join(f"{name} {percent(area[name])}" for name in CERTIFICATES if area.get(name)) if isinstance(area, dict) else ""

@@ -60,8 +60,9 @@ def outcome(run):
 
 def known(run):
     """How well the outcome is known."""
-    return {"proved": " The outcome is proved.", "checked": " The outcome is checked by a second, tighter run.",
-            "open": " The outcome is not proved."}.get(run.outcome.get("certificate"), "")
+    verified = " The outcome is verified."  # version 0.3 wrote proved
+    return {"verified": verified, "proved": verified, "checked": " The outcome is checked by a second, tighter run.",
+            "open": " The outcome is neither verified nor checked."}.get(run.outcome.get("certificate"), "")
 
 
 def sentence(run, name):

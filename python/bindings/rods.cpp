@@ -196,7 +196,7 @@ void bind_rods(py::module_& module) {
         .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape' or 'undecided'")
         .def_property_readonly(
             "certificate", [](const Run& run) { return to_string(run.outcome.certificate); },
-            "how well the outcome is known: 'proved', 'checked' or 'open'")
+            "how well the outcome is known: 'verified', 'checked' or 'open'")
         .def_property_readonly(
             "time", [](const Run& run) { return run.outcome.time; }, "of contact, else the time reached")
         .def_property_readonly("pair", &pair_of,

@@ -94,7 +94,8 @@ class Run:
     @property
     def outcome(self) -> dict[str, Any]:
         """How an encounter of rods ended."""
-        return read_record(self._file("outcome.json"))
+        outcome = read_record(self._file("outcome.json"))
+        return {key: _certificate(value) if key == "certificate" else value for key, value in outcome.items()}
 
     @property
     def status(self) -> str:
@@ -157,7 +158,7 @@ class Run:
             group = h5[f"rods/{name}"]
             t, poses = np.asarray(group["t"]), np.stack([group[column] for column in ("x", "y", "theta")], axis=-1)
             _check_shapes({"t": t}, {"t": poses.shape[:1]})
-            attributes = {key: _plain(value) for key, value in group.attrs.items()}
+            attributes = {key: _certificate(_plain(value)) if key == "certificate" else _plain(value) for key, value in group.attrs.items()}
             return RodPath(t, poses, _text(group["x"].attrs["unit"]), _text(group["t"].attrs["unit"]), attributes)
 
     @property
@@ -299,6 +300,11 @@ def _check_shapes(arrays: Mapping[str, Any], shapes: Mapping[str, tuple[int, ...
     for name, shape in shapes.items():
         if arrays[name].shape != shape:
             raise ValueError(f"{name} has the shape {arrays[name].shape}, expected {shape}")
+
+
+def _certificate(word: str) -> str:
+    """Version 0.3 wrote proved."""
+    return "verified" if word == "proved" else word
 
 
 def _text(value: Any) -> str:

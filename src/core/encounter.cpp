@@ -25,7 +25,8 @@ bool in_pursuit(const PairEnd& pair, const EndingCriteria& limit) {
 bool escapes(const PairEnd& pair, const EndingCriteria& limit) {
     const double r = std::hypot(pair.x, pair.y), parting = std::hypot(pair.vx, pair.vy);
     const double rate = pair.x * pair.vx + pair.y * pair.vy; // times r
-    return rate > 0.0 && parting > 0.0 && pair.late.max_turning * r / parting <= limit.residual_turn;
+    return rate > 0.0 && parting > 0.0 &&
+           pair.late.max_turning * r / parting <= limit.residual_turn * pair.angle;
 }
 
 } // namespace
@@ -45,7 +46,7 @@ std::string to_string(Ending ending) {
 }
 
 std::string to_string(Certificate certificate) {
-    return certificate == Certificate::proved    ? "proved"
+    return certificate == Certificate::verified  ? "verified"
            : certificate == Certificate::checked ? "checked"
                                                  : "open";
 }

@@ -3,7 +3,9 @@
 #include "explore/encounter.hpp"
 #include "rods/random_pairs.hpp"
 #include "rodwake/app/explore.hpp"
+#include "rodwake/app/rods.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/scene/document.hpp"
 #include "rodwake/scene/read.hpp"
 
 #include <catch2/catch.hpp>
@@ -145,6 +147,77 @@ TEST_CASE("wakes on a grid are the field") {
     }
     for (const auto& column : c)
         CHECK(std::isnan(column[3])); // a rod itself
+}
+
+TEST_CASE("whatever key a scene has, the page starts from it or is not made and says why") {
+    const std::string text =
+        "schema = 1\n[medium]\neta = 2.0\nalpha = 0.5\n[coupling]\nkappa = 3.0\ngamma1 = 0.5\n"
+        "[[rods]]\nposition = [1.0, 2.5]\n[[rods]]\nposition = [0.0, -2.5]\n"
+        "[rods_run]\nt_end = 60.0\n";
+    const auto started = [](const scene::Scene& scene) {
+        const std::string page =
+            app::explorer_page(RODWAKE_SOURCE_DIR "/explorer", app::ExplorerStart{scene, "a"});
+        const std::size_t state = page.find("\"state\":{");
+        return page.substr(state, page.find('}', state) - state);
+    };
+    const auto told = [](const scene::Scene& scene) { // what the page has to know of the run
+        const rods::RodProblem p = app::rod_problem(scene);
+        return std::tuple(p.medium->eta, p.medium->xi, p.couplings.kappa, p.couplings.gamma1,
+                          p.couplings.gamma2, p.t_end, p.contact_distance);
+    };
+    const scene::Scene before = scene::parse_scene(text, "a.toml");
+    int refused = 0, changed = 0;
+    for (const scene::KeyInfo& key : scene::scene_keys()) {
+        if (key.table != "medium" && key.table != "coupling" && key.table != "rods_run")
+            continue;
+        std::vector<std::string> values = {key.example, "true", "0.25", "2.5"};
+        for (const std::string& choice : key.choices)
+            values.push_back('"' + choice + '"');
+        int legal = 0;
+        for (const std::string& value : values) {
+            std::string scene_text = text; // in place of what the scene has, and of alternatives to it
+            const bool of_eta =
+                key.table == "medium" && (key.name == "poisson_ratio" || key.name == "bulk_modulus" ||
+                                          key.name == "lame_lambda" || key.name == "mu");
+            const std::string other = of_eta || key.name == "fitted" ? "eta"
+                                      : key.name == "xi"             ? "alpha"
+                                                                     : key.name;
+            if (const std::size_t line = scene_text.find("\n" + other + " = "); line != std::string::npos)
+                scene_text.erase(line, scene_text.find('\n', line + 1) - line);
+            if (key.name == "fitted")
+                scene_text.erase(scene_text.find("alpha = 0.5\n"), 12);
+            std::string line = key.name + " = " + value + "\n";
+            if (key.name == "lame_lambda" || key.name == "bulk_modulus")
+                line += "mu = 1.5\n";
+            if (key.name == "mu")
+                line += "bulk_modulus = 4.0\n";
+            scene_text.insert(scene_text.find("[" + key.table + "]\n") + key.table.size() + 3, line);
+            std::optional<scene::Scene> scene;
+            try {
+                scene = scene::parse_scene(scene_text, "a.toml");
+            } catch (const InputError&) { // no value of that key, or only beside others
+                continue;
+            }
+            ++legal;
+            CAPTURE(line);
+            const std::vector<std::string> left = app::left_out_by_explorer(*scene);
+            CHECK(left.empty() == app::shown_by_explorer(*scene));
+            if (!left.empty()) {
+                ++refused;
+                CHECK(left.front().starts_with(key.table + "." + key.name));
+                CHECK_THROWS_WITH(started(*scene), Catch::Contains(key.name));
+                continue;
+            }
+            CHECK((started(*scene) == started(before)) == (told(*scene) == told(before)));
+            CHECK(app::rod_problem(*scene).rows.gamma == 0.0);
+            CHECK_FALSE(scene->medium->box());
+            changed += told(*scene) != told(before);
+        }
+        CAPTURE(key.table, key.name);
+        CHECK((legal > 0 || key.name == "fitted")); // [fit] goes with it: tests/cli/test_explore.py
+    }
+    CHECK(refused > 5);
+    CHECK(changed > 10);
 }
 
 TEST_CASE("the page starts with a scene") {

@@ -96,9 +96,12 @@ class VerbTest(ProgramTest):
 
     def test_what_a_scene_has_and_the_page_has_not(self):
         self.write("three.toml", PAIR + "[noise]\nrotational_diffusion = 0.01\n[[rods]]\nposition = [9.0, 9.0]\n")
-        told = self.expect(0, "explore", "three.toml", "-o", "three.html", "-s", "medium.periodic=40.0").stdout
-        for line in ("first two of 3", "infinite plane", "[noise]"):
-            self.assertIn(line, told)
+        for words in ("rods: 3; the page shows encounters of two", r"\[noise\]", r"medium.periodic = 40.0: .*infinite plane"):
+            self.assertRegex(self.refuse(2, "no page of this scene", "explore", "three.toml", "-s", "medium.periodic=40.0").stderr, words)
+        self.write("pair.toml", PAIR)
+        self.refuse(2, "coupling.gamma_rows = 0.3", "explore", "pair.toml", "-s", "coupling.gamma_rows=0.3")
+        self.refuse(2, "medium.fitted = true", "explore", SOURCE / "scenes/quickstart.toml")
+        self.assertFalse((self.folder / "explore.html").exists())
 
     def test_beside_the_report_of_a_run_that_it_shows(self):
         self.write("pair.toml", PAIR)
@@ -109,7 +112,7 @@ class VerbTest(ProgramTest):
             page.evaluate("rodwake.ready")
             self.assertEqual(page.evaluate("rodwake.page.paths.run.outcome"), outcome["outcome"])
             self.assertAlmostEqual(page.evaluate("rodwake.page.paths.run.time"), outcome["time"], delta=1e-6)
-        self.expect(0, "run", "pair.toml", "-o", "box", "-s", "medium.periodic=40.0")
+        self.assertIn("no explore.html: medium.periodic = 40.0", self.expect(0, "run", "pair.toml", "-o", "box", "-s", "medium.periodic=40.0").stdout)
         self.assertFalse((self.folder / "box/explore.html").exists())
         self.assertNotIn("explore.html", (self.folder / "box/report.html").read_text())
 

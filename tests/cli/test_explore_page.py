@@ -6,6 +6,7 @@ import json
 import math
 import re
 import tempfile
+import time
 import xml.etree.ElementTree
 from pathlib import Path
 
@@ -33,7 +34,8 @@ class PageTest(ProgramTest):
 
     def setUp(self):
         super().setUp()
-        self.page.evaluate("rodwake.page.store.change({...rodwake.page.start, time: 0, ...rodwake.page.paths.whole()}); scrollTo(0, 0)")
+        self.page.evaluate("rodwake.page.store.change({...rodwake.page.start, time: 0}, false); rodwake.page.paths.solve();"
+                           " rodwake.page.store.change(rodwake.page.paths.whole()); scrollTo(0, 0)")
         self.frame()
 
     def tearDown(self):
@@ -328,6 +330,27 @@ class FilesTest(PageTest):
         self.page.evaluate("location.hash = '#kappa=nonsense&alpha=-1&colour=pink&wide=0&eta=2'")  # what is not legal is left out
         self.page.wait_for(lambda: self.state("eta") == 2, "the address is not read", 5)
         self.assertEqual((self.state("kappa"), self.state("alpha"), self.state("colour")), (100, 1, "strain"))
+
+    def test_addresses_that_nobody_meant(self):
+        self.page.evaluate("location.hash = '#constructor=1&toString=2&__proto__=3&eta=3'")
+        self.page.wait_for(lambda: self.state("eta") == 3, "the address is not read", 5)
+        self.page.evaluate("location.hash = '#t_end=1e12&kappa=1e12&alpha=1e-12'")
+        self.page.wait_for(lambda: "steps by t =" in self.page.evaluate("document.querySelector('#outcome').textContent"), "no word of the steps", 60)
+        began = time.monotonic()
+        for _ in range(3):  # the diagram's cells go on, a few at a time
+            self.frame()
+        self.assertLess(time.monotonic() - began, 60)
+
+    def test_the_view_holds_the_wake_behind_the_rods(self):
+        self.page.evaluate("rodwake.page.store.change({kappa: 0.5, t_end: 60})")
+        self.frame()
+        view = self.page.evaluate("rodwake.page.paths.whole()")
+        self.assertLessEqual(view["left"], -10)  # ten screening lengths
+        self.assertGreater(view["left"] + view["wide"], 40)  # where they meet
+
+    def test_the_pages_that_it_cites_are_there(self):
+        for name in re.findall(r"docs/[\w.]+\.md", (rodwake.SOURCE / "explorer/page.html").read_text()):
+            self.assertTrue((rodwake.SOURCE / name).is_file(), name)
 
     def test_the_program_runs_the_scene(self):
         self.page.press("#presets button:nth-child(6)")

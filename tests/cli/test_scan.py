@@ -200,21 +200,40 @@ class DesignTest(ScanTest):
         self.scan("adaptive.toml", "asked", "-s", "scan.certificates=true")
         self.scan("straight.toml", "straight")
         self.assertEqual({row["certificate"] for row in self.rows("plain")}, {"open"})
-        self.assertEqual(self.json("plain")["certified_area"], {"proved": 0.0, "checked": 0.0, "open": 1.0})
-        self.assertEqual({row["certificate"] for row in self.rows("straight")}, {"proved"})
+        self.assertEqual(self.json("plain")["certified_area"], {"verified": 0.0, "checked": 0.0, "open": 1.0})
+        self.assertEqual({row["certificate"] for row in self.rows("straight")}, {"verified"})
         self.assertIsNone(self.json("straight")["certified_area"])
         rows, told = self.rows("asked"), self.json("asked")
         self.assertEqual([row["outcome"] for row in rows], [row["outcome"] for row in self.rows("plain")])
-        self.assertEqual(told["certificates"], {name: sum(row["certificate"] == name for row in rows) for name in ("proved", "checked", "open")})
-        self.assertGreater(told["certificates"]["proved"], 20)
-        area = dict.fromkeys(("proved", "checked", "open"), 0.0)
+        self.assertEqual(told["certificates"], {name: sum(row["certificate"] == name for row in rows) for name in ("verified", "checked", "open")})
+        self.assertGreater(told["certificates"]["verified"], 20)
+        area = dict.fromkeys(("verified", "checked", "open"), 0.0)
         for cell in self.rows("asked", "cells.csv"):
             self.assertFalse(cell["outcome"] == "mixed" and cell["certificate"] != "open")
             area[cell["certificate"]] += (math.log(float(cell[f"{AXES[0]}_to"]) / float(cell[f"{AXES[0]}_from"])) / math.log(1000.0)
                                           * (float(cell[f"{AXES[1]}_to"]) - float(cell[f"{AXES[1]}_from"])) / 12.0)
         for name, share in area.items():
             self.assertAlmostEqual(told["certified_area"][name], share, places=9)  # rounding of each cell 1e-14
-        self.assertGreater(area["proved"] + area["checked"], 0.2)
+        self.assertGreater(area["verified"] + area["checked"], 0.2)
+
+    def test_which_two_of_three_rods_met(self):
+        three = CROSSING + "[[rods]]\nposition = [4.0, 1.0]\nheading = 3.1\n"
+        self.write("three.toml", three + "[scan]\n" + axis("rods.1.position.0", -5.0, 5.0, 5) + axis("coupling.kappa", 5.0, 60.0, 3))
+        self.scan("three.toml", "three")
+        rows = self.rows("three")
+        met = [(row["pair_i"], row["pair_j"]) for row in rows if row["outcome"] in ("contact", "pursuit")]
+        self.assertGreater(len(set(met)), 1)
+        self.assertEqual({(row["pair_i"], row["pair_j"]) for row in rows if row["outcome"] not in ("contact", "pursuit")} - {("", "")}, set())
+        for row in rows[::3]:
+            self.write("one.toml", three)
+            self.expect(0, "rods", "one.toml", "-o", "one", "--force", "--quiet", *[word for key in ("rods.1.position.0", "coupling.kappa")
+                                                                                    for word in ("-s", f"{key}={float(row[key])}")])
+            told = json.loads((self.folder / "one/outcome.json").read_text())
+            if told["outcome"] in ("contact", "pursuit"):
+                self.assertEqual([int(row["pair_i"]), int(row["pair_j"])], told["pair"])
+        self.write("two.toml", CROSSING + "[scan]\n" + axis("rods.1.position.0", -5.0, 5.0, 2))
+        self.scan("two.toml", "two")
+        self.assertNotIn("pair_i", self.rows("two")[0])
 
     def test_words_and_ties(self):
         self.write("words.toml", CROSSING + '[scan]\n[[scan.axes]]\nkey = "rods_run.method"\nvalues = ["bdf", "adams", "erk"]\n'

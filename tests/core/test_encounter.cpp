@@ -38,16 +38,19 @@ TEST_CASE("each limit of an ending counts", "[encounter]") {
     CHECK(classify(end_of(3, 0, 0, 0.11, 0.1, 2.9, 3), exact) == Ending::undecided);  // headings
     CHECK(classify(end_of(3, 0.7, 0, 0, 0, 2.9, 3), exact) == Ending::undecided);     // beside
     CHECK(classify(end_of(3, 0, 0, 0, 0, 2.7, 3), exact) == Ending::undecided);       // not steady
-    CHECK(classify(end_of(3, 0, 0, pi, 0.03, 1, 3), exact) == Ending::escape);
-    CHECK(classify(end_of(3, 0, 0, pi, 0.04, 1, 3), exact) == Ending::undecided); // 0.06 rad in 1.5
-    CHECK(classify(end_of(-3, 0, 0, pi, 0, 1, 3), exact) == Ending::undecided);   // approaching
-    CHECK(classify(end_of(0, 3, 0, 0, 0, 3, 3), exact) == Ending::undecided);     // abreast for ever
+    CHECK(classify(end_of(3, 0, 0, pi, 0.1, 1, 3), exact) == Ending::escape);
+    CHECK(classify(end_of(3, 0, 0, pi, 0.11, 1, 3), exact) == Ending::undecided); // 0.165 rad in 1.5, of pi
+    CHECK(classify(end_of(0, -3, 0, 1e-3, 1.6e-8, 1, 3), exact) == Ending::escape);
+    CHECK(classify(end_of(0, -3, 0, 1e-3, 1.7e-8, 1, 3), exact) ==
+          Ending::undecided);                                                   // 5.1e-5 in 3000, of 1e-3
+    CHECK(classify(end_of(-3, 0, 0, pi, 0, 1, 3), exact) == Ending::undecided); // approaching
+    CHECK(classify(end_of(0, 3, 0, 0, 0, 3, 3), exact) == Ending::undecided);   // abreast for ever
 }
 
 TEST_CASE("a noisy track has the same endings with wider limits", "[encounter]") {
     CHECK(classify(end_of(3, 0.7, 0, 0.3, 0.1, 2.1, 3), noisy_track) == Ending::pursuit);
-    CHECK(classify(end_of(3, 0, 0, pi, 0.3, 1, 3), noisy_track) == Ending::escape);
-    CHECK(classify(end_of(3, 0, 0, pi, 0.4, 1, 3), noisy_track) == Ending::undecided);
+    CHECK(classify(end_of(3, 0, 0, pi, 1.0, 1, 3), noisy_track) == Ending::escape);
+    CHECK(classify(end_of(3, 0, 0, pi, 1.1, 1, 3), noisy_track) == Ending::undecided);
     CHECK(classify(end_of(3, 3.1, 0, 0, 0, 4.3, 4.3), noisy_track) == Ending::undecided); // rather beside
     for (const double EndingCriteria::*limit :
          {&EndingCriteria::locked_heading, &EndingCriteria::lateral_offset,

@@ -155,6 +155,34 @@ TEST_CASE("sums with far wakes keep to their tolerances") {
     CHECK(far > 13); // of 36, the strip and the dense crowd go pair by pair
 }
 
+TEST_CASE("crowds whose errors add up keep to their tolerances, too") {
+    RandomStream random(7);
+    const double side = std::sqrt(2000.0 / 3.9);
+    Crowd alike = crowd(2000, side, side), clumps = crowd(2000, 45.0, 45.0), marching = clumps;
+    Crowd dense = crowd(2000, side, side);
+    for (Source& rod : alike.rods)
+        rod.heading = 0.3;
+    for (std::size_t i = 0; i < 2000; ++i) { // of 20, within 0.25 xi
+        const Source& centre = clumps.rods[i / 20 * 20];
+        clumps.rods[i] = {centre.x + random.uniform(0.001, 0.25), centre.y + random.uniform(0.001, 0.25),
+                          clumps.rods[i].heading};
+        marching.rods[i] = {clumps.rods[i].x, clumps.rods[i].y, 0.3};
+    }
+    int far = 0;
+    for (const Crowd* all : {&alike, &clumps, &marching, &dense}) {
+        const Sums exact = sums_of(all->rods, {1.0, 1.0}, {}, true).sums;
+        for (const double tolerance : {1e-2, 1e-4, 1e-6}) {
+            const Result got = sums_of(all->rods, {1.0, 1.0},
+                                       {.strain_tolerance = tolerance, .polar_tolerance = tolerance}, true);
+            CAPTURE(all->width, all->rods[0].heading, tolerance, got.done);
+            CHECK(largest_difference(got.sums, exact, 0, strain_parts) <= tolerance);
+            CHECK(largest_difference(got.sums, exact, strain_parts, all_parts) <= tolerance);
+            far += got.done < 2000 * 1999;
+        }
+    }
+    CHECK(far > 5); // of 12: dense ones at tight tolerances go pair by pair
+}
+
 TEST_CASE("rods that nearly touch keep to a tight polar tolerance, though the strain's is wide") {
     Crowd all = crowd(4000, 150.0, 150.0);
     for (std::size_t i = 0; i < 40; i += 2) {

@@ -84,16 +84,17 @@ class AdaptiveTest(ScanCase):
         self.assertTrue((ends[..., 0] >= 0.1 * (1 - 1e-9)).all() and (ends[..., 0] <= 100 * (1 + 1e-9)).all())
 
     def test_open_cells_are_hatched(self):
-        def hatched(area):
-            self.retell(certificates={"proved": 10, "checked": 20, "open": 0}, certified_area=area)
+        def hatched(area, word="verified"):
+            self.retell(certificates={word: 10, "checked": 20, "open": 0}, certified_area=area)
             made, caption = self.draw()
-            self.assertIn("proved 10, checked 20", caption)
+            self.assertIn("verified 10, checked 20", caption)
             cells = [len(one.get_paths()) for one in made.axes[0].collections if one.get_hatch()]
             self.assertEqual("Hatched: cells that are not known" in caption, bool(cells))
             return cells
         wanted = (self.folder / "cells.csv").read_text().count(",open\n")
-        self.assertEqual(hatched({"proved": 0.25, "checked": 0.7, "open": 0.05}), [wanted])
-        self.assertEqual(hatched({"proved": 0.0, "checked": 0.0, "open": 1.0}), [])  # they were not asked for
+        self.assertEqual(hatched({"verified": 0.25, "checked": 0.7, "open": 0.05}), [wanted])
+        self.assertEqual(hatched({"proved": 0.25, "checked": 0.7, "open": 0.05}, "proved"), [wanted])  # as version 0.3 wrote it
+        self.assertEqual(hatched({"verified": 0.0, "checked": 0.0, "open": 1.0}), [])  # they were not asked for
 
     def test_window(self):
         made, _ = self.draw(x=[1.0, 30.0], y=[-2.0, 4.0])

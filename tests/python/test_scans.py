@@ -39,6 +39,14 @@ class ScanTest(unittest.TestCase):
         self.assertEqual(row["outcome"], alone.outcome)
         self.assertAlmostEqual(row["time"], alone.time, delta=83e-8 * alone.time)  # 83 rtol (integrate/ode.hpp)
 
+    def test_what_version_0_3_called_proved_is_verified(self):
+        folder = new_folder(self) / "scan"
+        rodwake.scan(self.pair, {"coupling.kappa": [0.0]}, folder=folder)  # who walks straight has a closed form
+        table = folder / "scan.csv"
+        table.write_text(table.read_text().replace("verified", "proved"))
+        self.assertIn(",proved,", table.read_text())
+        self.assertEqual(list(rodwake.open_run(folder).table("scan.csv")["certificate"]), ["verified"])
+
     def test_executors_of_the_standard_library(self):
         ours = self.csv_of(threads=1)
         self.assertEqual(ours, self.csv_of(threads=2))

@@ -50,7 +50,7 @@ Tally tally_of(const std::vector<PairProblem>& pairs, const PairOptions& options
             continue;
         const bool wrong = results[i].ending != exact[i].ending;
         const Certificate c = results[i].certificate;
-        (c == Certificate::proved    ? tally.proved
+        (c == Certificate::verified  ? tally.proved
          : c == Certificate::checked ? tally.checked
                                      : tally.open) += 1;
         tally.wrong += wrong && c != Certificate::open;
@@ -157,7 +157,7 @@ TEST_CASE("An outcome at its very limit is open") {
         pair.contact_distance = share * nearest;
         std::vector<PairResult> results(1);
         simulate_certified(std::span(&pair, 1), {1e-6, 1e-8}, results);
-        CHECK(results[0].certificate == (share == 0.5 ? Certificate::proved : Certificate::open));
+        CHECK(results[0].certificate == (share == 0.5 ? Certificate::verified : Certificate::open));
     }
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("Straight walkers that graze, near and far, are all proved, and end as
         const RodProblem problem = passing(random, 1.0 + margin, hard ? 1e6 : random.log_uniform(3.0, 1e6));
         const RodOutcome outcome = simulate_certified(problem, {}).outcome;
         const Exact gap = smallest_separation(problem) - 1;
-        proved += outcome.certificate == Certificate::proved;
+        proved += outcome.certificate == Certificate::verified;
         wrong += (outcome.ending == Ending::contact) != (gap < 0);
         in_doubt += abs(gap) < 5e-18 * problem.t_end; // of extended precision
     }
@@ -217,18 +217,18 @@ TEST_CASE("Rods that walk straight are proved, an ulp from contact too") {
         problem.rods = {Pose{0.0, 0.0, 0.0}, Pose{10.0, aside, std::numbers::pi}};
         return simulate_certified(problem, {}).outcome;
     };
-    CHECK(pass(1.0 + 1e-9).certificate == Certificate::proved);
+    CHECK(pass(1.0 + 1e-9).certificate == Certificate::verified);
     CHECK(pass(1.0 + 1e-9).ending != Ending::contact);
     CHECK(pass(1.0 - 1e-9).ending == Ending::contact);
-    CHECK(pass(1.0 - 1e-9).certificate == Certificate::proved);
+    CHECK(pass(1.0 - 1e-9).certificate == Certificate::verified);
     problem.rods = {Pose{}, Pose{0.0, std::nextafter(1.0, 2.0), 0.0}}; // abreast, an ulp from contact
     problem.t_end = 300.0;
-    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::proved);
+    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::verified);
     CHECK(simulate_certified(problem, {}).outcome.ending != Ending::contact);
     problem.t_end = 30.0;
     pass(2.0);
     problem.rods.push_back({500.0, 0.0, 1.0});
-    CHECK(pass(2.0).certificate == Certificate::proved);
+    CHECK(pass(2.0).certificate == Certificate::verified);
 }
 
 TEST_CASE("Runs beyond the theorem are checked, those that failed are open") {
@@ -239,7 +239,7 @@ TEST_CASE("Runs beyond the theorem are checked, those that failed are open") {
     problem.t_end = 5.0;
     problem.contact_distance = 0.1;
     RodOptions options;
-    CHECK(simulate_certified(problem, options).outcome.certificate == Certificate::proved);
+    CHECK(simulate_certified(problem, options).outcome.certificate == Certificate::verified);
     problem.rods.push_back({3.0, 7.0, 1.0});
     CHECK(simulate_certified(problem, options, true).outcome.certificate == Certificate::checked);
     problem.rods.resize(2);
@@ -253,5 +253,5 @@ TEST_CASE("Runs beyond the theorem are checked, those that failed are open") {
     CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::open);
     problem.rods.resize(1);
     problem.couplings.kappa = 1.0;
-    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::proved);
+    CHECK(simulate_certified(problem, {}).outcome.certificate == Certificate::verified);
 }

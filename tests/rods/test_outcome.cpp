@@ -1,6 +1,7 @@
 // The written criteria of an ending, the contact event, and bad input.
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/certificate.hpp"
 #include "rodwake/rods/noise.hpp"
 #include "rodwake/rods/simulate.hpp"
 
@@ -47,6 +48,26 @@ TEST_CASE("escape needs growing distance and torques too weak to turn back") {
     CHECK(classify({{3, 0, 0}, {-3, 0, M_PI}}, 0.0, turned_lately) ==
           Ending::undecided); // the rate only crosses 0
     CHECK(classify({{-3, 0, 0}, {3, 0, M_PI}}, 0.0, changing) == Ending::undecided); // approaching
+}
+
+TEST_CASE("rods that part at a small angle have not escaped while their wakes may still close it") {
+    // at 30 000 they are in pursuit: they turn back by the last thousandth of a radian
+    for (const auto& [t_end, ending] :
+         {std::pair{1500.0, Ending::undecided}, {6000.0, Ending::undecided}, {30'000.0, Ending::pursuit}}) {
+        rods::RodProblem problem{elastic::Medium{1.0, 1.0},
+                                 {18.146875762939, 0.0, 0.0},
+                                 {{0, 0, 0}, {0, -5, M_PI / 2}},
+                                 t_end,
+                                 {},
+                                 0.1};
+        CAPTURE(t_end);
+        CHECK(rods::simulate(problem, {}).outcome.ending == ending);
+        CHECK(rods::simulate_certified(problem, {}).outcome.ending == ending);
+        const rods::PairProblem pair = *rods::to_pair_problem(problem);
+        rods::PairResult result;
+        rods::simulate_certified({&pair, 1}, {1e-8, 1e-10}, {&result, 1});
+        CHECK(result.ending == ending);
+    }
 }
 
 TEST_CASE("contact is found to the accuracy of the method") {

@@ -15,10 +15,10 @@
 //              of the other's axis and behind it, and r varied by at most steady_separation of its mean
 //              (midway between its extremes) over the last part of the run. Rods that do not interact cannot
 //              pursue each other, nor can those of which the front one's wake is too weak to turn the rear
-//              one by residual_turn in the whole run
+//              one by felt_turn in the whole run
 //   escape     r' > 0, and in the time r/|v_a - v_b| in which the separation doubles at these velocities
-//   neither
-//              heading turns by more than residual_turn, at the rate of the last part of the run
+//              neither heading turns by more than residual_turn of the angle between the headings, at the
+//              rate of the last part of the run: rods that part at a small angle are turned back by little
 //
 // In the theory velocities and the angle are those of the last instant, and the rate of turn is the largest
 // of the last part. The rods of a bed rattle: their headings turn at 0.2 rad/s over 0.1 s and still at 0.1
@@ -41,8 +41,9 @@ inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, End
 std::string to_string(Ending ending);
 
 /// How well an ending is known (rods/certificate.hpp); the worst of several is the largest.
-enum class Certificate { proved, checked, open };
-inline constexpr std::array all_certificates = {Certificate::proved, Certificate::checked, Certificate::open};
+enum class Certificate { verified, checked, open };
+inline constexpr std::array all_certificates = {Certificate::verified, Certificate::checked,
+                                                Certificate::open};
 
 std::string to_string(Certificate certificate);
 
@@ -52,7 +53,8 @@ struct EndingCriteria {
     double lateral_offset = 0.2;     ///< of r
     double steady_separation = 0.05; ///< relative range of r
     double steady_fraction = 0.2;    ///< of the run, its last part
-    double residual_turn = 0.05;     ///< rad, while the separation doubles
+    double residual_turn = 0.05;     ///< of the angle between the headings, while the separation doubles
+    double felt_turn = 0.05; ///< rad, in the whole run: rods that turn each other by less do not interact
 
     bool operator==(const EndingCriteria&) const = default;
 };

@@ -1,7 +1,7 @@
 #pragma once
 // How well an outcome is known. docs/physics.md, section 7, has the bounds.
 //
-//   proved    rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
+//   verified  rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
 //             of pursuit and escape) is farther from its limit than its rounding. Two that turn, on the plane
 //             in the exact field at eta >= 0: as far as an a-posteriori bound of the error of the run, or of
 //             one at a tighter tolerance. Rounding in the bound itself is allowed for, not
@@ -34,7 +34,7 @@ Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& me
 RodResult simulate_certified(const RodProblem& problem, const RodOptions& options, bool thorough = false);
 
 /// As simulate_pairs, with PairResult::certificate; pairs that are handed over stay open. Those that the
-/// steps of the run do not prove are run again, at most twice.
+/// steps of the run do not verify are run again, at most twice.
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results);
 
