@@ -16,7 +16,6 @@ from .frames import images, psi6, with_images
 from .schema import Kind
 
 RIM = "#2b2b2b"
-ROD_COLOURS = ["#d55e00", "#cc79a7", "#e69f00", "#56b4e9"]  # of style's, those that stand out from beads coloured by order
 ARROW = 4.0  # length of a heading arrow, bead radii
 MOST_NUMBERS = 12
 
@@ -37,7 +36,7 @@ def row_of_discs(axes, centres, radii, colour, zorder):
 
 
 def rod_colour(rod):
-    return ROD_COLOURS[rod % len(ROD_COLOURS)]
+    return style.BED_RODS[rod % len(style.BED_RODS)]
 
 
 def rods_from_above(axes, frame, a, window):
