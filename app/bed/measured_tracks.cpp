@@ -5,6 +5,7 @@
 #include "measure_frames.hpp"
 #include "rodwake/app/convert.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/measure/order.hpp"
 #include "rodwake/measure/tracks.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/track_file.hpp"
@@ -15,6 +16,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <complex>
+#include <map>
 #include <numbers>
 
 namespace rodwake::app {
@@ -100,17 +103,20 @@ store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
 void append_rods(TrackRows& rows, TrackRows rods) {
     rows.is_rod.resize(rows.size(), 0);
     rows.is_rod.resize(rows.size() + rods.size(), 1);
-    rows.heading.resize(rows.size(), std::nan(""));
-    rods.heading.resize(rods.size(), std::nan(""));
+    for (auto of_rods : {&TrackRows::heading, &TrackRows::length}) {
+        (rows.*of_rods).resize(rows.size(), std::nan(""));
+        (rods.*of_rods).resize(rods.size(), std::nan(""));
+    }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(rows.frame, rods.frame);
     append(rows.time, rods.time);
     append(rows.id, rods.id);
     append(rows.y, rods.y);
     append(rows.heading, rods.heading);
+    append(rows.length, rods.length);
     append(rows.image_x, rods.image_x);
     append(rows.image_y, rods.image_y);
-    append(rows.x, rods.x); // last: it is what the others are as long as
+    append(rows.x, rods.x);                 // last: it is what the others are as long as
     if (rows.image_x.size() != rows.size()) // one of the files has them, the other does not
         rows.image_x = rows.image_y = {};
     append(rows.warnings, rods.warnings);
@@ -183,6 +189,65 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
     if (keys.window.kind == WindowKind::rectangle)
         scale.window = measure::Window::rectangle(s[0], s[1], s[2], s[3]);
     return scale;
+}
+
+/// By the number of the rod, in units of the file.
+std::map<std::int64_t, double> mean_lengths(const TrackRows& rows) {
+    std::map<std::int64_t, std::pair<double, double>> sums;
+    for (std::size_t row = 0; row < rows.length.size(); ++row)
+        if (row < rows.is_rod.size() && rows.is_rod[row] && !std::isnan(rows.length[row])) {
+            sums[rows.id[row]].first += rows.length[row];
+            sums[rows.id[row]].second += 1.0;
+        }
+    std::map<std::int64_t, double> means;
+    for (const auto& [number, sum] : sums)
+        means[number] = sum.first / sum.second;
+    return means;
+}
+
+/// film_frame.csv
+struct FilmBead {
+    double x, y, psi6, orientation;
+
+    static constexpr auto fields() {
+        using R = FilmBead;
+        return std::tuple{
+            field("x", &R::x, {"m", "as in rod_tracks.csv"}),
+            field("y", &R::y, {"m", "as in rod_tracks.csv"}),
+            field("psi6", &R::psi6,
+                  {"1", "size of the local bond order, neighbours as measure.order has them; empty: too near "
+                        "the border of the window, or order is not measured"}),
+            field("orientation", &R::orientation,
+                  {"rad", "of the close-packed rows from +x; empty as psi6"})};
+    }
+};
+
+std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, measure::Measures& sums) {
+    std::size_t most = 0;
+    for (std::size_t f = 1; f < tracks.frames(); ++f)
+        if (tracks.start[f + 1] - tracks.start[f] > tracks.start[most + 1] - tracks.start[most])
+            most = f;
+    const auto from = static_cast<std::ptrdiff_t>(tracks.start[most]),
+               to = static_cast<std::ptrdiff_t>(tracks.start[most + 1]);
+    const Column x(tracks.x.begin() + from, tracks.x.begin() + to),
+        y(tracks.y.begin() + from, tracks.y.begin() + to);
+    std::vector<std::complex<double>> psi(x.size(), std::nan(""));
+    measure::Accumulator* const order = sums.find("order");
+    const double cutoff = order ? order->as<measure::OrderAccumulator>().settled_cutoff().value : 0.0;
+    const PeriodicBox box = image_box(sums.layout());
+    if (order && scene.measure->order_neighbours == measure::Neighbours::delaunay)
+        psi = measure::psi6_by_delaunay(x, y, box);
+    else if (cutoff > 0.0)
+        psi = measure::psi6_by_cutoff(x, y, box, cutoff);
+    std::vector<FilmBead> beads;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (tracks.window && !(tracks.window->inside_by(x[i], y[i]) > cutoff)) // its neighbours are not seen
+            psi[i] = std::nan("");
+        const bool known = !std::isnan(psi[i].real());
+        beads.push_back({x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
+                         known ? std::arg(psi[i]) / 6.0 : std::nan("")});
+    }
+    return csv_of(beads);
 }
 
 /// Everything that is missing, most of it first told by whoever met it.
@@ -276,8 +341,12 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     facts.warnings = rows.warnings;
     facts.length_unit = rows.length_unit;
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
+    const std::map<std::int64_t, double> lengths = mean_lengths(rows);
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
-    const TracksReport report = report_of(keys, file, facts, tracks);
+    TracksReport report = report_of(keys, file, facts, tracks);
+    for (FilmRod& rod : report.rod_tracks)
+        if (const auto at = lengths.find(rod.number); at != lengths.end())
+            rod.length = at->second * keys.pixel;
     store::write_atomically(folder / "tracks.json", record_json(report).dump(2) + "\n");
     log->info("{}", line_of(report));
     return tracks;
@@ -307,6 +376,7 @@ void require_tracks(const Scene& scene) {
 }
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
+std::span<const ColumnInfo> film_frame_columns() { return columns_of<FilmBead>(); }
 
 std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context, const fs::path& folder,
                                           const Logger& log) {
@@ -320,6 +390,7 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
     auto sums = sums_of(scene, *tracks, progress, context);
     if (!sums)
         return std::nullopt;
+    store::write_atomically(folder / "film_frame.csv", film_frame_csv(scene, *tracks, *sums));
     data.sums = std::span(&*sums, 1);
     if (!tracks->rods.empty()) {
         const FilmRods rods(*tracks);

@@ -18,5 +18,7 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
 
 /// Numbers of tracks.json.
 std::span<const ColumnInfo> tracks_values();
+/// Of film_frame.csv.
+std::span<const ColumnInfo> film_frame_columns();
 
 } // namespace rodwake::app

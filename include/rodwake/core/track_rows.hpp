@@ -31,6 +31,7 @@ struct TrackRows {
     std::vector<std::int64_t> id;
     std::vector<double> x, y;         ///< in units of the file, finite
     std::vector<double> heading;      ///< rad; empty: no such column; NaN: not known
+    std::vector<double> length;       ///< of rods whose ends are given; empty and NaN as heading
     std::vector<std::uint8_t> is_rod; ///< empty: no column of kinds, all are beads
     /// Image indices: x + image_x L is unwrapped. Empty: the file does not have them.
     std::vector<std::int32_t> image_x, image_y;
