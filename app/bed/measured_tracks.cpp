@@ -207,11 +207,12 @@ std::map<std::int64_t, double> mean_lengths(const TrackRows& rows) {
 
 /// film_frame.csv
 struct FilmBead {
-    double x, y, psi6, orientation;
+    double t, x, y, psi6, orientation;
 
     static constexpr auto fields() {
         using R = FilmBead;
         return std::tuple{
+            field("t", &R::t, {"s", "of the frame, the same in all rows"}),
             field("x", &R::x, {"m", "as in rod_tracks.csv"}),
             field("y", &R::y, {"m", "as in rod_tracks.csv"}),
             field("psi6", &R::psi6,
@@ -244,7 +245,7 @@ std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, me
         if (tracks.window && !(tracks.window->inside_by(x[i], y[i]) > cutoff)) // its neighbours are not seen
             psi[i] = std::nan("");
         const bool known = !std::isnan(psi[i].real());
-        beads.push_back({x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
+        beads.push_back({tracks.time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
                          known ? std::arg(psi[i]) / 6.0 : std::nan("")});
     }
     return csv_of(beads);

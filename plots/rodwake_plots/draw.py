@@ -43,7 +43,7 @@ def defaults(run):
     """A figure for everything the run directory holds."""
     there = {"bed": run.has_granular, "measure": run.has_granular or run.has_tracks, "theory": run.has_result, "rod_order": run.rods_order is not None,
              "fit": run.has_fit, "scan": run.has_scan}
-    specs = [one for kind in KINDS if there[schema.subject(kind)] for one in all_of(kind, run)]
+    specs = [one for kind in KINDS if there[schema.subject(kind)] or kind == "snapshot" and run.has_tracks for one in all_of(kind, run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
     return specs
