@@ -171,6 +171,7 @@ def bead_values(spec, order):
 
 # The same of a film: its frame with most beads, and where the rods went.
 
+SLIM = np.array([1.0, 0.5])  # of the rod's outline: films say nothing of its width
 PLAIN, UNKNOWN = "#b7c3cc", "#d3d3cf"  # beads of a film without bond order; beads whose own order is not known
 
 
@@ -209,7 +210,7 @@ def film_rods(axes, film, rods, t, window):
             if not reach:
                 trajectories.filled(axes, *middle, theta, colour)
                 continue
-            outline = reach * canvas.ROD_OUTLINE @ np.array([heading, [-heading[1], heading[0]]])
+            outline = reach * SLIM * canvas.ROD_OUTLINE @ np.array([heading, [-heading[1], heading[0]]])
             axes.add_patch(Polygon(middle + outline, facecolor=colour, edgecolor=RIM, linewidth=1.0, zorder=5))
             arrow(axes, middle + reach / 2 * heading, heading)
 

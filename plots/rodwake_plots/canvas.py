@@ -77,7 +77,7 @@ WIDEST = 1.6  # a figure that is by nature this much wider than a column goes ov
 GUTTER = 6 / 25.4  # inches between columns
 
 
-MOST_BESIDE = 0.3  # of the width, for a legend beside the panels
+MOST_BESIDE = 0.2  # of the width, for a legend beside the panels
 
 
 def fit_width(made, column):
@@ -85,7 +85,7 @@ def fit_width(made, column):
     inches = column if made.get_figwidth() < WIDEST * column else 2 * column + GUTTER
     made.set_dpi(matplotlib.rcParams["savefig.dpi"])  # text is as wide as the pixels let it be
     renderer = FigureCanvasAgg(made).get_renderer()
-    aspect = made.get_figheight() / (made.get_figwidth() - legends_below(made, inches, renderer))
+    aspect = made.get_figheight() / (made.get_figwidth() - legend_below(made, inches, renderer))
     found = []  # (width of the figure, width as saved): the secant's
     width = made.get_figwidth()
     for _ in range(TRIES):
@@ -101,22 +101,24 @@ def fit_width(made, column):
     return inches
 
 
-def legends_below(made, inches, renderer):
-    """Legends that would take much of this width go from beside the panels to below them; the width that becomes free."""
+def legend_below(made, inches, renderer):
+    """A legend that would take much of this width goes from beside the panels to below them; returns the width that becomes free."""
     legends = [axes.get_legend() for axes in made.axes if hasattr(axes.get_legend(), "given")]
-    widths = [one.get_window_extent(renderer).width / made.dpi for one in legends]
-    if not legends or max(widths) < MOST_BESIDE * inches:
+    if len(legends) != 1:  # of several each belongs to its panel
         return 0.0
-    handles, labels = (sum((list(one.given[part]) for one in legends), []) for part in (0, 1))
-    look = legends[0].given[2] | dict(loc="upper center", bbox_to_anchor=(0.5, 0.0), fontsize=legends[0].get_texts()[0].get_fontsize())
-    if title := legends[0].get_title().get_text():
-        look |= dict(title=title, title_fontsize=legends[0].get_title().get_fontsize())
-    for one in legends:
-        one.remove()
+    legend, = legends
+    width = legend.get_window_extent(renderer).width / made.dpi
+    if width < MOST_BESIDE * inches:
+        return 0.0
+    handles, labels, look = legend.given
+    look = look | dict(loc="upper center", bbox_to_anchor=(0.5, 0.0), fontsize=legend.get_texts()[0].get_fontsize())
+    if title := legend.get_title().get_text():
+        look |= dict(title=title, title_fontsize=legend.get_title().get_fontsize())
+    legend.remove()
     for columns in range(min(len(labels), 4), 0, -1):
         below = made.legend(handles, labels, **look, ncols=columns)
         if columns == 1 or below.get_window_extent(renderer).width < (inches - 2 * PAD) * made.dpi:
-            return max(widths)
+            return width
         below.remove()
 
 

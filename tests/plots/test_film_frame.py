@@ -19,7 +19,7 @@ def write_film(folder, window="hull", lengths=(8.0, None), order=True):
     place = np.array([(i * 2.1 + 1.05 * (j % 2), j * 1.82) for j in range(11) for i in range(11)]) * A
     border = (place > 3 * A).all(axis=1) & (place < SIDES - 3 * A).all(axis=1)
     psi6 = np.where(border | (window == "periodic"), np.abs(np.sin(place[:, 0] / A)), np.nan) if order else np.full(len(place), np.nan)
-    write_csv(folder / "film_frame.csv", {"t": 0 * psi6 + 1.0, "x": place[:, 0], "y": place[:, 1], "psi6": psi6, "orientation": psi6 - 0.5})
+    write_csv(folder / "film_frame.csv", {"t": np.ones(len(place)), "x": place[:, 0], "y": place[:, 1], "psi6": psi6, "orientation": psi6 - 0.5})
     t = np.linspace(0, 2, 41)
     x, y = (3 + 8 * t) * A, (6 + 3 * np.sin(2 * t)) * A
     gap = np.where((t > 0.5) & (t < 0.8), np.nan, 1.0)
