@@ -391,7 +391,8 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
     auto sums = sums_of(scene, *tracks, progress, context);
     if (!sums)
         return std::nullopt;
-    store::write_atomically(folder / "film_frame.csv", film_frame_csv(scene, *tracks, *sums));
+    if (!tracks->x.empty()) // a film may have rods alone
+        store::write_atomically(folder / "film_frame.csv", film_frame_csv(scene, *tracks, *sums));
     data.sums = std::span(&*sums, 1);
     if (!tracks->rods.empty()) {
         const FilmRods rods(*tracks);
