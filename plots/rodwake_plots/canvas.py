@@ -73,7 +73,7 @@ def enlarge(made, factor):
 
 PAD = 0.04  # inches around what is drawn
 TRIES = 12  # text does not shrink with its figure: the width is approached
-WIDEST = 1.6  # a figure that is by nature this much wider than a column goes over two
+WIDEST = 2.0  # a figure that is by nature this much wider than a column, of panels side by side, goes over two
 GUTTER = 6 / 25.4  # inches between columns
 
 
