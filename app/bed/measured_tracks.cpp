@@ -5,7 +5,6 @@
 #include "measure_frames.hpp"
 #include "rodwake/app/convert.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/measure/order.hpp"
 #include "rodwake/measure/tracks.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/track_file.hpp"
@@ -16,7 +15,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <complex>
 #include <map>
 #include <numbers>
 
@@ -232,18 +230,9 @@ std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, me
                to = static_cast<std::ptrdiff_t>(tracks.start[most + 1]);
     const Column x(tracks.x.begin() + from, tracks.x.begin() + to),
         y(tracks.y.begin() + from, tracks.y.begin() + to);
-    std::vector<std::complex<double>> psi(x.size(), std::nan(""));
-    measure::Accumulator* const order = sums.find("order");
-    const double cutoff = order ? order->as<measure::OrderAccumulator>().settled_cutoff().value : 0.0;
-    const PeriodicBox box = image_box(sums.layout());
-    if (order && scene.measure->order_neighbours == measure::Neighbours::delaunay)
-        psi = measure::psi6_by_delaunay(x, y, box);
-    else if (cutoff > 0.0)
-        psi = measure::psi6_by_cutoff(x, y, box, cutoff);
+    const std::vector<std::complex<double>> psi = local_order(scene, sums, x, y);
     std::vector<FilmBead> beads;
     for (std::size_t i = 0; i < x.size(); ++i) {
-        if (tracks.window && !(tracks.window->inside_by(x[i], y[i]) > cutoff)) // its neighbours are not seen
-            psi[i] = std::nan("");
         const bool known = !std::isnan(psi[i].real());
         beads.push_back({tracks.time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
                          known ? std::arg(psi[i]) / 6.0 : std::nan("")});
