@@ -242,11 +242,12 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
                              fmt::format("chi2 is {:.4g} for {:.4g} degrees of freedom", data.r.squaredNorm(),
                                          data.independent_dof())});
     if (found.runs)
-        out.tests.push_back(
-            {"runs", found.runs_value, found.runs_expected, *found.runs,
-             fmt::format("the residuals keep their sign too long, {:.0f} runs where {:.0f} are "
-                         "expected",
-                         found.runs_value, found.runs_expected)});
+        out.tests.push_back({"runs", found.runs_value, found.runs_expected, *found.runs,
+                             fmt::format("the residuals {}, {:.0f} runs where {:.0f} are expected",
+                                         *found.runs < 0.05   ? "keep their sign too long"
+                                         : *found.runs > 0.95 ? "change their sign too often"
+                                                              : "change their sign as noise does",
+                                         found.runs_value, found.runs_expected)});
     if (found.largest)
         out.tests.push_back({"largest", found.largest_value, 0.0, *found.largest,
                              fmt::format("{} is {:.3g} standard errors off",

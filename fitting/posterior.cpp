@@ -46,12 +46,20 @@ double part_of_prior(const std::vector<double>& sorted, double p, bool lower) {
 }
 
 /// z: of one parameter, normal under its prior.
-void judge_prior(const std::string& name, std::vector<double> z, Posterior& out) {
+void judge_prior(const std::string& name, const Prior& prior, std::vector<double> z, Posterior& out) {
     std::ranges::sort(z);
     for (const bool lower : {true, false}) {
         const char* end = lower ? "lower" : "upper";
         const double median = part_of_prior(z, 0.5, lower),
                      width = part_of_prior(z, 0.975, lower) - part_of_prior(z, 0.025, lower);
+        if (!(lower ? prior.low : prior.high)) { // a normal prior has a tail there, which no end cuts off
+            if (median < 0.005)
+                return out.remarks.push_back(fmt::format(
+                    "{} lies in the {} tail of its normal prior: the data want it {} than the prior "
+                    "expects; make its sd larger, or mistrust the model",
+                    name, end, lower ? "less" : "more"));
+            continue;
+        }
         // half a normal distribution that begins at the end has 0.3, one that is whole and far from it more
         if (median < 0.3 * width && width < 0.7)
             return out.remarks.push_back(fmt::format(
@@ -98,7 +106,8 @@ void take_values(const Density& density, const std::vector<Draws>& chains, Poste
         out.marginals.push_back(marginal(values));
 }
 
-void judge(const Problem& problem, const std::vector<Draws>& chains, Posterior& out) {
+void judge(const Problem& problem, const std::vector<Prior>& priors, const std::vector<Draws>& chains,
+           Posterior& out) {
     std::vector<std::string> names;
     for (const std::size_t i : out.free)
         names.push_back(problem.parameters[i].name);
@@ -108,7 +117,7 @@ void judge(const Problem& problem, const std::vector<Draws>& chains, Posterior& 
         for (const Draws& chain : chains)
             for (const Eigen::VectorXd& one : chain.z)
                 z.push_back(one[static_cast<Eigen::Index>(k)]);
-        judge_prior(names[k], std::move(z), out);
+        judge_prior(names[k], priors[k], std::move(z), out);
     }
 }
 
@@ -132,7 +141,7 @@ std::optional<Posterior> sample(const Problem& problem, const std::vector<Prior>
     take_values(density, chains->draws, out);
     if (method.evidence && !(out.log_evidence = evidence(density, *chains, method)))
         return std::nullopt;
-    judge(problem, chains->draws, out);
+    judge(problem, priors, chains->draws, out);
     return out;
 }
 

@@ -10,6 +10,7 @@ if __name__ == "__main__":  # before the imports that take time
 
 import argparse  # noqa: E402
 import contextlib  # noqa: E402
+import os  # noqa: E402
 import logging  # noqa: E402
 import warnings  # noqa: E402
 from pathlib import Path  # noqa: E402
@@ -32,25 +33,34 @@ def arguments(argv):
 
 def plot(options):
     # Imported here so that --help and a missing package are quick and plain.
+    os.environ.pop("MPLBACKEND", None)  # figures are drawn without one, and matplotlib refuses to start with one it does not know
     # Warnings about a glyph or a masked point are not the user's concern; stderr holds errors only.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     warnings.simplefilter("ignore")
-    from rodwake_plots import design, draw, style, tradeoff
-    from rodwake_plots.run_dir import RunDir
+    from rodwake_plots import style
 
     look = style.look(options.width, options.style, options.font_size)
+    with style.applied(look.settings):
+        draw_folder(options, look)
+
+
+def draw_folder(options, look):
+    """All that the folder holds, in the style that is applied."""
+    from rodwake_plots import design, tradeoff
+    from rodwake_plots.run_dir import RunDir
+
     if tradeoff.has_ways(options.run_dir):
-        print(*draw.in_style(tradeoff.write_ways, options.run_dir, options.output), sep="\n")
+        print(*tradeoff.write_ways(options.run_dir, options.output), sep="\n")
         return
 
     if design.has_design(options.run_dir):
-        print(*draw.in_style(design.write, options.run_dir, options.output), sep="\n")
+        print(*design.write(options.run_dir, options.output), sep="\n")
         if not (Path(options.run_dir) / "scene.toml").is_file():  # of a command that does no run
             return
 
     with RunDir(options.run_dir, options.output) as run:
         if run.has_tradeoff and not options.report_only:
-            print(*draw.in_style(tradeoff.write, run), sep="\n")
+            print(*tradeoff.write(run), sep="\n")
         if not run.holds_tradeoff_alone:
             draw_all(run, options, look)
 

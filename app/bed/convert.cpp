@@ -31,14 +31,15 @@ void hear(const std::string& line, const RunContext& context,
         context.log(Severity::info, line.starts_with(done) ? line.substr(done.size()) : line);
 }
 
-/// False after a stop.
+/// False after a stop. The first of the arguments is the file; behind `--` the name "-x.csv" is no option.
 bool run_converter(const Words& arguments, const RunContext& context,
                    const std::function<void(const std::string&)>& on_line) {
     if (context.converter.empty())
         throw RunError(
             "files of other programs are read by Python, and no converter is known to this program");
     Words command = context.converter;
-    command.insert(command.end(), arguments.begin(), arguments.end());
+    command.insert(command.end(), arguments.begin() + 1, arguments.end());
+    command.insert(command.end(), {"--", arguments.front()});
     const ChildEnd ended = run_child(
         command, "files of other programs need python3 with numpy and h5py (tools/quickstart --deps-only)",
         [&] { return context.stopped(); }, on_line);

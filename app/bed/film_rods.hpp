@@ -5,6 +5,7 @@
 #include "rodwake/core/record.hpp"
 #include "rodwake/measure/tracks.hpp"
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace rodwake::app {
 struct FilmRod {
     std::int64_t number = 0;
     std::size_t frames = 0, known = 0;
-    double from = 0.0, to = 0.0;
+    double from = 0.0, to = 0.0, length = std::numeric_limits<double>::quiet_NaN();
 
     static constexpr auto fields() {
         using R = FilmRod;
@@ -22,7 +23,9 @@ struct FilmRod {
                           field("frames", &R::frames, {"1", "in which it is seen"}),
                           field("known", &R::known, {"1", "of them, those in which its heading is known"}),
                           field("from", &R::from, {"s", "when it is seen first"}),
-                          field("to", &R::to, {"s", "when it is seen last"})};
+                          field("to", &R::to, {"s", "when it is seen last"}),
+                          field("length", &R::length,
+                                {"m", "mean distance of its ends; null: the file does not have them"})};
     }
 };
 

@@ -318,6 +318,8 @@ std::vector<FileKind> measure_result_files() {
         {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series},
         {"rod_tracks.csv", Lifetime::result, "poses of the rods of a film in every frame",
          film_rod_columns()},
+        {"film_frame.csv", Lifetime::result, "beads of the frame of a film that has most of them",
+         film_frame_columns()},
         {"tracks.json", Lifetime::result, "what there is in the file of tracks, and what was left out",
          tracks_values()}};
     for (const MeasureKind& kind : measure_kinds())

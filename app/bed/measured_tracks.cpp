@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace rodwake::app {
@@ -101,14 +102,21 @@ store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
 void append_rods(TrackRows& rows, TrackRows rods) {
     rows.is_rod.resize(rows.size(), 0);
     rows.is_rod.resize(rows.size() + rods.size(), 1);
-    rows.heading.resize(rows.size(), std::nan(""));
-    rods.heading.resize(rods.size(), std::nan(""));
+    for (auto of_rods : {&TrackRows::heading, &TrackRows::length}) {
+        (rows.*of_rods).resize(rows.size(), std::nan(""));
+        (rods.*of_rods).resize(rods.size(), std::nan(""));
+    }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(rows.frame, rods.frame);
     append(rows.time, rods.time);
     append(rows.id, rods.id);
     append(rows.y, rods.y);
     append(rows.heading, rods.heading);
+    if (!rows.length.empty() || !rods.length.empty()) {
+        rows.length.resize(rows.size(), std::nan(""));
+        rods.length.resize(rods.size(), std::nan(""));
+        append(rows.length, rods.length);
+    }
     const bool images = rows.image_x.size() == rows.size() && rods.image_x.size() == rods.size();
     for (auto image : {&TrackRows::image_x, &TrackRows::image_y}) {
         append(rows.*image, rods.*image);
@@ -121,7 +129,6 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     if (rows.without_place == 0)
         rows.first_without_place = rods.first_without_place;
     rows.without_place += rods.without_place;
-    rows.from_ends = rods.from_ends;
 }
 
 /// Rows of a file: of CSV at once, of any other format from the film that is made of it in `folder`, whose
@@ -167,7 +174,7 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
                               keys.bead_radius,
                               keys.box,
                               {},
-                              rows.from_ends ? 1.0 : keys.angle,
+                              rows.length.empty() ? keys.angle : 1.0,
                               keys.thin_end == scene::ThinEnd::ahead,
                               keys.longest_step.length};
     const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
@@ -188,6 +195,57 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
     if (keys.window.kind == WindowKind::rectangle)
         scale.window = measure::Window::rectangle(s[0], s[1], s[2], s[3]);
     return scale;
+}
+
+/// By the number of the rod, in units of the file.
+std::map<std::int64_t, double> mean_lengths(const TrackRows& rows) {
+    std::map<std::int64_t, std::pair<double, double>> sums;
+    for (std::size_t row = 0; row < rows.length.size(); ++row)
+        if (row < rows.is_rod.size() && rows.is_rod[row] && !std::isnan(rows.length[row])) {
+            sums[rows.id[row]].first += rows.length[row];
+            sums[rows.id[row]].second += 1.0;
+        }
+    std::map<std::int64_t, double> means;
+    for (const auto& [number, sum] : sums)
+        means[number] = sum.first / sum.second;
+    return means;
+}
+
+/// film_frame.csv
+struct FilmBead {
+    double t, x, y, psi6, orientation;
+
+    static constexpr auto fields() {
+        using R = FilmBead;
+        return std::tuple{
+            field("t", &R::t, {"s", "of the frame, the same in all rows"}),
+            field("x", &R::x, {"m", "as in rod_tracks.csv"}),
+            field("y", &R::y, {"m", "as in rod_tracks.csv"}),
+            field("psi6", &R::psi6,
+                  {"1", "size of the local bond order, neighbours as measure.order has them; empty: too near "
+                        "the border of the window, or order is not measured"}),
+            field("orientation", &R::orientation,
+                  {"rad", "of the close-packed rows from +x; empty as psi6"})};
+    }
+};
+
+std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, measure::Measures& sums) {
+    std::size_t most = 0;
+    for (std::size_t f = 1; f < tracks.frames(); ++f)
+        if (tracks.start[f + 1] - tracks.start[f] > tracks.start[most + 1] - tracks.start[most])
+            most = f;
+    const auto from = static_cast<std::ptrdiff_t>(tracks.start[most]),
+               to = static_cast<std::ptrdiff_t>(tracks.start[most + 1]);
+    const Column x(tracks.x.begin() + from, tracks.x.begin() + to),
+        y(tracks.y.begin() + from, tracks.y.begin() + to);
+    const std::vector<std::complex<double>> psi = local_order(scene, sums, x, y);
+    std::vector<FilmBead> beads;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const bool known = !std::isnan(psi[i].real());
+        beads.push_back({tracks.time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
+                         known ? std::arg(psi[i]) / 6.0 : std::nan("")});
+    }
+    return csv_of(beads);
 }
 
 /// Everything that is missing, most of it first told by whoever met it.
@@ -290,8 +348,12 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     for (const std::string& warning : rows.warnings)
         log->warn("{}: {}", file.filename().string(), warning);
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
+    const std::map<std::int64_t, double> lengths = mean_lengths(rows);
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
-    const TracksReport report = report_of(keys, file, facts, tracks);
+    TracksReport report = report_of(keys, file, facts, tracks);
+    for (FilmRod& rod : report.rod_tracks)
+        if (const auto at = lengths.find(rod.number); at != lengths.end())
+            rod.length = at->second * keys.pixel;
     store::write_atomically(folder / "tracks.json", json_text(record_json(report), 2) + "\n");
     log->info("{}", line_of(report));
     return tracks;
@@ -344,6 +406,7 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
 }
 
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
+std::span<const ColumnInfo> film_frame_columns() { return columns_of<FilmBead>(); }
 
 std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context, const fs::path& folder,
                                           const Logger& log) {
@@ -362,6 +425,8 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
     auto sums = sums_of(scene, *tracks, progress, context);
     if (!sums)
         return std::nullopt;
+    if (!tracks->x.empty()) // a film may have rods alone
+        store::write_atomically(folder / "film_frame.csv", film_frame_csv(scene, *tracks, *sums));
     data.sums = std::span(&*sums, 1);
     if (!tracks->rods.empty()) {
         const FilmRods rods(*tracks);

@@ -4,7 +4,9 @@
 #include "measure_stage.hpp"
 #include "run/describe_parts.hpp"
 
+#include <complex>
 #include <optional>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -20,5 +22,11 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
 
 /// Numbers of tracks.json.
 std::span<const ColumnInfo> tracks_values();
+/// psi_6 of each bead by the rule and cut-off of measure.order, while its sums are there; NaN too near the
+/// border of a window for all neighbours to be seen, and where order is not measured.
+std::vector<std::complex<double>> local_order(const scene::Scene& scene, measure::Measures& sums,
+                                              const Column& x, const Column& y);
+/// Of film_frame.csv.
+std::span<const ColumnInfo> film_frame_columns();
 
 } // namespace rodwake::app

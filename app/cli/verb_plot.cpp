@@ -78,13 +78,13 @@ void write_explorer(const fs::path& folder, bool quiet) {
 void make_figures(const fs::path& run_directory, bool pdf, bool quiet,
                   const std::vector<std::string>& looks) {
     std::vector<std::string> command = {RODWAKE_FIGURES_PYTHON,
-                                        (shipped_folder() / "plots" / "rodwake_plot.py").string(),
-                                        run_directory.string()};
+                                        (shipped_folder() / "plots" / "rodwake_plot.py").string()};
     if (pdf)
         command.emplace_back("--pdf");
     if (quiet)
         command.emplace_back("--quiet");
     command.insert(command.end(), looks.begin(), looks.end());
+    command.insert(command.end(), {"--", run_directory.string()}); // a folder "-x" is no option
     const bool elsewhere =
         std::ranges::any_of(looks, [](const auto& look) { return look.starts_with("--output="); });
     if (!elsewhere)

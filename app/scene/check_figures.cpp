@@ -86,6 +86,9 @@ void references(const Figure& figure, const std::string& path, const Scene& scen
             report(fmt::format("{}.profiles.{}", path, i),
                    fmt::format("there is no profile {}: fit.profiles has {} (numbered from 0)",
                                figure.profiles[i], scene.fit->profiles.size()));
+    if (figure.kind == "snapshot" && scene.tracks && figure.frame != Figure().frame)
+        report(path + ".frame",
+               "frame belongs to snapshots of a bed: of [tracks] the frame with most beads is shown");
     if (figure.kind == "fit_likelihood" && !figure.parameter.empty() &&
         !contains(scene.fit->likelihood, figure.parameter))
         report(path + ".parameter", fmt::format("{} is not in fit.likelihood, which has {}", figure.parameter,

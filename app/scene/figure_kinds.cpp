@@ -32,10 +32,10 @@ constexpr FigureNeed bed_itself{"[granular]",
 constexpr FigureNeed beads{"[granular] or [tracks]",
                            [](const Scene& s, const Figure&) { return s.granular || s.tracks; }};
 constexpr FigureNeed frames{"\"h5md\" in granular.output.formats", [](const Scene& s, const Figure&) {
-                                return contains(s.granular->output.formats, "h5md");
+                                return !s.granular || contains(s.granular->output.formats, "h5md");
                             }};
 constexpr FigureNeed all_beads{"granular.output.every_bead = 1", [](const Scene& s, const Figure&) {
-                                   return s.granular->output.every_bead == 1;
+                                   return !s.granular || s.granular->output.every_bead == 1;
                                }};
 constexpr FigureNeed rods_in_bed{"[[granular.rods]]",
                                  [](const Scene& s, const Figure&) { return !s.granular->rods.empty(); }};
@@ -90,10 +90,10 @@ constexpr FigureNeed a_scan{"[scan]", [](const Scene& s, const Figure&) { return
 const std::vector<FigureKind>& figure_kinds() {
     static const std::vector<FigureKind> kinds = {
         {"snapshot",
-         "beads and rods from above",
+         "beads and rods from above; of [tracks] the frame with most beads, with the paths of the rods",
          bed,
-         {bed_itself, frames, all_beads},
-         {"trajectory.h5md"},
+         {beads, frames, all_beads},
+         {"trajectory.h5md", "film_frame.csv", "rod_tracks.csv"},
          {"frame", "colour", "x", "y"}},
         {"rod_tracks",
          "paths, headings and speeds of the rods in the bed",

@@ -160,7 +160,7 @@ def draw_part(part, row):
     modes = read_modes(part)
     scale = part.estimate("phonons", "temperature")
     for index, (direction, label) in enumerate(DIRECTIONS):
-        colour = (*canvas.FEW_COLOURS[:3], style.GREY)[index]
+        colour = (*style.CURVES[:3], style.GREY)[index]
         for number, (branch, mark, word, _) in enumerate(BRANCHES):
             kept = (modes["branch"] == number) & (modes["direction"] == direction)
             look = dict(marker=mark, markerfacecolor=colour if number == 0 else "white")

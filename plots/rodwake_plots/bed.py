@@ -8,15 +8,14 @@ from matplotlib import patheffects
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
-from . import canvas, style, words
-from .bed_run import LAST_PERIOD, TRAJECTORY
-from .frames import images, psi6, with_images
+from . import canvas, files, style, trajectories, words
+from .bed_run import FILM_FRAME, LAST_PERIOD, ROD_TRACKS, TRAJECTORY, FilmRods, track
+from .frames import images, psi6, with_images, wrapped_path
 from .schema import Kind
 
 RIM = "#2b2b2b"
-ROD_COLOURS = ["#d55e00", "#cc79a7", "#e69f00", "#56b4e9"]  # of style's, those that stand out from beads coloured by order
 ARROW = 4.0  # length of a heading arrow, bead radii
 MOST_NUMBERS = 12
 
@@ -37,7 +36,7 @@ def row_of_discs(axes, centres, radii, colour, zorder):
 
 
 def rod_colour(rod):
-    return ROD_COLOURS[rod % len(ROD_COLOURS)]
+    return style.BED_RODS[rod % len(style.BED_RODS)]
 
 
 def rods_from_above(axes, frame, a, window):
@@ -89,8 +88,8 @@ def box_edges(axes, box, window):
 
 def window_of(run, spec):
     """The figure's window (in the resolved scene: m) in bead radii, ((x0, x1), (y0, y1)); the whole box where the scene says nothing."""
-    granular = run.granular
-    edge = 1.0 if granular.container else 0.0  # beside the wall, so that all of its line is seen
+    granular = FilmRods(run.path) if run.has_tracks else run.granular
+    edge = 1.0 if granular.container or run.has_tracks and not granular.is_periodic else 0.0  # so that all of the wall, or of each bead, is seen
     return tuple(tuple(end / granular.a for end in asked) if asked else (-edge, side / granular.a + edge)
                  for asked, side in zip((spec.x, spec.y), granular.sides))
 
@@ -119,6 +118,8 @@ LABELS = {"order": r"local bond order $|\psi_{6,i}|$", "orientation": "direction
 
 
 def draw_snapshot(run, spec):
+    if run.has_tracks:
+        return draw_film_frame(run, spec)
     with run.granular.trajectory(TRAJECTORY) as trajectory:
         frame = trajectory.frame(spec.frame)
         figure, axes = snapshot_stage(run, spec)
@@ -136,8 +137,9 @@ def snapshot_stage(run, spec):
     canvas.window(axes, *window)
     axes.set(xlabel=r"$x/a$", ylabel=r"$y/a$", facecolor="#f4f4f2")
     axes.tick_params(direction="out", top=False, right=False)
-    bed_edge(axes, run.granular, window)
-    order_bar(figure, axes, spec)
+    if not run.has_tracks:
+        bed_edge(axes, run.granular, window)
+        order_bar(figure, axes, spec)
     return figure, axes
 
 
@@ -167,7 +169,71 @@ def bead_values(spec, order):
     return np.degrees(np.angle(order)) / 6 if spec.colour == "orientation" else np.abs(order)
 
 
+# The same of a film: its frame with most beads, and where the rods went.
+
+SLIM = np.array([1.0, 0.5])  # of the rod's outline: films say nothing of its width
+PLAIN, UNKNOWN = "#b7c3cc", "#d3d3cf"  # beads of a film without bond order; beads whose own order is not known
+
+
+def draw_film_frame(run, spec):
+    t, *place, order, orientation = files.read_columns(run.path / FILM_FRAME, "t", "x", "y", "psi6", "orientation")
+    film, window = FilmRods(run.path), window_of(run, spec)
+    figure, axes = snapshot_stage(run, spec)
+    centres, index = with_images(np.stack(place, axis=-1) / film.a, np.ones(t.size), film.box / film.a, window)
+    values = np.degrees(orientation) if spec.colour == "orientation" else order
+    known, (norm, colours) = np.isfinite(values)[index], bead_colours(spec)
+    rim = dict(edgecolors="white", linewidths=0.3)
+    discs(axes, centres[~known], np.ones((~known).sum()), facecolors=UNKNOWN if known.any() else PLAIN, **rim)
+    if known.any():
+        discs(axes, centres[known], np.ones(known.sum()), array=values[index][known], norm=norm, cmap=colours, **rim)
+        order_bar(figure, axes, spec)
+    if (run.path / ROD_TRACKS).is_file():
+        film_rods(axes, film, track(run.path / ROD_TRACKS), t[0], window)
+    told = ([rf"$\phi_b = {film.phi_b:.3f}$"] if words.is_number(film.phi_b) else []) + [rf"$t = {clock(t[0], run.tracks.get('duration', 0.0))}$ s"]
+    canvas.heading(axes, style.safe(spec.title) or ",  ".join(told))
+    return figure
+
+
+def film_rods(axes, film, rods, t, window):
+    """Each rod's path over the whole film, and the rod as it lies in the frame, as long as it is; a mark where its length is not known."""
+    at = int(np.argmin(np.abs(rods.t - t)))
+    halo = [patheffects.withStroke(linewidth=3.0, foreground="white")]
+    for number in range(rods.x.shape[1]):
+        colour = rod_colour(number)
+        axes.plot(*wrapped_path(rods.x[:, number], rods.y[:, number], film.box).T / film.a, color=colour, linewidth=1.5, zorder=3, path_effects=halo)
+        x, y, theta = (part[at, number] for part in (rods.x, rods.y, rods.theta))
+        length = film.lengths[number] if number < len(film.lengths) else None
+        if not np.isfinite([x, y, theta]).all():
+            continue
+        heading, reach = np.array([math.cos(theta), math.sin(theta)]), (length or 0.0) / film.a
+        for middle in with_images(np.array([[x, y]]) / film.a, np.array([max(reach / 2, 1.0)]), film.box / film.a, window)[0]:
+            if not reach:
+                trajectories.filled(axes, *middle, theta, colour)
+                continue
+            outline = reach * SLIM * canvas.ROD_OUTLINE @ np.array([heading, [-heading[1], heading[0]]])
+            axes.add_patch(Polygon(middle + outline, facecolor=colour, edgecolor=RIM, linewidth=1.0, zorder=5))
+            arrow(axes, middle + reach / 2 * heading, heading)
+
+
+def caption_film_frame(run, spec):
+    t, order = files.read_columns(run.path / FILM_FRAME, "t", "psi6")
+    film = FilmRods(run.path)
+    text = (f"The frame of the film with most beads, {t.size}, at <i>t</i> = {clock(t[0], run.tracks.get('duration', 0.0))} s; "
+            "circles have the radius <i>a</i>")
+    if film.lengths:
+        lines = "paths of the rods over the whole film" if len(film.lengths) > 1 else "the path of the rod over the whole film"
+        text += f"; lines: {lines}" + ("; rods are as long as their ends are apart" if any(film.lengths) else "")
+    if not np.isfinite(order).any():
+        return text + "."
+    shown = ("the direction of the close-packed rows from <i>x</i>" if spec.colour == "orientation"
+             else "the local bond order |<i>ψ</i><sub>6,<i>i</i></sub>|, 1 in a perfect triangular lattice")
+    text += f". Colour: {shown}, with the neighbours of the measured <i>ψ</i><sub>6</sub>"
+    return text + ("; grey beads are too near the border for all of their neighbours to be seen." if not np.isfinite(order).all() else ".")
+
+
 def caption_snapshot(run, spec):
+    if run.has_tracks:
+        return caption_film_frame(run, spec)
     with run.granular.trajectory(TRAJECTORY) as trajectory:
         frame, cutoff = trajectory.frame(spec.frame), float(trajectory.parameter("order_cutoff"))
         time = clock(frame.time, trajectory.time[-1])
@@ -343,6 +409,7 @@ def caption_side_view(run, spec):
 
 
 KINDS = {
-    "snapshot": Kind(draw=draw_snapshot, caption=caption_snapshot, there=lambda run: run.granular.has_all_beads(TRAJECTORY)),
+    "snapshot": Kind(draw=draw_snapshot, caption=caption_snapshot,
+                     there=lambda run: (run.path / FILM_FRAME).is_file() if run.has_tracks else run.granular.has_all_beads(TRAJECTORY)),
     "side_view": Kind(draw=draw_side_view, caption=caption_side_view, there=lambda run: run.granular.has_all_beads(LAST_PERIOD)),
 }

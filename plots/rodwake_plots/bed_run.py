@@ -13,7 +13,7 @@ from .errors import MissingError, PlotError
 from .frames import Trajectory
 
 SUMMARY, TABLE, TRACKS = "summary.json", "table.csv", "tracks.csv"
-FILM, ROD_TRACKS = "tracks.json", "rod_tracks.csv"
+FILM, ROD_TRACKS, FILM_FRAME = "tracks.json", "rod_tracks.csv", "film_frame.csv"
 TRAJECTORY, LAST_PERIOD = "trajectory.h5md", "last_period.h5md"
 
 
@@ -96,7 +96,9 @@ class FilmRods:
         told = files.Record(folder / FILM)
         with files.reading(told.path, "box or bead_radius"):
             self.a, self.sides = told.need("bead_radius") + 0, np.asarray(told.need("box"), dtype=float)
-        self.box = self.sides if told.get("window") == "periodic" else 2 * self.sides
+        self.is_periodic = told.get("window") == "periodic"
+        self.box = self.sides if self.is_periodic else 2 * self.sides
+        self.phi_b, self.lengths = told.get("phi_b"), [one.get("length") for one in told.get("rod_tracks") or []]
 
     def holders(self, name):
         return [self.folder] if self.has(name) else []

@@ -111,7 +111,10 @@ def summary_rows(run):
              ("T_z", "<i>T</i><sub>z</sub>", "m²/s²", "var <i>v<sub>z</sub></i>, centre of mass removed"),
              ("psi6", "<i>ψ</i><sub>6</sub>, rows of table.csv", "", f"|⟨<i>ψ</i><sub>6,<i>i</i></sub>⟩| over the beads; neighbours nearer than {cutoff(run)}"),
              ("max_overlap", "Largest overlap", "", "of the smaller radius"))
+    part = bed_run.parts_of(run)[0]
     for key, name, unit, meaning in known:
+        if key == "psi6" and part.has(bed_run.RESULTS) and part.told("order", "psi6"):
+            continue  # the report has it among the measures, over more frames and with the cut-off of g(r)
         if words.is_number(summary.get(key)) and (key == "simulated_time" or run.granular.need("beads")):
             yield name, f"{words.number(summary[key])} {unit}".strip(), meaning
     pressure = (summary.get("pressure") or {}).get("mean")

@@ -13,7 +13,7 @@ from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
-from matplotlib.transforms import Affine2D
+from matplotlib.transforms import Affine2D, Bbox
 
 from . import files, style, words
 from .errors import PlotError
@@ -24,6 +24,7 @@ class ShownFigure(Figure):
 
     def draw(self, renderer):
         for text in self.findobj(Text):
+            text.set_text(text.get_text().removeprefix(style.UNSEEN))
             if not style.can_show(text.get_text()):
                 text.set_parse_math(False)
         super().draw(renderer)
@@ -72,15 +73,19 @@ def enlarge(made, factor):
 
 PAD = 0.04  # inches around what is drawn
 TRIES = 12  # text does not shrink with its figure: the width is approached
-WIDEST = 1.6  # a figure that is by nature this much wider than a column goes over two
+WIDEST = 2.0  # a figure that is by nature this much wider than a column, of panels side by side, goes over two
 GUTTER = 6 / 25.4  # inches between columns
 
 
+MOST_BESIDE = 0.2  # of the width, for a legend beside the panels
+
+
 def fit_width(made, column):
-    """Scales the figure until it is saved as wide as a column, or as two, legends beside its panels included."""
+    """Scales the figure until what is drawn is as wide as a column, or as two; returns that width."""
     inches = column if made.get_figwidth() < WIDEST * column else 2 * column + GUTTER
     made.set_dpi(matplotlib.rcParams["savefig.dpi"])  # text is as wide as the pixels let it be
-    aspect, renderer = made.get_figheight() / made.get_figwidth(), FigureCanvasAgg(made).get_renderer()
+    renderer = FigureCanvasAgg(made).get_renderer()
+    aspect = made.get_figheight() / (made.get_figwidth() - legend_below(made, inches, renderer))
     found = []  # (width of the figure, width as saved): the secant's
     width = made.get_figwidth()
     for _ in range(TRIES):
@@ -93,20 +98,57 @@ def fit_width(made, column):
         step = (inches - s1) * (w1 - w0) / (s1 - s0) if s1 != s0 else 0.1 * w1
         width = w1 + max(-0.5 * w1, min(step, w1))
     made.set_layout_engine("none")  # it would move things again
+    return inches
 
 
-def settle(made):
-    """Lays the figure out as it is saved, for good: each drawing would do it again. The box of what is drawn, in inches."""
+def legend_below(made, inches, renderer):
+    """A legend that would take much of this width goes from beside the panels to below them; returns the width that becomes free."""
+    legends = [axes.get_legend() for axes in made.axes if hasattr(axes.get_legend(), "given")]
+    if len(legends) != 1:  # of several each belongs to its panel
+        return 0.0
+    legend, = legends
+    width = legend.get_window_extent(renderer).width / made.dpi
+    if width < MOST_BESIDE * inches:
+        return 0.0
+    handles, labels, look = legend.given
+    look = look | dict(loc="upper center", bbox_to_anchor=(0.5, 0.0), fontsize=legend.get_texts()[0].get_fontsize())
+    if title := legend.get_title().get_text():
+        look |= dict(title=title, title_fontsize=legend.get_title().get_fontsize())
+    legend.remove()
+    for columns in range(min(len(labels), 4), 0, -1):
+        below = made.legend(handles, labels, **look, ncols=columns)
+        if columns == 1 or below.get_window_extent(renderer).width < (inches - 2 * PAD) * made.dpi:
+            return width
+        below.remove()
+
+
+def settle(made, width=None):
+    """Lays the figure out for good, and makes it as large as what is drawn: it is saved whole, and as wide as asked for, whoever saves it."""
+    before = made.dpi
     if (dpi := matplotlib.rcParams["savefig.dpi"]) != "figure":
         made.set_dpi(dpi)  # texts are measured once
     made.draw_without_rendering()
     made.set_layout_engine("none")
-    return made.get_tightbbox(FigureCanvasAgg(made).get_renderer()).padded(PAD)
+    box = made.get_tightbbox(FigureCanvasAgg(made).get_renderer()).padded(PAD)
+    beside = (width - box.width) / 2 if width else 0.0
+    box = Bbox.from_extents(box.x0 - beside, box.y0, box.x1 + beside, box.y1)
+    moved = Affine2D().scale(*made.get_size_inches()).translate(-box.x0, -box.y0).scale(1 / box.width, 1 / box.height)  # parts of the figure
+    for axes in made.axes:
+        axes.set_position(axes.get_position(original=True).transformed(moved))
+    for text in made.texts:
+        text.set_position(moved.transform(text.get_position()))
+    anchors = [one.get_bbox_to_anchor().transformed(made.transFigure.inverted() + moved) for one in made.legends]
+    for one, anchor in zip(made.legends, anchors):
+        one.set_bbox_to_anchor(anchor, made.transFigure)
+    made.set_size_inches(box.width, box.height)
+    made.set_dpi(before)
 
 
-def save(made, path, metadata=None, box=None):
+def save(made, path, metadata=None, settled=False):
+    if not settled:
+        settle(made)
     out = io.BytesIO()  # a write that fails is then told with its cause, which Pillow loses
-    made.savefig(out, format=path.suffix[1:], bbox_inches=box or settle(made), metadata=metadata)
+    made.savefig(out, format=path.suffix[1:], metadata=metadata)
     files.write(path, out.getvalue())
 
 
@@ -176,7 +218,6 @@ def linear_limits(values, trusted, below=0.06, above=0.06):
 
 # Several measured curves in one panel: a colour each, bands of their standard errors, a legend.
 
-FEW_COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"]
 MOST_INSIDE = 4  # with more curves the legend stands beside the panel
 MARKS = "osD^vP"
 FAINT = dict(color=style.GREY, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1)
@@ -190,8 +231,8 @@ def curve_panel(count, height=3.1):
 
 def colours(count):
     """Few curves are told apart by hue, many by their place in a sequence."""
-    if count <= len(FEW_COLOURS):
-        return FEW_COLOURS[:count]
+    if count <= len(style.CURVES):
+        return style.CURVES[:count]
     return [style.TIME_MAP(place) for place in np.linspace(0, 1, count)]
 
 
@@ -205,13 +246,13 @@ def band(axes, x, y, sigma, colour, label="", lowest=None):
     if lowest is not None:
         y, below = np.where(y > 0, y, np.nan), np.where(y > 0, np.maximum(below, lowest), np.nan)
     axes.fill_between(x, below, above, color=colour, alpha=0.25, linewidth=0)
-    return axes.plot(x, y, color=colour, label=label, linewidth=1.2)[0]
+    return axes.plot(x, y, color=colour, label=style.label(label), linewidth=0.92 * matplotlib.rcParams["lines.linewidth"])[0]
 
 
 def points(axes, x, y, sigma, colour, label="", marker="o", **look):
     """Marks with error bars; those of unknown error have none."""
     look = dict(markersize=3.6, linestyle="none", elinewidth=0.8, capsize=1.6, capthick=0.8, zorder=3) | look
-    return axes.errorbar(x, y, yerr=np.where(np.isfinite(sigma), sigma, 0.0), color=colour, marker=marker, label=label, **look)
+    return axes.errorbar(x, y, yerr=np.where(np.isfinite(sigma), sigma, 0.0), color=colour, marker=marker, label=style.label(label), **look)
 
 
 def legend(axes, **look):
@@ -219,9 +260,15 @@ def legend(axes, **look):
     handles, labels = axes.get_legend_handles_labels()
     if not labels:
         return
-    place = dict(loc="best") if len(labels) <= MOST_INSIDE + 1 else dict(loc="center left", bbox_to_anchor=(1.01, 0.5))
-    axes.legend(handles, [style.safe(label) for label in labels], **(place | dict(
-        frameon=True, framealpha=0.8, edgecolor="none", fontsize=8.5, handlelength=1.6, borderaxespad=0.4) | look))
+    look = dict(handlelength=1.6, borderaxespad=0.4) | look
+    if len(labels) > MOST_INSIDE + 1:
+        return beside(axes, handles, [style.safe(label) for label in labels], **look)
+    axes.legend(handles, [style.safe(label) for label in labels], **(dict(loc="best") | look))
+
+
+def beside(axes, handles, labels, **look):
+    """A legend right of the panel; fit_width puts it below where it would take much of the width."""
+    axes.legend(handles, labels, **(dict(loc="center left", bbox_to_anchor=(1.01, 0.5)) | look)).given = handles, labels, look
 
 
 # Panels of equal scale, one for each part of a scene with variants.

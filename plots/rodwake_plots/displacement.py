@@ -196,7 +196,6 @@ def caption_displacement_map(run, spec):
 
 # Measured displacement along a line of the rod's frame (paper, Figs. ufield a, c, e).
 
-THEORY = fit.COMPARED[0]
 
 
 def file_of(spec):
@@ -256,8 +255,8 @@ def theory(axes, run, spec):
     axes.set_ylim(*axes.get_ylim())
     x, model = fit.modelled(run.fit, view)
     factor = np.sqrt(np.abs(x)) if spec.sqrt_scaled else 1.0
-    fit.draw_line(axes, run.fit, x, factor * model, color=THEORY, linewidth=1.4, zorder=2)
-    axes.plot([], [], color=THEORY, label=f"theory, {told_of(view)}")
+    fit.draw_line(axes, run.fit, x, factor * model, color=style.OTHERS[0], linewidth=1.4, zorder=2)
+    axes.plot([], [], color=style.OTHERS[0], label=f"theory, {told_of(view)}")
 
 
 def told_of(view):

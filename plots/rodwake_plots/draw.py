@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 
-import matplotlib
-
 from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie
 from . import page, phase_diagram, posterior, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
 from .bed_run import TRAJECTORY
 from .canvas import save
 from .errors import MissingError, PlotError, attempt, reason
 from .medium_film import FILE as MEDIUM_FRAMES
-from .style import Look, SETTINGS
+from .style import Look, SETTINGS, applied
 
 FILM = "film"  # name of the figure that --film adds
 FILMS = "movie", "medium_film", "rods_movie"
@@ -45,7 +43,7 @@ def defaults(run):
     """A figure for everything the run directory holds."""
     there = {"bed": run.has_granular, "measure": run.has_granular or run.has_tracks, "theory": run.has_result, "rod_order": run.rods_order is not None,
              "fit": run.has_fit, "scan": run.has_scan}
-    specs = [one for kind in KINDS if there[schema.subject(kind)] for one in all_of(kind, run)]
+    specs = [one for kind in KINDS if there[schema.subject(kind)] or kind == "snapshot" and run.has_tracks for one in all_of(kind, run)]
     if not specs:
         raise PlotError(f"{run.path}: holds no rods, no field, no cuts, no fit, no scan and no tables or trajectories of beads: nothing to draw")
     return specs
@@ -89,32 +87,30 @@ def write_all(run, figures, pdf, look=Look(SETTINGS)):
 
 
 def write_one(run, figure, endings, look):
-    with matplotlib.rc_context(look.settings):
-        kind = KINDS[figure.kind]
-        if kind.write:
-            print(*kind.write(run, figure), sep="\n")
-            return
-        made = dressed(kind.draw(run, figure), look)
-        box = canvas.settle(made)
-        metadata = page.hover_metadata(page.hover_places(made, list(kind.hover_marks(run, figure, made)), box)) if kind.hover_marks else None
-        for ending in endings:
-            path = run.figures_dir / (figure.name + ending)
-            save(made, path, metadata if ending == ".png" else None, box)
-            print(path)
+    kind = KINDS[figure.kind]
+    if kind.write:
+        print(*kind.write(run, figure), sep="\n")
+        return
+    made = dressed(kind.draw(run, figure), look)
+    marks = list(kind.hover_marks(run, figure, made)) if kind.hover_marks else []
+    metadata = page.hover_metadata(page.hover_places(made, marks, made.bbox_inches))
+    for ending in endings:
+        path = run.figures_dir / (figure.name + ending)
+        save(made, path, metadata if ending == ".png" else None, settled=True)
+        print(path)
 
 
 def dressed(made, look):
     """The figure with text and width as asked for."""
     if look.enlarged != 1.0:
         canvas.enlarge(made, look.enlarged)
-    if look.width:
-        canvas.fit_width(made, look.width)
+    canvas.settle(made, canvas.fit_width(made, look.width) if look.width else None)
     return made
 
 
 def in_style(write, *arguments, look=Look(SETTINGS)):
     """What does not stand in [[figures]], with the look of what does."""
-    with matplotlib.rc_context(look.settings):
+    with applied(look.settings):
         return write(*arguments)
 
 

@@ -204,7 +204,7 @@ def caption_polar_streamlines(run, spec):
 
 # The displacement along a line (paper, Fig. ufield b, d, e).
 
-ASYMPTOTE = dict(color="#d55e00", linewidth=1.0, linestyle=(0, (5, 3)))
+ASYMPTOTE = dict(linewidth=1.0, linestyle=(0, (5, 3)))
 CORE = 0.012  # of the window: the limits ignore what is nearer to the singular point
 
 
@@ -265,9 +265,9 @@ def asymptote(run, cut, spec):
 
 
 def draw_tail(axes, far, values):
-    axes.plot(far, values, **ASYMPTOTE)
+    axes.plot(far, values, color=style.OTHERS[0], **ASYMPTOTE)
     axes.annotate(r"$\frac{1}{2}\,(\xi/\pi)^{1/2}$", (far[0], values[0]), (4, 3), textcoords="offset points", va="bottom", fontsize=9,
-                  color=ASYMPTOTE["color"])
+                  color=style.OTHERS[0])
     axes.set_ylim(top=max(axes.get_ylim()[1], 1.2 * values.max()))
 
 

@@ -80,8 +80,8 @@ def key(figure, fit, views):
                               label="left out"))
     handles.append(Line2D([], [], color=style.LINE, linewidth=1.5, label="fit"))
     for index, one in enumerate(fit.compared):
-        handles.append(Line2D([], [], color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2,
-                              label=style.safe(str(one.get("name", index)))))
+        handles.append(Line2D([], [], color=style.OTHERS[index % 5], linestyle=DASHES[index % 3], linewidth=1.2,
+                              label=style.label(str(one.get("name", index)))))
     columns = min(len(handles), 5 if len(views) > 1 else 3)
     figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, frameon=False, fontsize=9, handlelength=2.2)
 
@@ -103,7 +103,6 @@ def caption(run, spec):
 
 # One measured profile and the fit to it, and what is left between them.
 
-COMPARED = ["#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 DASHES = [(0, (5, 3)), (0, (1.5, 2)), (0, (6, 2, 1.5, 2))]
 LEFT_OUT = "#9a9a9a"
 REACH = 2.5  # a comparison beyond this times the range of the data is cut off
@@ -121,7 +120,7 @@ def draw_panel(axes, fit, view, window):
     axes.axhline(0, color=style.GREY, linewidth=0.6, zorder=1)
     shade_core(axes, fit)
     for index, values in enumerate(curve.compared):
-        draw_line(axes, fit, *broken(fit, view, values), color=COMPARED[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
+        draw_line(axes, fit, *broken(fit, view, values), color=style.OTHERS[index % 5], linestyle=DASHES[index % 3], linewidth=1.2, zorder=2.5)
     x, model = modelled(fit, view)
     band = broken(fit, view, curve.band)[1]
     axes.fill_between(x, model - band, model + band, color=style.LINE, alpha=0.25, linewidth=0, zorder=2)

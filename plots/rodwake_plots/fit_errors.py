@@ -117,7 +117,7 @@ def draw_fit_likelihood(run, spec):
     axes.axvline(like.parameter.value, color=style.GREY, linewidth=0.6, zorder=1)
     parabola = like.parabola(x)
     if parabola is not None:
-        axes.plot(x, parabola, color="#d55e00", linewidth=1.1, linestyle=(0, (5, 3)), label="curvature at the best value")
+        axes.plot(x, parabola, color=style.OTHERS[0], linewidth=1.1, linestyle=(0, (5, 3)), label="curvature at the best value")
     axes.plot(like.value, like.rise, "o-", color=style.LINE, markersize=3.2, linewidth=1.2, label="others refitted")
     top = min(max(like.rise.max(), 1.3 * RISE_95), LIKELIHOOD_TOP * RISE_95)
     axes.set(xlim=(low, high), ylim=(-0.03 * top, 1.05 * top), xlabel=fit_words.quantity(like.parameter), ylabel=r"rise of $\chi^2$")

@@ -9,7 +9,7 @@ from .errors import PlotError
 from .fit_result import MODELS
 from .schema import Kind
 
-CRITERIA = (("aic", "AIC", "o", style.LINE), ("bic", "BIC", "s", "#d55e00"))
+CRITERIA = (("aic", "AIC", "o"), ("bic", "BIC", "s"))
 LINEAR = 2.0  # of the axis, around 0; beyond it is logarithmic
 
 
@@ -18,7 +18,7 @@ def draw(run, spec):
     rank = np.arange(len(models))
     figure = canvas.figure(style.WIDE, 0.42 * len(models) + 1.3)
     axes = figure.subplots()
-    for index, (key, label, mark, colour) in enumerate(CRITERIA):
+    for index, ((key, label, mark), colour) in enumerate(zip(CRITERIA, style.CURVES)):
         axes.plot(behind(run.fit, models, key), rank + 0.12 * (index - 1), mark, color=colour, markersize=5, label=label)
     foretold = [one.get("cross_validation") or {} for one in models]
     lost = np.array([-2 * run.fit.number(one, "difference") for one in foretold])

@@ -6,7 +6,6 @@ from . import bed, canvas, style, words
 from .bed_run import TABLE
 from .schema import Kind
 
-ORANGE = style.ROD_COLOURS[0]
 
 
 def draw(run, spec):
@@ -43,13 +42,13 @@ def lines(axes, curves, colour, label):
 
 def key(axes):
     """Beside the panel, where no curve can run under it."""
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9, handlelength=1.4)
+    canvas.beside(axes, *axes.get_legend_handles_labels(), frameon=False, fontsize=9, handlelength=1.4)
 
 
 def energies(axes, tables):
     factor, prefix = words.prefix_for(max(np.abs(table["energy"]).max() for table in tables))
     lines(axes, [(table["t"], table["energy"] * factor) for table in tables], style.LINE, "total")
-    lines(axes, [(table["t"], table["kinetic"] * factor) for table in tables], ORANGE, "kinetic")
+    lines(axes, [(table["t"], table["kinetic"] * factor) for table in tables], style.ROD_COLOURS[0], "kinetic")
     axes.set_ylabel(rf"energy ($\mathrm{{{prefix}J}}$)")
     if all(min(table["energy"].min(), table["kinetic"].min()) >= 0 for table in tables):
         axes.set_ylim(bottom=0)
@@ -57,7 +56,7 @@ def energies(axes, tables):
 
 
 def temperatures(axes, tables):
-    for name, symbol, colour in (("T_z", "T_z", style.LINE), ("T_xy", "T_{xy}", ORANGE)):
+    for name, symbol, colour in (("T_z", "T_z", style.LINE), ("T_xy", "T_{xy}", style.ROD_COLOURS[0])):
         curves = [(table["t"], np.where(table[name] > 0, table[name], np.nan)) for table in tables]
         lines(axes, curves, colour, rf"${symbol}$")
     axes.set_yscale("log")
@@ -75,7 +74,7 @@ def pushes(axes, tables):
     forces = {name: [rate(table["t"], table[f"{name}_impulse"]) for table in tables] for name in ("floor", "lid")}
     size = max((np.abs(force).max() for curves in forces.values() for _, force in curves if force.size), default=0.0)
     factor, prefix = words.prefix_for(size)
-    for (name, curves), colour in zip(forces.items(), (style.LINE, ORANGE)):
+    for (name, curves), colour in zip(forces.items(), (style.LINE, style.ROD_COLOURS[0])):
         lines(axes, [(t, force * factor) for t, force in curves], colour, name)
     axes.set_ylabel(rf"upward force ($\mathrm{{{prefix}N}}$)")
     axes.axhline(0, color=style.GREY, linewidth=0.6)

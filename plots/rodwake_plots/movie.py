@@ -85,7 +85,7 @@ class BedFilm(Film):
 def by_ffmpeg(path, film, fps):
     command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
                "-s", f"{film.width}x{film.height}", "-r", str(fps), "-i", "-", "-c:v", "libx264", "-crf", QUALITY,
-               "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path)]
+               "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(path.absolute())]  # "-x/film.mp4" is no option
     with tempfile.TemporaryFile() as log, subprocess.Popen(command, stdin=subprocess.PIPE, stdout=log, stderr=log) as process:
         with errors.undoing(lambda: kill(process)):
             with contextlib.suppress(BrokenPipeError), process.stdin:  # ffmpeg tells why it stopped

@@ -97,9 +97,10 @@ def label(axes, index, count):
 
 def legend(axes, scan, boundary):
     """Beside the panel, under what capture means."""
-    axes.legend(handles=scan_columns.outcome_handles(scan.outcome, int(scan.failed.sum()), boundary), title=scan_columns.outcomes_title(scan.outcome),
-                loc="upper left", bbox_to_anchor=(1.0, 1.015), frameon=False, fontsize=9, title_fontsize=9, handlelength=1.3,
-                handleheight=1.1, alignment="left", labelspacing=0.55)
+    handles = scan_columns.outcome_handles(scan.outcome, int(scan.failed.sum()), boundary)
+    canvas.beside(axes, handles, [one.get_label() for one in handles], title=scan_columns.outcomes_title(scan.outcome),
+                  loc="upper left", bbox_to_anchor=(1.0, 1.015), frameon=False, fontsize=9, title_fontsize=9, handlelength=1.3,
+                  handleheight=1.1, alignment="left", labelspacing=0.55)
 
 
 def colour_bar(figure, panels, run, spec):
@@ -326,9 +327,7 @@ def draw_strip(run, spec):
     strip.set_yticks([])
     strip.tick_params(which="both", top=False, direction="out")
     top = upper or strip
-    legend = scan_columns.outcome_handles(scan.outcome, int(scan.failed.sum()), False)
-    top.legend(handles=legend, title=scan_columns.outcomes_title(scan.outcome), loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False,
-               fontsize=9, title_fontsize=9, handlelength=1.3, handleheight=1.1, alignment="left")
+    legend(top, scan, False)
     canvas.heading(top, style.safe(spec.title) or scan_words.fixed_title(run))
     return figure
 

@@ -11,7 +11,6 @@ from . import canvas, fit, fit_words, style, words
 from .schema import Kind
 
 MOST = 7  # parameters in pairs; starts of tracks are the first to go
-SQUARES = "#d55e00"  # what least squares say
 PRIOR = dict(color=style.GREY, linewidth=1.0, linestyle=(0, (5, 3)))
 MASSES = 0.865, 0.393  # held by an ellipse of two and of one standard deviations
 BINS = 36
@@ -129,9 +128,9 @@ def draw_one(axes, one):
         at = one.moved(t)
         kept = at > 0 if one.log else np.isfinite(at)
         slope = np.gradient(one.to(at[kept]), t[kept])
-        axes.plot(at[kept], np.exp(-t[kept] ** 2 / 2) / (math.sqrt(2 * math.pi) * np.abs(slope)), color=SQUARES, linewidth=1.0)
+        axes.plot(at[kept], np.exp(-t[kept] ** 2 / 2) / (math.sqrt(2 * math.pi) * np.abs(slope)), color=style.OTHERS[0], linewidth=1.0)
     if one.fitted:
-        axes.axvline(one.fitted.value, color=SQUARES, linewidth=0.7)
+        axes.axvline(one.fitted.value, color=style.OTHERS[0], linewidth=0.7)
     axes.set_ylim(0, 1.15 * height.max())
     axes.set_yticks([])
 
@@ -146,12 +145,12 @@ def draw_pair(axes, across, up, correlated):
     axes.contourf(*centres, found.T, [levels[-1], found.max() * 1.001], colors=[style.LINE], alpha=0.35)
     axes.contour(*centres, found.T, levels, colors=style.LINE, linewidths=0.8)
     if across.fitted and up.fitted:
-        axes.plot(across.fitted.value, up.fitted.value, "+", color=SQUARES, markersize=7, markeredgewidth=1.2)
+        axes.plot(across.fitted.value, up.fitted.value, "+", color=style.OTHERS[0], markersize=7, markeredgewidth=1.2)
         if math.isfinite(across.error()[0] * up.error()[0] * correlated):
             t = np.linspace(0, 2 * math.pi, 200)
             for size in (1, 2):
                 a, b = size * np.cos(t), size * (correlated * np.cos(t) + math.sqrt(max(0.0, 1 - correlated ** 2)) * np.sin(t))
-                axes.plot(across.moved(a), up.moved(b), color=SQUARES, linewidth=0.9)
+                axes.plot(across.moved(a), up.moved(b), color=style.OTHERS[0], linewidth=0.9)
 
 
 def correlation(run, one, other):
@@ -179,7 +178,7 @@ def level_of(density, mass):
 def key(figure, all_axes):
     handles = [Patch(facecolor=style.LINE, edgecolor=style.LINE, alpha=0.4, label="samples"), Line2D([], [], label="prior", **PRIOR)]
     if any(one.fitted for one in all_axes):
-        handles.append(Line2D([], [], color=SQUARES, linewidth=1.0, marker="+", markersize=7, label="least squares"))
+        handles.append(Line2D([], [], color=style.OTHERS[0], linewidth=1.0, marker="+", markersize=7, label="least squares"))
     figure.legend(handles=handles, loc="upper right", bbox_to_anchor=(0.985, 0.985), frameon=False, fontsize=9) if len(all_axes) > 1 else (
         figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3, frameon=False, fontsize=9))
 

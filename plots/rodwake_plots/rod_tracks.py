@@ -281,7 +281,7 @@ def pairs_overlaid(parts, paths, spec):
     figure, axes = canvas.curve_panel(len(parts))
     for part, tracks, colour in zip(parts, paths, canvas.colours(len(parts))):
         draw_beside(axes, tracks, part.granular, colour)
-        axes.plot([], [], color=colour, label=part.label)
+        axes.plot([], [], color=colour, label=style.label(part.label))
     axes.set(xlabel=r"way along the start heading ($a$)", ylabel=r"$y/a$")
     canvas.legend(axes)
     canvas.heading(axes, style.safe(spec.title))

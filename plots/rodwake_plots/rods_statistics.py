@@ -84,7 +84,7 @@ def draw_spread(axes, case, time, units, colour):
     at = with_bars(t)
     root = np.sqrt(square[at])
     axes.errorbar(t[at] * time.factor, root * factor, 0.5 * error[at] / root * factor, fmt="o", markersize=2.5, linewidth=0.8, color=colour,
-                  label=case.label)
+                  label=style.label(case.label))
     axes.plot(t[1:] * time.factor, np.sqrt(free_square(case.means, t[1:])) * factor, color=colour, linewidth=0.9)
 
 

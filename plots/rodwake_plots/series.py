@@ -147,7 +147,7 @@ def draw_group(axes, spec, group, colour, index):
     for kind, (mark, name) in enumerate(CLASSES):
         of = group.kind == kind
         if of.any():
-            canvas.points(axes, group.x[of], group.y[of], group.sigma[of], canvas.FEW_COLOURS[kind], name, mark)
+            canvas.points(axes, group.x[of], group.y[of], group.sigma[of], style.CURVES[kind], name, mark)
     rest = group.kind < 0
     if rest.any():
         canvas.points(axes, group.x[rest], group.y[rest], group.sigma[rest], style.GREY, "not classified", "x")

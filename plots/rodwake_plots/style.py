@@ -1,11 +1,13 @@
 """One look for every figure: fonts, sizes, colours. Widths are those of a Physical Review page."""
 
+import contextlib
 import functools
 import re
 from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
+from cycler import cycler
 from matplotlib import cbook
 from matplotlib.colors import ListedColormap
 from matplotlib.mathtext import MathTextParser
@@ -15,6 +17,9 @@ from .errors import UsageError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
 
+# Okabe and Ito, told apart with any colour vision; the yellow is left out for white paper.
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
+
 SETTINGS = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
@@ -23,7 +28,8 @@ SETTINGS = {
     "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True,
     "xtick.major.width": 0.7, "ytick.major.width": 0.7, "xtick.major.size": 3.5, "ytick.major.size": 3.5,
     "figure.facecolor": "white", "savefig.facecolor": "white", "savefig.dpi": 200,
-    "pdf.fonttype": 42, "axes.formatter.use_mathtext": True,
+    "pdf.fonttype": 42, "axes.formatter.use_mathtext": True, "axes.prop_cycle": cycler(color=COLOURS),
+    "legend.framealpha": 0.8, "legend.edgecolor": "none", "legend.fontsize": 8.5,
 }
 
 
@@ -31,6 +37,7 @@ WIDTHS = {"column": 86 / 25.4, "page": 178 / 25.4}  # inches
 STYLES = {"": {}, "paper": {},
           "slides": {"font.family": ["DejaVu Sans"], "mathtext.fontset": "dejavusans", "font.size": 13, "axes.labelsize": 14, "axes.titlesize": 14,
                      "xtick.labelsize": 12, "ytick.labelsize": 12, "axes.linewidth": 1.1, "lines.linewidth": 2.0, "savefig.dpi": 250}}
+SIZES = "axes.labelsize", "axes.titlesize", "figure.titlesize", "figure.labelsize", "legend.fontsize", "legend.title_fontsize", "xtick.labelsize", "ytick.labelsize"
 SMALL = {"font.size": 8, "axes.labelsize": 8.5, "axes.titlesize": 8.5, "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "savefig.dpi": 300}
 
 
@@ -45,8 +52,21 @@ class Look(NamedTuple):
 def look(width="", style="", font_size=""):
     inches = width_of(width) if width else None
     small = SMALL if inches and inches < SINGLE and style in ("", "paper") else {}
-    settings = {**SETTINGS, **small, **settings_of(style)}
-    return Look(settings, inches, points_of(font_size) / settings["xtick.labelsize"] if font_size else 1.0)
+    own, enlarged = settings_of(style), 1.0
+    if style not in STYLES and "font.size" in own:  # all text of a figure goes with it, sizes that stand in the code too
+        enlarged = own.pop("font.size") / SETTINGS["font.size"]
+        own |= {key: own[key] / enlarged for key in own if key in SIZES and not isinstance(own[key], str)}
+    settings = {**SETTINGS, **small, **own}
+    return Look(settings, inches, points_of(font_size) / settings["xtick.labelsize"] if font_size else enlarged)
+
+
+@contextlib.contextmanager
+def applied(settings):
+    """These settings on top of matplotlib's own: a user's matplotlibrc is not asked, so that figures are the same everywhere."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(settings)
+        yield
 
 
 def points_of(text):
@@ -91,13 +111,23 @@ def part_of(name, low, high):
     return ListedColormap(matplotlib.colormaps[name](np.linspace(low, high, 256)), name=f"{name}_part")
 
 
-FIELD_MAP = part_of("viridis", 0.0, 0.93)
-TIME_MAP = part_of("viridis", 0.0, 0.9)
-
 INK, GREY = "#1a1a1a", "#666666"
-LINE = "#0072b2"
-# Okabe and Ito, told apart with any colour vision; the yellow is left out for white paper.
-ROD_COLOURS = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
+CYCLES = {"CURVES": (0, 1, 2, 3), "ROD_COLOURS": (1, 0, 2, 3, 4, 5), "OTHERS": (1, 2, 3, 4, 5),
+          "BED_RODS": (1, 3, 4, 5)}  # the last stand out from beads coloured by order
+MAPS = {"FIELD_MAP": 0.93, "TIME_MAP": 0.9}
+
+
+def __getattr__(name):
+    """Colours of the style that is applied: style.LINE, style.CURVES, style.FIELD_MAP. Of a style file its cycle and its map."""
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key().get("color", COLOURS)
+    if name == "LINE":
+        return colours[0]
+    if name in CYCLES:
+        return [colours[place % len(colours)] for place in CYCLES[name]]
+    if name in MAPS:
+        asked = matplotlib.rcParams["image.cmap"]
+        return part_of(asked, 0.0, MAPS[name]) if asked == "viridis" else matplotlib.colormaps[asked]
+    raise AttributeError(name)
 
 
 def safe(text):
@@ -107,6 +137,14 @@ def safe(text):
     if text.count("$") > 1:
         errors.say_once(f'"{text}" is not TeX that figures can show: it stands there as plain text')
     return literal(text)
+
+
+UNSEEN = "\u200b"  # figures take it away again (canvas.ShownFigure)
+
+
+def label(text):
+    """A user's name as the label of a curve: matplotlib leaves out of legends what begins with an underscore."""
+    return text and (UNSEEN if text.startswith("_") else "") + safe(text)
 
 
 def literal(text):

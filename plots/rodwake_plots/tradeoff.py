@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from matplotlib.lines import Line2D
 
@@ -11,7 +12,7 @@ from .errors import PlotError
 
 FILE, TOLD = "tradeoff.csv", "tradeoff.json"
 WORDS = ("method", "form", "field", "precision", "status")
-METHODS = {"erk": style.ROD_COLOURS[1], "adams": style.ROD_COLOURS[2], "bdf": style.ROD_COLOURS[0], "auto": style.ROD_COLOURS[3]}
+METHODS = {"erk": 1, "adams": 2, "bdf": 0, "auto": 3}  # of style.ROD_COLOURS
 FORMS = {"angle": "o", "director": "^", "dae": "s"}
 LINES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 ERRORS = {"final_state": "error of the last state", "contact_time": "error of the contact time", "outcome": "share of outcomes that differ",
@@ -71,7 +72,7 @@ def curves(axes, rows, work, error, ways):
     for key in dict.fromkeys(keys):
         mine = np.array([one == key for one in keys])
         order = np.argsort(-rows["tolerance"][mine])
-        axes.plot(work[mine][order], error[mine][order], color=METHODS[key[0]], marker=FORMS[key[1]], markersize=3, linewidth=0.8,
+        axes.plot(work[mine][order], error[mine][order], color=style.ROD_COLOURS[METHODS[key[0]]], marker=FORMS[key[1]], markersize=3, linewidth=0.8,
                   linestyle=LINES[ways.index(key[2:]) % len(LINES)], alpha=0.85)
 
 
@@ -90,7 +91,7 @@ def front(axes, work, error):
 def legend(rows, ways):
     def line(label, **look):
         return Line2D([], [], label=label, **({"color": style.GREY, "linewidth": 1.1} | look))
-    told = [line(name, color=METHODS[name], linewidth=2) for name in dict.fromkeys(rows["method"])]
+    told = [line(name, color=style.ROD_COLOURS[METHODS[name]], linewidth=2) for name in dict.fromkeys(rows["method"])]
     told += [line(name, marker=FORMS[name], linewidth=0, markersize=4) for name in dict.fromkeys(rows["form"])]
     told += [line(way_words(way), linestyle=LINES[k % len(LINES)]) for k, way in enumerate(ways)] if len(ways) > 1 else []
     return told + [line("not beaten", color=style.INK, linewidth=4.5, alpha=0.16), line("least quoted", linestyle=":", linewidth=0.7)]
@@ -108,6 +109,7 @@ def way_words(way):
 WAYS = "ways.json"
 SHOWN = {"rod_speed": "rod speed", "T_xy": "$T_{xy}$", "T_z": "$T_z$", "psi6": r"$\psi_6$", "wake": "wake, $U_x(-8a, 0)$"}  # of a bed; others are in the table
 LEAST = 1e-13
+tab10 = matplotlib.colormaps["tab10"]
 FIT_METHODS = ("slsqp", "lbfgs", "mma", "bobyqa", "nelder-mead", "mlsl", "crs", "isres", "direct-l")
 QUANTITIES = {"optimum": "distance from the optimum (standard errors)", "interval": "shift of the 95 % interval (half widths)",
          "displacement": "displacement", "strain": "strain", "gradients": "gradients of strain"}
@@ -209,7 +211,7 @@ def draw_fit(ways):
 
 
 def fit_colour(way):
-    return f"C{FIT_METHODS.index(key_text(way, 'fit.method'))}"
+    return tab10(FIT_METHODS.index(key_text(way, "fit.method")))
 
 
 def fit_marker(way):
@@ -221,7 +223,7 @@ def fit_marker(way):
 def fit_legend(ways):
     used = [method for method in FIT_METHODS if any(key_text(way, "fit.method") == method for way in ways)]
     look = {"linewidth": 0, "markersize": 4}
-    return [Line2D([], [], color=f"C{FIT_METHODS.index(method)}", label=method, linewidth=2) for method in used] + [
+    return [Line2D([], [], color=tab10(FIT_METHODS.index(method)), label=method, linewidth=2) for method in used] + [
         Line2D([], [], color=style.GREY, marker="o", label="1 start", **look), Line2D([], [], color=style.GREY, marker="s", label="10 starts", **look),
         Line2D([], [], color=style.GREY, marker="*", label="and likelihood", **look),
         Line2D([], [], color=style.GREY, marker="o", markerfacecolor="none", label="not polished", **look)]

@@ -53,7 +53,7 @@ def overlaid(axes, runs, units, window, look):
     """A colour for each run, and a legend."""
     canvas.window(axes, *(tuple(look.length * edge for edge in pair) for pair in (window.x, window.y)))
     for run, colour in zip(runs, canvas.colours(len(runs))):
-        axes.plot([], [], color=colour, label=f"{style.safe(run.label)}: {outcome_line(units, run)}")
+        axes.plot([], [], color=colour, label=f"{style.label(run.label)}: {outcome_line(units, run)}")
         for rod in range(run.x.shape[1]):
             x, y = run.x[:, rod] * look.length, run.y[:, rod] * look.length
             axes.plot(x, y, color=colour, linewidth=1.3, scalex=False, scaley=False)

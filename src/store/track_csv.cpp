@@ -98,7 +98,6 @@ private:
         guess_ends(names);
         for (std::size_t role = 0; role < roles; ++role)
             find(static_cast<Role>(role), names);
-        rows_.from_ends = columns_.at[thin_x] != no_column;
         std::size_t last = 0;
         for (const std::size_t at : columns_.at)
             last = at == no_column ? last : std::max(last, at);
@@ -236,9 +235,10 @@ private:
         rows_.id.push_back(columns_.at[id] == no_column || is_missing(cells_[id]) ? no_track : whole(id));
         rows_.x.push_back(at_x);
         rows_.y.push_back(at_y);
-        if (columns_.at[thin_x] != no_column)
+        if (columns_.at[thin_x] != no_column) {
             rows_.heading.push_back(has_ends ? std::atan2(end[1] - end[3], end[0] - end[2]) : std::nan(""));
-        else if (columns_.at[heading] != no_column)
+            rows_.length.push_back(has_ends ? std::hypot(end[1] - end[3], end[0] - end[2]) : std::nan(""));
+        } else if (columns_.at[heading] != no_column)
             rows_.heading.push_back(is_missing(cells_[heading]) ? std::nan("") : real(heading));
         if (columns_.at[kind] != no_column)
             rows_.is_rod.push_back(rod(cells_[kind]));

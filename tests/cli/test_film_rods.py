@@ -110,6 +110,9 @@ class FilmRods(ProgramTest):
         self.write("maps.toml", 'schema = 1\n[fit]\nparameters = ["f_over_mu", "eta"]\nfixed = { xi = 500.0 }\n[[fit.maps]]\nfiles = ["window/measure.h5"]\n')
         self.refuse(2, "was measured in a window of a film", "fit", "maps.toml", "-o", "maps")
 
+    def lengths(self, folder):
+        return [rod["length"] for rod in json.loads((self.folder / folder / "tracks.json").read_text())["rod_tracks"]]
+
     def test_ends_and_axes_say_what_headings_say(self):
         rows = []
         for f in range(60):
@@ -129,6 +132,9 @@ class FilmRods(ProgramTest):
                            ("turned", ('tracks.columns.ends=["x2","y2","x1","y1"]', "tracks.thin_end=ahead"))):
             self.expect(0, "measure", "film.toml", "-o", name, "--quiet", *(word for key in keys for word in ("-s", key)))
             np.testing.assert_allclose(self.poses(name), theta, atol=1e-12, err_msg=name)
+        self.assertEqual([self.lengths("given"), self.lengths("axis")], [[None], [None]])
+        np.testing.assert_allclose(self.lengths("ends"), [6 * 0.4e-3], rtol=1e-12)
+        self.assertFalse((self.folder / "ends/film_frame.csv").exists())  # there are no beads
         given = (self.folder / "film.csv").read_text()
         self.write("film.csv", given.replace(",x,y,theta,angle", ",u,v,w,angle", 1))
         self.expect(0, "measure", "film.toml", "-o", "middle", "--quiet", "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')

@@ -227,6 +227,14 @@ class PlotTest(ProgramTest):
         self.assertEqual(figures, [".pdf", ".png"])
         self.assertTrue((self.folder / "out/report.html").is_file())
 
+    def test_a_folder_named_as_an_option(self):
+        self.expect(0, "run", "pair.toml", "-o", "-x")
+        self.expect(0, "plot", "--width", "column", "--", "-x")
+        self.assertTrue((self.folder / "-x/report.html").is_file())
+        self.write("-x.xyz", "1\na comment\nA 1 2 0\n")
+        self.expect(0, "convert", "-o", "-out.csv", "--", "-x.xyz")
+        self.assertTrue((self.folder / "-out.csv").is_file())
+
     def test_a_listing_that_nobody_reads_to_its_end(self):
         self.expect(0, "rods", "pair.toml", "-o", "out", "--quiet")
         done = subprocess.run(["bash", "-o", "pipefail", "-c", '"$0" plot out | head -1', rodwake.PROGRAM], cwd=self.folder,

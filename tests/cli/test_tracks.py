@@ -59,6 +59,23 @@ class Tracks(ProgramTest):
     def results(self, folder):
         return json.loads((self.folder / folder / "measure.json").read_text())
 
+    def test_the_frame_with_most_beads_has_the_measured_order(self):
+        """Two frames alike: what is measured over both is the mean of the beads of the frame."""
+        random = np.random.default_rng(2)
+        place = np.array([(1 + 2.2 * i + 1.1 * (j % 2), 1 + 1.9 * j) for j in range(12) for i in range(10)]) + random.normal(scale=0.2, size=(120, 2))
+        self.write_rows("frame,particle,x,y", [(f, p, float(x), float(y)) for f in range(2) for p, (x, y) in enumerate(place % 24)])
+        for name, keys in (("periodic", 'window = "periodic"\nbox = "24 a"'), ("open", 'window = "hull"')):
+            self.write("scene.toml", tracks(f'frames_per_second = 10\npixel = "1 a"\n{keys}', "[measure]\norder = true\norder_cutoff = \"3 a\"\nblock = \"0.1 s\"\n"))
+            self.expect(0, "run", "scene.toml", "-o", name, "--quiet")
+            found = np.genfromtxt(self.folder / name / "film_frame.csv", delimiter=",", names=True)
+            self.assertEqual(found["x"].size, 120)
+            self.assertEqual(bool(np.isnan(found["psi6"]).any()), name == "open")
+            self.assertAlmostEqual(np.nanmean(found["psi6"]), self.results(name)["order"]["local_psi6"]["value"], places=12)
+            self.assertTrue((self.folder / name / "figures/snapshot.png").is_file())
+        self.write("scene.toml", tracks('frames_per_second = 10\npixel = "1 a"\nwindow = "hull"', "[measure]\nmicrorheology = true\nblock = 0.1\n"))
+        self.expect(0, "measure", "scene.toml", "-o", "plain", "--quiet", "-s", 'figures=[{name="f", kind="snapshot"}]')
+        self.assertTrue(np.isnan(np.genfromtxt(self.folder / "plain/film_frame.csv", delimiter=",", names=True)["psi6"]).all())
+
     def test_a_bed_read_back_has_its_own_numbers_to_the_last_digit(self):
         self.write("bed.toml", BED)
         self.expect(0, "dem", "bed.toml", "-o", "bed")

@@ -71,6 +71,27 @@ TEST_CASE("of a wrong model the misfit speaks, whether sigmas are known or not")
     CHECK_FALSE(found.worst.empty());
 }
 
+TEST_CASE("runs of one sign are told as they are: too long, too short, or as of noise") {
+    const auto told = [](const std::vector<double>& data) {
+        Problem problem = polynomial(1, 0.0, 1);
+        problem.residuals = data.size();
+        problem.evaluate = [data](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
+                                  Eigen::MatrixXd* jacobian) {
+            r = Eigen::VectorXd::Map(data.data(), r.size()).array() - p[0];
+            if (jacobian)
+                jacobian->setConstant(-1.0);
+        };
+        for (const MisfitTest& test : misfit(problem, fit(problem, {}), 7).tests)
+            if (test.name == "runs")
+                return test.text;
+        return std::string();
+    };
+    CHECK_THAT(told({1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1}), Catch::Contains("too long"));
+    CHECK_THAT(told({1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}),
+               Catch::Contains("too often, 12 runs where 7"));
+    CHECK_THAT(told({1, 1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1}), Catch::Contains("as noise does"));
+}
+
 TEST_CASE("without a degree of freedom, and without noise, the misfit says nothing") {
     Problem problem = polynomial(2, 0.0, 1);
     problem.independent = 2.0 / points;

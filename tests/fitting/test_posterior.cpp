@@ -208,6 +208,12 @@ TEST_CASE("what is not to be trusted is said, with what to do") {
     CHECK(remarks_on(sample(line(-0.5), unit, std::vector{0.5}, {}).value(), "against the lower end"));
     CHECK(sample(line(0.5), unit, std::vector{0.5}, {}).value().remarks.empty());
     CHECK(sample(line(0.1), unit, std::vector{0.5}, {}).value().remarks.empty()); // five errors from the end
+    const std::vector<Prior> normal = {{PriorKind::normal, {}, {}, 0.0, 0.1}};    // a tail is no end
+    CHECK(remarks_on(sample(line(0.5), normal, std::vector{0.5}, {}).value(),
+                     "in the upper tail of its normal"));
+    CHECK(remarks_on(sample(line(-0.5), normal, std::vector{0.5}, {}).value(),
+                     "in the lower tail of its normal"));
+    CHECK(sample(line(0.16), normal, std::vector{0.5}, {}).value().remarks.empty());
     const std::vector<Prior> endless = {{PriorKind::uniform, 1e-6, 1e6}};
     CHECK(remarks_on(sample(line(0.5), endless, std::vector{0.5}, {}).value(), "in the lowest 5e-07"));
     // a model that exists in one place

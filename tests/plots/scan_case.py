@@ -3,7 +3,6 @@
 import json
 import shutil
 
-import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
@@ -11,7 +10,7 @@ from matplotlib.colors import to_rgb
 import made_up_scan as made_up
 from plot_case import PlotCase
 from rodwake_plots import draw, run_dir, scan_columns
-from rodwake_plots.style import SETTINGS
+from rodwake_plots.style import SETTINGS, applied
 
 NEAR = 6 / 255  # of a colour: rounding to bytes twice, and of pictures that were made smaller
 
@@ -36,7 +35,7 @@ class ScanCase(PlotCase):
     def draw(self, kind="phase_diagram", **keys):
         """The matplotlib figure, drawn, and the caption."""
         self.ask(figure(kind, **keys))
-        with run_dir.RunDir(self.folder) as run, matplotlib.rc_context(SETTINGS):
+        with run_dir.RunDir(self.folder) as run, applied(SETTINGS):
             spec = draw.figures_of(run)[0]
             made = draw.KINDS[kind].draw(run, spec)
             canvas = FigureCanvasAgg(made)

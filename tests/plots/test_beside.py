@@ -11,7 +11,7 @@ from made_up_granular import SCENE
 from made_up_measured import write_measured
 from made_up_result import write_result
 from plot_case import PlotCase
-from rodwake_plots import displacement, draw, run_dir
+from rodwake_plots import displacement, draw, run_dir, style
 
 FIGURE = '[[figures]]\nname = "fig"\nkind = "theory_beside_bed"\n'
 
@@ -80,7 +80,7 @@ class FittedProfileTest(PlotCase):
         self.assertNotIn("theory", caption)
         write_fit(self.folder)
         made, caption = self.draw()
-        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == displacement.THEORY else 0)
+        curve = max(made.axes[0].lines, key=lambda line: len(line.get_xdata()) if line.get_color() == style.OTHERS[0] else 0)
         given = np.genfromtxt(self.folder / "fit_curve_0.csv", delimiter=",", names=True)
         x, y = curve.get_data()
         np.testing.assert_allclose(np.interp(20.0, x, y), np.interp(20.0, given["x"], given["model"]), rtol=1e-9)  # digits of the file

@@ -1,7 +1,10 @@
 """Tests of what the command line asks of all figures: width, style, film: /usr/bin/python3 tests/plots/test_command.py"""
 
 import contextlib
+import os
 import re
+import subprocess
+import sys
 import tomllib
 from html import unescape
 from importlib.machinery import SourceFileLoader
@@ -10,6 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest import TestCase, main, mock
 
+import matplotlib
 from matplotlib.text import Text
 from PIL import Image
 
@@ -69,6 +73,49 @@ class CommandTest(PlotCase):
         for wrong in ("0", "tall", "99"):
             with self.assertRaisesRegex(PlotError, "--font-size"):
                 style.look(font_size=wrong)
+
+    def test_the_figure_itself_has_the_width(self):
+        """Whoever saves it, as Python's users do: nothing hangs over its edges."""
+        self.build(figures=LINE + PATHS)
+        with run_dir.RunDir(self.folder) as run:
+            for wanted in ("column", "86.4mm", "4in", ""):
+                look = style.look(wanted)
+                for spec in draw.figures_of(run):
+                    made = draw.in_style(lambda: draw.dressed(draw.KINDS[spec.kind].draw(run, spec), look), look=look)
+                    if wanted:
+                        self.assertAlmostEqual(made.get_figwidth(), style.width_of(wanted), places=6)
+                    made.draw_without_rendering()
+                    box = made.get_tightbbox()
+                    self.assertTrue(box.x0 > -0.02 and box.y0 > -0.02 and box.x1 < made.get_figwidth() + 0.02 and box.y1 < made.get_figheight() + 0.02,
+                                    (spec.name, box))
+
+    def test_a_users_matplotlibrc_does_not_count(self):
+        self.build(figures=LINE)
+        self.assertEqual(self.plot().returncode, 0)
+        before = (self.folder / "figures/line.png").read_bytes()
+        with TemporaryDirectory() as place:
+            (Path(place) / "matplotlibrc").write_text("figure.autolayout: True\ntext.usetex: True\nimage.cmap: gray\nbackend: none_such\n"
+                                                      "axes.grid: True\nlines.linestyle: --\nsavefig.bbox: tight\n")
+            done = subprocess.run([sys.executable, str(PROGRAM), str(self.folder)], capture_output=True, text=True,
+                                  env=os.environ | {"MATPLOTLIBRC": place, "MPLBACKEND": "module://none_such"})
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertEqual((self.folder / "figures/line.png").read_bytes(), before)
+            done = subprocess.run([sys.executable, str(PROGRAM), str(self.folder)], capture_output=True, text=True, env=os.environ | {"MPLBACKEND": "nonsense"})
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+    def test_all_of_a_style_file_counts(self):
+        file = self.folder / "own.mplstyle"
+        file.write_text("axes.prop_cycle: cycler('color', ['ff0000', '00ff00'])\nimage.cmap: magma\nfont.size: 20\naxes.labelsize: 30\n")
+        look = style.look("", str(file))
+        with style.applied(look.settings):
+            self.assertEqual((style.LINE, style.CURVES, style.FIELD_MAP.name), ("#ff0000", ["#ff0000", "#00ff00"] * 2, "magma"))
+        self.assertEqual((style.LINE, style.FIELD_MAP.name), (matplotlib.rcParams["axes.prop_cycle"].by_key()["color"][0], "viridis_part"))
+        self.build(figures=LINE)
+        with run_dir.RunDir(self.folder) as run:
+            axes = draw.in_style(lambda: draw.dressed(draw.KINDS["cut"].draw(run, draw.figures_of(run)[0]), look), look=look).axes[0]
+        self.assertAlmostEqual(axes.xaxis.label.get_fontsize(), 30)
+        self.assertAlmostEqual(axes.get_xticklabels()[0].get_fontsize(), 18)  # 9 of 10 points, as without the file
+        self.assertIn("#ff0000", [line.get_color() for line in axes.lines])
 
     def test_figures_elsewhere(self):
         self.build(figures=LINE)

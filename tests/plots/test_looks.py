@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import plot_case  # noqa: F401, first: puts the plots on the path
-from rodwake_plots import bed, canvas, field, fit, rod_tracks, trajectories, words
+from rodwake_plots import bed, canvas, field, fit, rod_tracks, style, trajectories, words
 from rodwake_plots.run_dir import Run, runs_told_apart
 from rodwake_plots.words import Units
 
@@ -60,6 +60,32 @@ class LabelsTest(unittest.TestCase):
         label = runs_told_apart(runs[1], runs, Units("reduced"))
         self.assertEqual(label, r"$\kappa\,f/(\mu v_0) = 2$")
         self.assertEqual(words.label_html(label), "κ\u2009f/(μv<sub>0</sub>) = 2")
+
+    def test_a_name_that_begins_with_an_underscore_is_in_the_legend(self):
+        made = canvas.figure(4, 3)
+        axes = made.subplots()
+        x = np.arange(4.0)
+        canvas.band(axes, x, x, x, "red", "_one")
+        canvas.points(axes, x, x, x, "blue", "_two")
+        axes.plot(x, x, label=style.label("_three $"))
+        canvas.legend(axes)
+        made.draw_without_rendering()
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["_one", r"_three \$", "_two"])
+
+    def test_in_a_narrow_figure_the_legend_is_below(self):
+        for inches, below in ((3.4, True), (7.0, False)):
+            with style.applied(style.SETTINGS):
+                made, axes = canvas.curve_panel(8)
+                for k in range(8):
+                    axes.plot([0, 1], [0, k], label=f"a curve {k}")
+                canvas.legend(axes)
+                canvas.settle(made, canvas.fit_width(made, inches))
+            self.assertEqual([len(made.legends), axes.get_legend() is None], [below, below])
+            made.draw_without_rendering()
+            panel = axes.get_window_extent().width / made.bbox.width
+            self.assertGreater(panel, 0.75 if below else 0.6)
+            if below:
+                self.assertLess(made.legends[0].get_window_extent().y1, axes.get_window_extent().y0)
 
     def test_headings_of_a_row_start_on_one_line(self):
         figure = canvas.figure(6, 3)

@@ -63,6 +63,7 @@ class OneRunTest(MeasureCase):
         page = re.sub("<[^>]*>", "", self.read_page())
         for part in ("Measures", "0.9000 ± 0.0040", "(3.20 ± 0.10) µN/m", "crystal", "14.2 for 17", "12 runs", "(−3.10 ± 0.60) a"):
             self.assertIn(part, page)
+        self.assertNotIn("rows of table.csv", page)  # another psi6, with another cut-off
 
     def test_spacings_of_lattice_and_grid(self):
         """Of the file that the program wrote, of a bed of phi_b = 0.80 on a grid of 1 a."""

@@ -95,10 +95,11 @@ class HoverTest(unittest.TestCase):
         axes.plot([1.0], [20.0], "s", color="#ff0000", markersize=6, markeredgewidth=0)
         axes.set(xlim=(0, 4), ylim=(0, 100), xlabel="a long label below")
         made.legend(["outside"], loc="upper left", bbox_to_anchor=(1.0, 1.0))  # grows the picture to the right
-        found = page.hover_places(made, [(axes, 1.0, 20.0, "here"), (axes, 9.0, 20.0, "outside the panel")], box := canvas.settle(made))
+        canvas.settle(made)
+        found = page.hover_places(made, [(axes, 1.0, 20.0, "here"), (axes, 9.0, 20.0, "outside the panel")], made.bbox_inches)
         self.assertEqual([one[2] for one in found], ["here"])
         out = io.BytesIO()
-        made.savefig(out, format="png", bbox_inches=box, dpi=200, metadata=page.hover_metadata(found))
+        made.savefig(out, format="png", dpi=200, metadata=page.hover_metadata(found))
         self.assertEqual(page.hover_of_png(out.getvalue()), found)
         pixels = np.asarray(Image.open(out).convert("RGB")).astype(int)
         rows, columns = np.nonzero((pixels[..., 0] > 200) & (pixels[..., 1:].max(axis=-1) < 60))

@@ -144,7 +144,8 @@ TEST_CASE("Rows written as plain CSV read back to the bit") {
 TEST_CASE("Ends of rods are guessed where nothing else tells the place") {
     const std::string row = "0,1,4,2,2,2,0.5,7\n";
     const TrackRows rows = read("frame,id,X1,Y1,X2,y2,a,b\n" + row);
-    CHECK((rows.x == std::vector<double>{3.0} && rows.y == std::vector<double>{2.0} && rows.from_ends));
+    CHECK((rows.x == std::vector<double>{3.0} && rows.y == std::vector<double>{2.0} &&
+           rows.length == std::vector<double>{2.0}));
     CHECK(rows.heading == std::vector<double>{0.0}); // the thin end is the first
     CHECK(rows.warnings == std::vector<std::string>{
                                "columns X1, Y1, X2, y2 are taken for the ends of a rod, the thin end first"});

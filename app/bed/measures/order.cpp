@@ -3,6 +3,7 @@
 #include "rodwake/measure/order.hpp"
 
 #include "bed/measure_parts.hpp"
+#include "bed/measured_tracks.hpp"
 
 #include <fmt/format.h>
 
@@ -176,3 +177,25 @@ MeasureKind order() {
 }
 
 } // namespace rodwake::app::measures
+
+namespace rodwake::app {
+
+std::vector<std::complex<double>> local_order(const scene::Scene& scene, measure::Measures& sums,
+                                              const Column& x, const Column& y) {
+    std::vector<std::complex<double>> psi(x.size(), std::nan(""));
+    measure::Accumulator* const order = sums.find("order");
+    if (!order)
+        return psi;
+    const measure::Layout& layout = sums.layout();
+    const double cutoff = order->as<measure::OrderAccumulator>().settled_cutoff().value;
+    if (scene.measure->order_neighbours == measure::Neighbours::delaunay)
+        psi = measure::psi6_by_delaunay(x, y, image_box(layout));
+    else if (cutoff > 0.0)
+        psi = measure::psi6_by_cutoff(x, y, image_box(layout), cutoff);
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (layout.window && !(layout.window->inside_by(x[i], y[i]) > cutoff))
+            psi[i] = std::nan("");
+    return psi;
+}
+
+} // namespace rodwake::app

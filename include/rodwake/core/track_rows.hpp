@@ -29,9 +29,11 @@ struct TrackRows {
     std::vector<std::int64_t> frame; ///< empty with times
     std::vector<double> time;        ///< s; empty with frames
     std::vector<std::int64_t> id;
-    std::vector<double> x, y;         ///< in units of the file, finite
-    std::vector<double> heading;      ///< rad; empty: no such column; NaN: not known
-    bool from_ends = false;           ///< headings are directions from one end of a rod to the other
+    std::vector<double> x, y;    ///< in units of the file, finite
+    std::vector<double> heading; ///< rad; empty: no such column; NaN: not known
+    /// Between the ends of rods, where the file has ends, whose direction is the heading; else empty. NaN as
+    /// heading.
+    std::vector<double> length;
     std::vector<std::uint8_t> is_rod; ///< empty: no column of kinds, all are beads
     /// Image indices: x + image_x L is unwrapped. Empty: the file does not have them.
     std::vector<std::int32_t> image_x, image_y;
@@ -60,7 +62,8 @@ struct Localisation {
 
 /// How far a particle may go from one frame to the next, or over a gap, without being another one.
 struct StepLimit {
-    std::optional<double> length = {}; ///< m; infinite: unlimited; absent: by the spacing, and who told the ids
+    std::optional<double> length =
+        {}; ///< m; infinite: unlimited; absent: by the spacing, and who told the ids
 
     bool operator==(const StepLimit&) const = default;
 };
