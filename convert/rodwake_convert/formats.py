@@ -10,7 +10,7 @@ ENDINGS = {".xyz": "xyz", ".extxyz": "xyz", ".gsd": "gsd", ".h5md": "h5md", ".h5
 
 
 def by_name(path):
-    return ENDINGS.get(os.path.splitext(path)[1].lower())
+    return ENDINGS.get(os.path.splitext(path.removesuffix(".gz"))[1].lower())
 
 
 def of_file(path):

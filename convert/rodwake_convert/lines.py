@@ -1,6 +1,8 @@
 """Lines of a text file, read in blocks: end with LF, CR LF, or, in a file without LF, with CR."""
 
+import gzip
 import os
+import zlib
 
 import numpy as np
 
@@ -14,17 +16,23 @@ class Lines:
     def __init__(self, path, report):
         self.path, self.report, self.number = path, report, 0
         try:
-            self.file = open(path, "rb")
+            self.bytes = open(path, "rb")
+            zipped = self.bytes.read(2) == b"\x1f\x8b"
+            self.bytes.seek(0)
         except OSError as error:
             raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-        self.size, self.read = os.fstat(self.file.fileno()).st_size, 0
+        self.file = gzip.GzipFile(fileobj=self.bytes) if zipped else self.bytes
+        self.size, self.read = os.fstat(self.bytes.fileno()).st_size, 0
         self.rest, self.lines, self.at, self.end, self.taken = b"", [], 0, b"\n", 0
         self.fill()
 
     def fill(self):
         """Another block of lines behind those that are used up; False at the end of the file."""
-        self.report(self.read / max(1, self.size))
-        block = self.file.read(BLOCK)
+        self.report(min(1.0, self.bytes.tell() / max(1, self.size)))
+        try:
+            block = self.file.read(BLOCK)
+        except (EOFError, OSError, zlib.error) as error:
+            raise InputError(f"{self.path}: its gzip data are damaged or end too soon ({error}); take another copy") from None
         first = self.read == 0
         self.read += len(block)
         if first:

@@ -47,7 +47,7 @@ TrackFormat format_by_name(const std::filesystem::path& file) {
         {".h5", TrackFormat::h5md},           {".hdf5", TrackFormat::h5md},
         {".dump", TrackFormat::lammps},       {".lammpstrj", TrackFormat::lammps},
         {".lammpsdump", TrackFormat::lammps}, {".xml", TrackFormat::trackmate}};
-    std::string ending = file.extension().string();
+    std::string ending = (file.extension() == ".gz" ? file.stem() : file).extension().string();
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto found = std::ranges::find(endings, ending, &std::pair<std::string_view, TrackFormat>::first);
     return found == std::end(endings) ? TrackFormat::csv : found->second;
