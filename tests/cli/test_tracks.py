@@ -72,9 +72,6 @@ class Tracks(ProgramTest):
             self.assertEqual(bool(np.isnan(found["psi6"]).any()), name == "open")
             self.assertAlmostEqual(np.nanmean(found["psi6"]), self.results(name)["order"]["local_psi6"]["value"], places=12)
             self.assertTrue((self.folder / name / "figures/snapshot.png").is_file())
-        self.write("scene.toml", tracks('frames_per_second = 10\npixel = "1 a"\nwindow = "hull"', "[measure]\nmicrorheology = true\nblock = 0.1\n"))
-        self.expect(0, "measure", "scene.toml", "-o", "plain", "--quiet", "-s", 'figures=[{name="f", kind="snapshot"}]')
-        self.assertTrue(np.isnan(np.genfromtxt(self.folder / "plain/film_frame.csv", delimiter=",", names=True)["psi6"]).all())
 
     def test_a_bed_read_back_has_its_own_numbers_to_the_last_digit(self):
         self.write("bed.toml", BED)

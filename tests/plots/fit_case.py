@@ -8,7 +8,7 @@ import numpy as np
 
 from made_up_fit import SCENE, write_fit
 from plot_case import PlotCase
-from rodwake_plots import draw, run_dir
+from rodwake_plots import draw, run_dir, style
 
 
 def figure(kind, name="fig", **keys):
@@ -32,7 +32,7 @@ class FitCase(PlotCase):
     def draw(self, kind, **keys):
         """The matplotlib figure and the caption."""
         self.ask(figure(kind, **keys))
-        with run_dir.RunDir(self.folder) as run:
+        with run_dir.RunDir(self.folder) as run, style.applied(style.SETTINGS):
             spec = draw.figures_of(run)[0]
             return draw.KINDS[kind].draw(run, spec), draw.caption(run, spec)
 

@@ -11,7 +11,7 @@ import numpy as np
 from made_up_granular import A, SCENE
 from made_up_measured import results, variants, write_measured, write_series
 from plot_case import PlotCase
-from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_tracks, run_dir, schema, series, words
+from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_tracks, run_dir, schema, series, style, words
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
 ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
@@ -45,7 +45,7 @@ class MeasureCase(PlotCase):
     def draw(self, kind, **keys):
         """The matplotlib figure and the caption."""
         self.ask(figure(kind, **keys))
-        with run_dir.RunDir(self.folder) as run:
+        with run_dir.RunDir(self.folder) as run, style.applied(style.SETTINGS):
             spec = draw.figures_of(run)[0]
             return draw.KINDS[kind].draw(run, spec), draw.caption(run, spec)
 
