@@ -78,7 +78,7 @@ struct Answer {
 };
 
 /// What is set up does it, again and again, until it is stopped.
-using Work = std::function<Answer()>;
+using TimedWork = std::function<Answer()>;
 using Stop = std::function<bool()>;
 
 Encounter encounter(bool solved, Ending ending, double time) {
@@ -261,7 +261,7 @@ private:
     }
 
     /// Throws InputError for what the setting cannot do.
-    Work prepare(const Setting& setting, Stop stop) {
+    TimedWork prepare(const Setting& setting, Stop stop) {
         scene::Scene scene = with(session_.plan.scene, setting);
         if (session_.plan.scan) {
             const auto plan = std::make_shared<const ScanPlan>(plan_scan(scene, read_scan_list(scene)));
@@ -290,7 +290,7 @@ private:
     /// cannot be set up, or has no result, says why.
     std::array<Answer, 2> solve_both(double tolerance) {
         std::array<Answer, 2> answers;
-        std::array<Work, 2> work;
+        std::array<TimedWork, 2> work;
         Clock::time_point start;
         for (std::size_t k = 0; k < 2; ++k)
             guarded(answers[k], [&] {
@@ -313,7 +313,7 @@ private:
         Answer answer;
         Clock::time_point start;
         guarded(answer, [&] {
-            const Work work = prepare(way.setting, until(start, limit_));
+            const TimedWork work = prepare(way.setting, until(start, limit_));
             double all = 0.0;
             for (long turn = 0; turn == 0 || goes_on(way, turn, all); ++turn) {
                 start = Clock::now();
