@@ -4,6 +4,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
+#include "terminal.hpp"
 #include "verbs.hpp"
 
 #include <fmt/format.h>
@@ -12,9 +13,7 @@ namespace rodwake::cli {
 
 int verb_check(const Options& options) {
     const scene::Scene scene = scene_of(options);
-    app::RunContext context;
-    context.seed = options.seed;
-    context.threads = options.threads;
+    const app::RunContext context = context_of(options);
     const app::Plan plan = app::plan_check(scene, output_folder(options), context);
     if (options.quiet)
         return 0;

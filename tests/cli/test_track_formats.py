@@ -70,7 +70,8 @@ class TrackFormats(ProgramTest):
         for t, places in enumerate(self.place):
             dump += (f"ITEM: TIME\n{t / 10}\nITEM: TIMESTEP\n{500 * t}\nITEM: NUMBER OF ATOMS\n{len(places)}\nITEM: BOX BOUNDS pp pp ff\n"
                      "0 24\n0 22\n-1 1\nITEM: ATOMS id type xs ys ix iy\n")
-            dump += "".join(f"{i + 1} 1 {places[i, 0] / 24!r} {places[i, 1] / 22!r} 0 0\n" for i in self.rows(t))
+            image = np.floor(self.walk[t] / SIDES).astype(int)
+            dump += "".join(f"{i + 1} 1 {places[i, 0] / 24!r} {places[i, 1] / 22!r} {image[i, 0]} {image[i, 1]}\n" for i in self.rows(t))
             xyz += f'{len(places)}\nLattice="24 0 0 0 22 0 0 0 2" Properties=species:S:1:pos:R:3 pbc="T T F" Time={t / 10}\n'
             xyz += "".join(f"Al {x!r} {y!r} 0.5\n" for x, y in places)
         self.write("film.lammpstrj", dump.replace("\n", "\r\n"))
@@ -115,7 +116,8 @@ class TrackFormats(ProgramTest):
             out["particles/walls/position/value"] = np.zeros((1, 1, 2))
         self.assertIn("several groups of particles: discs, walls; name one in tracks.group",
                       self.expect(2, "measure", "h5md.toml", "-o", "two").stderr)
-        self.assert_like_csv("film.h5md", 'pixel = "1 a"\nframes_per_second = 100\ngroup = "discs"', "open", self.as_csv(KEYS, "hull"))
+        cut = '\nlongest_step = "8 a"'  # ids of a camera are cut by another rule than those of a simulation
+        self.assert_like_csv("film.h5md", 'pixel = "1 a"\nframes_per_second = 100\ngroup = "discs"' + cut, "open", self.as_csv(KEYS + cut, "hull"))
 
     def test_a_bed_in_every_format(self):
         self.write("bed.toml", """schema = 1
@@ -152,6 +154,73 @@ position = ["8 a", "8 a"]
         bed = json.loads((self.folder / "h5md" / "measure.json").read_text())["order"]["psi6"]["value"]
         for other, delta in (("xyz", 1e-12), ("gsd", 1e-5)):  # gsd: single precision moves bonds across the cut-off by 1e-7
             self.assertAlmostEqual(json.loads((self.folder / other / "measure.json").read_text())["order"]["psi6"]["value"], bed, delta=delta)
+
+    def dump(self, name, walk, columns="id x y ix iy", box=lambda t: SIDES, rows=lambda t: range(110)):
+        """Frames of `walk`, which is not wrapped."""
+        text = []
+        for t, frame in enumerate(walk):
+            image = np.floor(frame / SIDES)
+            text.append(f"ITEM: TIME\n{t / 10}\nITEM: TIMESTEP\n{500 * t}\nITEM: NUMBER OF ATOMS\n{len(rows(t))}\n"
+                        f"ITEM: BOX BOUNDS pp pp ff\n0 {box(t)[0]}\n0 {box(t)[1]}\n-1 1\nITEM: ATOMS {columns}\n")
+            for i in rows(t):
+                (x, y), (ix, iy) = frame[i] - image[i] * SIDES, image[i].astype(int)
+                words = {"id": i + 1, "x": x, "y": y, "xu": frame[i, 0], "yu": frame[i, 1], "ix": ix, "iy": iy}
+                text.append(" ".join(str(words[column]) for column in columns.split()) + "\n")
+        self.write(name, "".join(text))
+
+    def test_a_box_that_changes_is_kept_by_convert_and_refused_by_tracks(self):
+        self.dump("film.dump", self.place, box=lambda t: SIDES * (2 if t == 40 else 1))
+        for name in ("film.dump", "film.gsd", "film.xyz", "film.h5md"):
+            if name != "film.dump":
+                self.expect(0, "convert", "film.dump", "-o", name)
+            with self.subTest(name):
+                self.write("box.toml", f'schema = 1\n[tracks]\nfile = "{name}"\npixel = "1 a"\n{MEASURE}')
+                self.assertRegex(self.expect(2, "measure", "box.toml", "-o", f"box_{name}").stderr,
+                                 rf'{name}: its box changes in frame 40 \(step 20000\), from 24 x 22 to 48 x 44: give tracks.window = "hull"')
+                self.expect(0, "measure", "box.toml", "-o", f"hull_{name}", "-s", "tracks.window=hull")
+
+    def test_steps_longer_than_half_a_box_and_rows_that_are_missing(self):
+        """Where image indices or unwrapped positions are known, no shortest way is taken, and no track is cut."""
+        random = np.random.default_rng(7)
+        walk = self.walk[:1] + np.cumsum(random.normal(scale=6.0, size=(60, 110, 2)), axis=0)
+        seen = [np.flatnonzero(random.random(110) < 0.8) for _ in walk]
+        drift = np.cumsum([np.mean((walk[t + 1] - walk[t])[np.intersect1d(seen[t], seen[t + 1])], axis=0) for t in range(59)], axis=0)
+        free = walk - np.vstack([np.zeros((1, 2)), drift])[:, None]
+        first = np.mean(np.concatenate([((free[t + 1] - free[t])[np.intersect1d(seen[t], seen[t + 1])]**2).sum(axis=1) for t in range(59)]))
+        for name, names in (("image.dump", "id x y ix iy"), ("free.dump", "id xu yu")):
+            self.dump(name, walk, names, rows=lambda t: seen[t])
+            self.measure(name, 'pixel = "1 a"', f"of_{name}")
+            told = json.loads((self.folder / f"of_{name}" / "tracks.json").read_text())
+            self.assertEqual((told["particles"], told["left_out"]), (110, []))
+            self.assertAlmostEqual(columns(self.folder / f"of_{name}" / "msd.csv")["msd"][0], first, delta=1e-9 * first)
+        self.assertGreater(first, 60)  # the shortest way would give some 45
+
+    def test_a_film_is_made_once_and_looked_into_by_check(self):
+        self.dump("film.dump", self.walk)
+        self.measure("film.dump", 'pixel = "1 a"', "once")
+        (film,) = (self.folder / "once").glob("film_*.h5md")
+        before = film.stat().st_mtime_ns
+        self.expect(0, "measure", "once.toml", "-o", "once", "--force", "-s", 'measure.order_cutoff="2.5 a"')
+        self.assertEqual(film.stat().st_mtime_ns, before)
+        self.assertIn("film.dump: its first frames: 110 particles, 0 rods, box 24 x 22", self.expect(0, "check", "once.toml").stdout)
+        self.write("film.dump", (self.folder / "film.dump").read_text().replace("24\n0 22", "25\n0 22"))
+        self.expect(0, "measure", "once.toml", "-o", "once", "--force")
+        self.assertEqual(len(list((self.folder / "once").glob("film_*.h5md"))), 1)
+        self.assertFalse(film.exists())
+        self.write("film.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n0 1\n0 1\n0 1\nITEM: ATOMS id x y\n1 1_0 2\n")
+        for verb in ("check", "measure"):
+            self.assertRegex(self.expect(2, verb, "once.toml", "-o", "bad").stderr, r'film.dump:\d+: x = "1_0": expected a number')
+
+    def test_convert_there_and_back_and_what_it_refuses(self):
+        self.dump("film.dump", self.walk)
+        for name in ("a.h5md", "a.xyz", "a.csv"):
+            self.expect(0, "convert", "film.dump", "-o", name)
+            self.expect(0, "convert", name, "-o", f"{name}.dump")
+            rows = [line.split() for line in (self.folder / f"{name}.dump").read_text().splitlines() if len(line.split()) > 4 and line[0] != "I"]
+            np.testing.assert_array_equal([[float(row[2]), float(row[3])] for row in rows], (self.walk - np.floor(self.walk / SIDES) * SIDES).reshape(-1, 2))
+        self.refuse(2, r"a.csv: exists already; --force replaces it", "convert", "film.dump", "-o", "a.csv")
+        self.refuse(2, r"nothing.gsd: no such file of tracks", "convert", "nothing.gsd", "-o", "b.csv")
+        self.refuse(2, r"column speed=v: expected frame, id, x, y, heading or kind", "convert", "film.dump", "-o", "b.csv", "--column", "speed=v")
 
     def test_scipy_finds_the_same(self):
         self.as_csv()

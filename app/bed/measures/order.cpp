@@ -136,8 +136,8 @@ constexpr SeriesInfo series[] = {
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     OrderResult r = measure::reduce(measure::take<OrderAccumulator>(data.sums, "order"));
-    const auto still = std::ranges::count_if(data.tables, [](const RunTables& run) {
-        return run.summary("absorbing_state", "absorbing_state") != 0.0;
+    const auto still = std::ranges::count_if(data.tables, [&](const RunTables& run) {
+        return data.scene.granular && run.summary("absorbing_state", "absorbing_state") != 0.0;
     });
     std::string border;
     if (still > 0) {
