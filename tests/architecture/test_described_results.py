@@ -41,6 +41,7 @@ GENERAL = set("bias blocks contact contacts cpu data error errors escape failed 
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
+    "absorbing_state": {"app/bed/measures/order.cpp"},  # of the run's summary, which the measure reads
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
     "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
     "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
