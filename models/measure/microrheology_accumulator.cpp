@@ -14,7 +14,7 @@ namespace rodwake::measure {
 namespace {
 
 using Row = std::vector<double>;
-constexpr auto channels = MicrorheologyAccumulator::channels, groups = MicrorheologyAccumulator::groups;
+constexpr auto groups = MicrorheologyAccumulator::groups;
 
 void check(const MicrorheologyOptions& options) {
     if (!(std::isfinite(options.longest_lag) && options.longest_lag >= 0.0))
