@@ -14,7 +14,7 @@ rodwake Run my.toml
 rodwake my.toml
     my.toml: a verb comes first, for example rodwake run my.toml
 rodwake frobnicate
-    frobnicate: no such verb; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, design, run, impact, camera, replay, explore, plot, info, help
+    frobnicate: no such verb; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, design, run, impact, camera, convert, replay, explore, plot, info, help
 rodwake -j 2 run my.toml
     -j: comes after the verb: rodwake run -j
 rodwake --quiet

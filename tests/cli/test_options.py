@@ -7,10 +7,10 @@ import subprocess
 import rodwake
 from rodwake import PAIR, THEORY_PAIR, ProgramTest, snapshot
 
-VERBS = ("scenes", "new", "check", "field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "design", "run", "impact", "camera", "replay", "explore", "plot", "info", "help")
+VERBS = ("scenes", "new", "check", "field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "design", "run", "impact", "camera", "convert", "replay", "explore", "plot", "info", "help")
 COMMON = {"--output", "--set", "--threads", "--seed", "--dry-run", "--quiet", "--verbose", "--force", "--log-json"}
 # Of the common options, those that count; a verb that is not here has all.
-OPTIONS = {"scenes": {"--output", "--force", "--quiet"}, "new": {"--force"}, "help": set(), "check": {"--output", "--set", "--seed", "--quiet"}, "impact": {"--dry-run"}, "design": COMMON - {"--verbose", "--log-json"}, "camera": {"--output", "--seed", "--force", "--quiet"}, "replay": {"--output", "--threads", "--force", "--quiet"}, "explore": {"--output", "--set", "--force", "--quiet"}, "plot": {"--output", "--dry-run", "--quiet"}, "info": set()}
+OPTIONS = {"scenes": {"--output", "--force", "--quiet"}, "new": {"--force"}, "help": set(), "check": {"--output", "--set", "--seed", "--quiet"}, "impact": {"--dry-run"}, "design": COMMON - {"--verbose", "--log-json"}, "camera": {"--output", "--seed", "--force", "--quiet"}, "convert": {"--output", "--force", "--quiet"}, "replay": {"--output", "--threads", "--force", "--quiet"}, "explore": {"--output", "--set", "--force", "--quiet"}, "plot": {"--output", "--dry-run", "--quiet"}, "info": set()}
 
 
 class HelpTest(ProgramTest):
