@@ -5,6 +5,7 @@
 #include "support/instruction_sets.hpp"
 
 #include "elastic/far_wakes.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/elastic/mutual_wakes.hpp"
 
 #include <algorithm>
