@@ -192,7 +192,7 @@ fs::path film_of(const scene::Tracks& keys, const fs::path& file, TrackFormat fo
     Words words = {file.string(), "--output=" + film.string()};
     words.insert(words.end(), options.begin(), options.end());
     const bool done = run_converter(words, context, [&](const std::string& line) {
-        if (!line.starts_with("warning: ")) // they are in the film, and told with its rows
+        if (!line.starts_with("warning: ") && !line.starts_with("done: ")) // the line on its rows says both
             hear(line, context, on_progress);
     });
     return done ? film : fs::path();

@@ -49,7 +49,7 @@ def convert(options, report, nobody_known=False):
         raise
     loses = "" if writer.loses == "nothing" else f"; {WRITERS[options.to]} loses {writer.loses}"
     left_out = f"; {source.without_place} rows without a place are left out (first: {source.first_without_place})" if source.without_place else ""
-    report.say(f"done: {count} frames, {particles} particles, {rods} rods{left_out}{loses}")
+    report.say(f"done: {count} frames, {particles} particles, {rods} rod{'s' * (rods != 1)}{left_out}{loses}")
 
 
 def look(source, frames):
@@ -61,7 +61,7 @@ def look(source, frames):
         box = f"box {' x '.join(f'{side:.6g}' for side in np.linalg.norm(first.box.edges, axis=1))} (periodic in {', '.join(axes) or 'no direction'})"
     times = "no times" if None in times else f"times {', '.join(f'{time:.6g}' for time in times)} s"
     rods = len(first.rods) if first.rods is not None else 0
-    source.report.say(f"done: {len(first.beads)} particles, {rods} rods, {box}, {times}, steps {', '.join(str(frame.step) for frame in frames)}"
+    source.report.say(f"done: {len(first.beads)} particles, {rods} rod{'s' * (rods != 1)}, {box}, {times}, steps {', '.join(str(frame.step) for frame in frames)}"
                       f"{', length unit ' + shown(source.length_unit) if source.length_unit else ''}")
 
 
