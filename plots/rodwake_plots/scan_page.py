@@ -19,7 +19,8 @@ EXPLORER = Path(__file__).parents[2] / "explorer"  # beside the plots, in the so
 
 def write(run):
     path = run.output / scan_words.PAGE
-    files.write(path, document(run))
+    with style.applied(style.SETTINGS):  # the colours of the page are those of figures without a style of the user's
+        files.write(path, document(run))
     print(path)
 
 
