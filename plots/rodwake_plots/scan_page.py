@@ -19,13 +19,13 @@ EXPLORER = Path(__file__).parents[2] / "explorer"  # beside the plots, in the so
 
 def write(run):
     path = run.output / scan_words.PAGE
-    with style.applied(style.SETTINGS):  # the colours of the page are those of figures without a style of the user's
-        files.write(path, document(run))
+    files.write(path, document(run))
     print(path)
 
 
 def document(run):
-    blobs, told = contents(run)
+    with style.applied(style.SETTINGS):  # the colours of the page are those of figures without a style of the user's
+        blobs, told = contents(run)
     kernels = [(EXPLORER / name).read_text(encoding="utf-8") for name in ("kernel.js", "rodwake.js")] if told["kernel"] else []
     script = "\n".join(('"use strict";', "(() => {", *kernels, *(part(f"{name}.js") for name in SCRIPTS), "})();"))
     values = {"head": page.head(run.title, part("page.css"), script, bool(kernels)), "title": words.escape(run.title), "sub": sub(run),
