@@ -56,7 +56,7 @@ class InstallTest(unittest.TestCase):
         """Into an environment of its own that sees Debian's packages, from a copy of the sources; nothing is loaded from elsewhere."""
         folder = new_folder(self)
         source, home = folder / "source", folder / "env"
-        listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "--cached", "--others", "--exclude-standard", "python", "plots", "*.toml", "setup.py",
+        listed = subprocess.run(["git", "-C", SOURCE, "ls-files", "--cached", "--others", "--exclude-standard", "python", "plots", "convert", "*.toml", "setup.py",
                                  "README.md", "CMakeLists.txt"], check=True, capture_output=True, text=True).stdout.split()
         for name in listed:
             (source / name).parent.mkdir(parents=True, exist_ok=True)
