@@ -72,13 +72,13 @@ def _distributor(scene: Scene, folder: Path, executor: Any, chunk: int) -> Calla
         waiting = [points[at:at + size] for at in range(0, len(points), size)][::-1]
         flying: set[Future[bytes]] = set()
         try:
-            while (waiting and not stopped()) or flying:
-                while waiting and len(flying) < _FLIGHT and not stopped():
+            while (waiting or flying) and not stopped():
+                while waiting and len(flying) < _FLIGHT:
                     flying.add(pool.submit(_evaluate, source, waiting.pop()))
                 done, flying = wait(flying, timeout=0.1, return_when="FIRST_COMPLETED")
                 for one in done:
                     take(one.result())
-        finally:
+        finally:  # Ctrl-C may have ended the workers, too, so nothing that is not done is waited for
             for one in flying:
                 one.cancel()
 

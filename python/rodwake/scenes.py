@@ -40,7 +40,11 @@ class Scene:
         return cls(arguments.kind("text", text, str, "the text of a scene"), arguments.kind("name", name, str, "a text"))
 
     def _read(self, changes: tuple[tuple[str, Any], ...]) -> Any:
-        return _core.parse_scene(self._text, self._name, [f"{key}={toml(value, key)}" for key, value in changes])
+        settings = [f"{key}={toml(value, key)}" for key, value in changes]
+        for text in (self._text, *settings):
+            if any("\ud800" <= letter <= "\udfff" for letter in text):  # what Python makes of a name that is not UTF-8
+                raise InputError(f"{text[:300]!a}: a scene is UTF-8 and cannot hold this name; put the scene beside the file, or rename the folder")
+        return _core.parse_scene(self._text, self._name, settings)
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
         """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
@@ -96,7 +100,7 @@ class Scene:
         stages    some of those the scene has, or one; None: all
         threads   up to 1024; 0: one for each core; results do not depend on it
         seed      replaces those of the scene
-        force     do again what the folder holds already; else a finished run is refused
+        force     do again what the folder holds already; else a finished run is returned as it is
         progress  called some times a second as progress(what, value, end, unit); what it raises ends the run
 
         Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
@@ -116,9 +120,15 @@ class Scene:
         if progress is not None:
             arguments.function("progress", progress)
         command = self._command(folder, stages=stages, seed=seed)
-        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, _log.log, progress, execute, shipped.converter())
+        errors: list[str] = []  # the folder, and its log, may be gone before anyone looks
+
+        def log(level: int, text: str) -> None:
+            errors.extend([text] if level >= logging.ERROR else [])
+            _log.log(level, text)
+
+        end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, log, progress, execute, shipped.converter())
         if end == "failed":
-            raise RunError(f"{folder}: the run failed; {Path(folder) / 'log.txt'} tells why")
+            raise RunError(f"{folder}: the run failed: {'; '.join(errors) or 'its log.txt tells why'}")
         return open_run(folder)
 
     def _command(self, folder: Folder, **options: Any) -> str:

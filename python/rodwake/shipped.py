@@ -17,4 +17,4 @@ def folder(name: str) -> Path:
 
 def converter() -> list[str]:
     """The command that reads and writes films of other programs: what `rodwake convert` runs, by this interpreter."""
-    return [sys.executable, str(folder("convert") / "rodwake_convert.py")]
+    return [sys.executable, str(folder("convert") / "rodwake_convert")]

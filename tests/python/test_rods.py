@@ -123,7 +123,7 @@ class ClassifyTest(unittest.TestCase):
 
     def test_runs_of_the_theory_end_as_they_say(self):
         # A pair that meets, one of which the rear follows, one that parts, one too short to tell, two that pass in a box, three rods.
-        runs = ((SIDE_BY_SIDE, dict(kappa=0.5, t_end=60.0, contact_distance=0.1)), (SIDE_BY_SIDE, dict(kappa=-0.5, t_end=60.0, contact_distance=0.1)),
+        runs = ((SIDE_BY_SIDE, dict(kappa=0.5, t_end=60.0, contact_distance=0.1)), (SIDE_BY_SIDE, dict(kappa=-0.5, t_end=200.0, contact_distance=0.1)),
                 ([[0, 0, 0], [3, 0.4, 0]], dict(kappa=5.0, t_end=400.0, contact_distance=0.1)), (SIDE_BY_SIDE, dict(kappa=0.5, t_end=3.0)),
                 ([[0, 0, 0], [9, 1.5, 3.0]], dict(kappa=0.1, t_end=40.0, contact_distance=0.2)),
                 ([[0, 0, 0], [3, 3, -1.5], [-2, 1, 0.5]], dict(kappa=1.0, t_end=30.0, contact_distance=0.1)))

@@ -28,6 +28,7 @@ class Rodwake(CMakePackage):
     depends_on("highway")
     depends_on("xxhash")
     depends_on("libpng@1.6:")
+    depends_on("zlib")
     depends_on("random123")
     depends_on("mpi", when="+mpi")
     depends_on("python", type=("build", "run"))
