@@ -106,7 +106,7 @@ class TracksTest(unittest.TestCase):
         with self.assertRaisesRegex(rodwake.InputError, r"positions: expected an array of shape \(T, N, 2\)"):
             rodwake.Tracks.from_arrays(np.zeros((3, 4)))
         with self.assertRaisesRegex(rodwake.RunError, "run failed: measure: microrheology: [a-z]"):  # the reason, for the log is gone
-            rodwake.Tracks.from_arrays(film(2, 20), **KEYS).displacement()
+            rodwake.Tracks.from_arrays(film(40, 20), localisation=1.0, **KEYS).displacement()  # more than the beads move
         with self.assertRaisesRegex(rodwake.InputError, "none.csv.*no such file"):
             rodwake.Tracks(new_folder(self) / "none.csv", pixel=1.0, **KEYS).order()
 
