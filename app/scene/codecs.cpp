@@ -104,7 +104,7 @@ const std::string* word_of(const Input& in, Names names) {
         in.wrong(fault);
     else if (!names.empty() && !contains(names, *found))
         in.wrong(one_of_text(names, *found) +
-                 (in.key.reason.empty() ? "" : fmt::format("; {}", in.key.reason)));
+                 (in.key.reason.empty() ? "" : fmt::format(": {}", in.key.reason)));
     else
         return found;
     return nullptr;

@@ -24,10 +24,20 @@ std::vector<hsize_t> extent_of(hid_t dataset) {
     return extent;
 }
 
+namespace {
+
+/// A lock on the temporary, which is ours alone, would be held on by any process forked while it is open.
 Hdf5Handle without_locks() {
     Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "set up access to a file");
     H5Pset_file_locking(access.get(), false, true);
     return access;
+}
+
+} // namespace
+
+hid_t open_for_reading(const std::filesystem::path& path) {
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+    return file >= 0 ? file : H5Fopen(path.c_str(), H5F_ACC_RDONLY, without_locks().get());
 }
 
 namespace {
@@ -473,8 +483,7 @@ void Hdf5Writer::attribute(const std::string& group, const std::string& name, co
 
 void Hdf5Writer::copy_group(const std::filesystem::path& from, const std::string& group) {
     const Hdf5Guard guard;
-    const Hdf5Handle source(H5Fopen(from.c_str(), H5F_ACC_RDONLY, without_locks().get()), H5Fclose,
-                            "open " + from.string());
+    const Hdf5Handle source(open_for_reading(from), H5Fclose, "open " + from.string());
     if (H5Lexists(source.get(), group.c_str(), H5P_DEFAULT) <= 0)
         return;
     if (H5Ocopy(source.get(), group.c_str(), file_->get(), group.c_str(), H5P_DEFAULT, H5P_DEFAULT) < 0)

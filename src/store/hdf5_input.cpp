@@ -10,7 +10,7 @@ namespace rodwake::store {
 
 namespace {
 
-hid_t open_for_reading(const std::filesystem::path& path, const std::string& advice) {
+hid_t opened(const std::filesystem::path& path, const std::string& advice) {
     set_up_hdf5();
     const auto refuse = [&](const char* what) {
         throw InputError(fmt::format("{}: {}; {}", path.string(), what, advice));
@@ -23,7 +23,7 @@ hid_t open_for_reading(const std::filesystem::path& path, const std::string& adv
         refuse("not a file that can be read");
     if (!hdf5_survives(path))
         refuse("the HDF5 file is damaged: the HDF5 library crashes on it, or finds no end");
-    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, without_locks().get());
+    const hid_t file = open_for_reading(path);
     if (file < 0 && H5Fis_hdf5(path.c_str()) > 0)
         refuse("the HDF5 file is cut short or damaged");
     if (file < 0)
@@ -72,7 +72,7 @@ double stored_bytes(const Hdf5Input& file, hid_t dataset) {
 
 Hdf5Input::Hdf5Input(std::filesystem::path path, std::string advice)
     : path_(std::move(path)), advice_(std::move(advice)),
-      file_(open_for_reading(path_, advice_), H5Fclose, "open " + path_.string()) {}
+      file_(opened(path_, advice_), H5Fclose, "open " + path_.string()) {}
 
 void Hdf5Input::refuse(const std::string& what) const {
     throw InputError(fmt::format("{}: {}; {}", path_.string(), what, advice_));

@@ -28,9 +28,9 @@ private:
     Hdf5Handle file_;
 };
 
-/// Access to a file without locking it: a lock would be held on by any process forked meanwhile, and some
-/// network file systems have none. Files that are written have their own temporary.
-Hdf5Handle without_locks();
+/// H5Fopen for reading; of a file system that has no locks without one. The usual way comes first: who else
+/// in this process has the file open (h5py shares the library) has opened it so, and both have to agree.
+hid_t open_for_reading(const std::filesystem::path& path);
 
 /// False if HDF5 crashes on what is in the file, or does not come to an end: a child process looks first.
 bool hdf5_survives(const std::filesystem::path& path);

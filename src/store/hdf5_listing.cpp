@@ -140,7 +140,7 @@ herr_t append_object(hid_t root, const char* name, const H5O_info_t* info, void*
 /// The guard is the caller's: in a forked child it is held for ever.
 std::string listing(const std::filesystem::path& path) {
     set_up_hdf5();
-    const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, without_locks().get());
+    const hid_t id = open_for_reading(path);
     if (id < 0)
         throw InputError(path.string() + ": not a readable HDF5 file");
     const Hdf5Handle file(id, H5Fclose, "open " + path.string());

@@ -28,9 +28,9 @@ Names left_by_begin(const Scratch& scratch, const Names& files, const scene::Sce
     return files_of_run(scratch);
 }
 
-const Names granular_results = {"summary.json",    "runs.csv",       "table.csv",      "tracks.csv",
-                                "trajectory.h5md", "trajectory.xyz", "trajectory.gsd", "last_period.h5md",
-                                "final.rwc",       "measure.rwc"};
+const Names granular_results = {"summary.json",     "runs.csv",        "table.csv",
+                                "tracks.csv",       "trajectory.h5md", "trajectory.xyz",
+                                "last_period.h5md", "final.rwc",       "measure.rwc"};
 const Names granular_progress = {"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log",
                                  "last_period.log"};
 const Names rods_results = {"rods.csv", "outcome.json", "variants/v/rods.csv", "variants/v/outcome.json"};
