@@ -97,10 +97,10 @@ TEST_CASE("Bounds without width decide as the criteria do; wide ones do not") {
     bounds.late_most = {10.0, 10.0};
     bounds.late_turning = {0.0, 0.001};
     const auto anywhere = [](double) { return true; };
-    CHECK(certain_ending(bounds, {}, anywhere) == Ending::escape); // 0.001 10/2 rad is left, 0.05 allowed
-    bounds.late_turning.high = 0.011;
+    CHECK(certain_ending(bounds, {}, anywhere) == Ending::escape); // 0.001 10/2 rad is left, 0.05 pi allowed
+    bounds.late_turning.high = 0.032;
     CHECK_FALSE(certain_ending(bounds, {}, anywhere));
-    bounds.late_turning.low = 0.0101;
+    bounds.late_turning.low = 0.0316;
     CHECK(certain_ending(bounds, {}, anywhere) == Ending::undecided);
     bounds.heading[1] = 0.0; // abreast, one behind the other
     bounds.late_least = bounds.late_most = {10.0, 10.0};
