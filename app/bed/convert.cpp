@@ -186,7 +186,7 @@ fs::path film_of(const scene::Tracks& keys, const fs::path& file, TrackFormat fo
                  const RunContext& context, const std::function<void(double)>& on_progress) {
     const Words options = reading_options(keys, format);
     const std::uint64_t key = store::content_hash(file, fmt::format("film 1\n{}", fmt::join(options, "\n")));
-    const fs::path film = folder / fmt::format("film_{:016x}.h5md", key);
+    fs::path film = folder / fmt::format("film_{:016x}.h5md", key);
     if (fs::exists(film))
         return film;
     Words words = {file.string(), "--output=" + film.string()};
