@@ -2,8 +2,8 @@
 // rods::simulate with explicit Runge-Kutta, and boost::numeric::odeint's dopri5 on the scalar right-hand side
 // with a look for contact after each step, all in one run. Counters: trajectories a second; the median error
 // of the final state against a run at 1e-12, where both end alike. `plain` and `certified`: 2000 pairs with
-// kappa up to the argument, without and with certificates; seconds a pair, and the shares that are verified and
-// checked.
+// kappa up to the argument, without and with certificates; seconds a pair, and the shares that are verified
+// and checked.
 
 #include "instruction_set.hpp"
 #include "rodwake/core/rng.hpp"

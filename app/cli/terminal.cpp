@@ -197,8 +197,7 @@ app::RunContext context_of(const Options& options) {
     context.command = options.command;
     context.log = [screen](Severity severity, const std::string& message) { screen->log(severity, message); };
     context.progress = [screen](const app::ProgressReport& report) { screen->progress(report); };
-    context.converter = {RODWAKE_FIGURES_PYTHON,
-                         (shipped_folder() / "convert" / "rodwake_convert").string()};
+    context.converter = {RODWAKE_FIGURES_PYTHON, (shipped_folder() / "convert" / "rodwake_convert").string()};
     context.stop = [] { return stop_signal() != 0; };
     context.checkpoint_requests = checkpoint_requests;
     context.scan.part = part_of(options).value_or(scan::Part{});

@@ -61,7 +61,7 @@ bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan:
 
 /// Cells whose corners are verified are so themselves, or their corners alone are: then they are checked.
 void verify_cells(const ScanPlan& plan, const scan::Lattice& lattice, const std::vector<scan::Leaf>& leaves,
-                 std::size_t threads, std::vector<Certificate>& cells) {
+                  std::size_t threads, std::vector<Certificate>& cells) {
     constexpr std::size_t at_once = 64;
     parallel_for((leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {
         PointProblem problem(plan);
@@ -112,10 +112,11 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
 
 std::string certificates_text(const ScanCertificates& certificates) {
     const auto& [points, area, cells] = certificates;
-    std::string text = fmt::format("{} points verified, {} checked, {} open", points[0], points[1], points[2]);
+    std::string text =
+        fmt::format("{} points verified, {} checked, {} open", points[0], points[1], points[2]);
     if (!cells.empty())
-        text += fmt::format("; of the area {:.1f} % verified, {:.1f} % checked, {:.1f} % open", 100.0 * area[0],
-                            100.0 * area[1], 100.0 * area[2]);
+        text += fmt::format("; of the area {:.1f} % verified, {:.1f} % checked, {:.1f} % open",
+                            100.0 * area[0], 100.0 * area[1], 100.0 * area[2]);
     return text;
 }
 
