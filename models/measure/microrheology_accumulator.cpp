@@ -187,13 +187,13 @@ void MicrorheologyAccumulator::push(std::size_t number, const Past& now) {
         layout_.all_beads > 0 ? correlate_named(before, now, sums) : correlate(before, now, sums);
     }
     if (past.size() == most)
-        std::ranges::rotate(past, past.begin() + 1);
+        std::rotate(past.begin(), past.begin() + 1, past.end());
     else
         past.emplace_back();
     past.back() = now;
     // every second tick, where there is a lag to come
-    const std::size_t next = std::size_t{1} << (number + 1);
-    const double first_lag = static_cast<double>((most / 2 + 1) * next) * times_.interval;
+    const std::size_t next = std::size_t{1} << (number + 1), fewest = most / 2 + 1;
+    const double first_lag = static_cast<double>(fewest * next) * times_.interval;
     if ((now.tick + 1) % next == 0 && (!on_grid() || within_longest(first_lag)))
         push(number + 1, now);
 }
