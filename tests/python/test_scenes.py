@@ -132,7 +132,7 @@ class RunTest(unittest.TestCase):
         self.assertEqual(rodwake.open_run(folder).status, "interrupted")
 
     def test_a_failed_solve_is_told(self):
-        with self.assertLogs("rodwake", logging.ERROR), self.assertRaisesRegex(rodwake.RunError, "log.txt"):
+        with self.assertLogs("rodwake", logging.ERROR), self.assertRaisesRegex(rodwake.RunError, "the steps allowed were used up"):
             rodwake.Scene.load(PAIR).set("rods_run.max_steps", 3).run(new_folder(self))
 
     def test_python_goes_on_while_it_runs(self):
