@@ -159,21 +159,21 @@ void add_tradeoff(CLI::App& app, Options& options) {
     tradeoff->get_option("--threads")
         ->description("threads of references and of runs of a bed; settings are timed on one");
     tradeoff
-        ->add_option("--of", options.tradeoff_of,
+        ->add_option("--of", options.answers["of"],
                      "rods (or their scan), bed, fit or field [the first of these in the scene]")
         ->check(one_of({"rods", "bed", "fit", "field"}));
     CLI::Option* error = tradeoff->add_option(
-        "--for", options.want_error,
+        "--for", options.answers["for"],
         "print the cheapest setting whose error is at most this, as keys of the scene: 1e-6; of a bed 2% or "
         "\"T_xy 1%\"");
     tradeoff
-        ->add_option("--within", options.want_time,
+        ->add_option("--within", options.answers["within"],
                      "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
         ->transform(seconds())
         ->excludes(error);
     tradeoff
         ->add_option(
-            "--error", options.error_kind,
+            "--error", options.answers["error"],
             "of what: of rods final_state, contact_time, outcome (share that differs) or path (at all output "
             "times); of a bed rod_speed, T_xy, T_z, psi6, wake, ...; of a fit optimum, interval or "
             "objective; of "
@@ -181,7 +181,7 @@ void add_tradeoff(CLI::App& app, Options& options) {
         ->option_text("KIND");
     tradeoff
         ->add_option(
-            "--limit", options.limit,
+            "--limit", options.answers["limit"],
             "give up a setting that takes longer; of a bed the CPU time each setting is measured for [60s]")
         ->transform(seconds());
 }
@@ -192,22 +192,21 @@ void add_design(CLI::App& app, Options& options) {
                  "which start, density, errors and number of runs would tell the rivals of a fit apart",
                  "  rodwake design experiment.toml --vary rods.1.position.1=-1.5,-2,-3 --runs 1,5,20\n"
                  "  rodwake design experiment.toml --list designs.csv --sets 50 -o results/designs");
-    app::DesignRequest& request = options.design;
     add_scene(*design, options);
     add_threads(*design, options);
     add_force(*design, options, "replace design.csv and design.json");
     add_dry_run(*design, options);
     add_quiet(*design, options);
     design
-        ->add_option("--vary", request.vary,
+        ->add_option("--vary", options.vary,
                      "values of a key of the scene: table.key=1,2,3; repeatable, all combinations")
         ->allow_extra_args(false);
-    design->add_option("--list", request.list, "CSV with keys in its header and a design in each row")
+    design
+        ->add_option("--list", options.answers["list"],
+                     "CSV with keys in its header and a design in each row")
         ->excludes("--vary");
-    design->add_option("--runs", request.runs, "numbers of runs of each design: 1,5,20 [1]")
-        ->delimiter(',')
-        ->check(whole_number_from(1, 10000));
-    design->add_option("--sets", request.sets, "made-up experiments by each model and design [20]")
+    design->add_option("--runs", options.answers["runs"], "numbers of runs of each design: 1,5,20 [1]");
+    design->add_option("--sets", options.answers["sets"], "made-up experiments by each model and design [20]")
         ->check(whole_number_from(2, 100000));
 }
 
@@ -248,30 +247,39 @@ void add_camera(CLI::App& app, Options& options) {
         app, options, Verb::camera, "camera", "a bed's frames as the tracks that a camera would have of them",
         "  rodwake camera results/rod_in_bed && rodwake run results/rod_in_bed/camera/camera.toml\n"
         "  rodwake camera results/bed -o film --pixel \"12.4 um\" --noise \"0.05 a\" --lost 0.1 --view 0.5");
-    measure::Camera& c = options.camera;
     camera->add_option("RUN", options.target, "run directory with trajectory.h5md, or that file")->required();
     camera->add_option("-o,--output", options.output, "folder for tracks.csv and camera.toml [RUN/camera]");
-    camera->add_option("--pixel", options.pixel, "what a pixel is worth: \"0.05 a\", \"12.4 um\" [0.05 a]");
-    camera->add_option("--every", c.every, "frames of the run from one picture to the next [1]")
+    camera->add_option("--pixel", options.answers["pixel"],
+                       "what a pixel is worth: \"0.05 a\", \"12.4 um\" [0.05 a]");
+    camera
+        ->add_option("--every", options.answers["every"],
+                     "frames of the run from one picture to the next [1]")
         ->check(whole_number_from(1, 1000000));
     camera
-        ->add_option("--exposure", c.exposure, "frames over which a picture is exposed, at most --every [1]")
+        ->add_option("--exposure", options.answers["exposure"],
+                     "frames over which a picture is exposed, at most --every [1]")
         ->check(whole_number_from(1, 1000000));
-    camera->add_option("--view", c.view, "sides of the picture over those of the box, above 0 to 1 [1]");
-    camera->add_option("--turned", c.turned, "by which the camera is turned, anticlockwise, degrees [0]");
-    camera->add_option("--distortion", c.distortion,
+    camera->add_option("--view", options.answers["view"],
+                       "sides of the picture over those of the box, above 0 to 1 [1]");
+    camera->add_option("--turned", options.answers["turned"],
+                       "by which the camera is turned, anticlockwise, degrees [0]");
+    camera->add_option("--distortion", options.answers["distortion"],
                        "shift at the corners over their distance, -0.1 to 0.1 [0]");
-    camera->add_option("--lost", c.lost, "share of the spots that are not found, 0 to 1 [0]");
-    camera->add_option("--memory", c.memory, "pictures without a particle after which its number changes [3]")
+    camera->add_option("--lost", options.answers["lost"],
+                       "share of the spots that are not found, 0 to 1 [0]");
+    camera
+        ->add_option("--memory", options.answers["memory"],
+                     "pictures without a particle after which its number changes [3]")
         ->check(whole_number_from(0, 1000000));
-    camera->add_option("--noise", options.localisation,
+    camera->add_option("--noise", options.answers["noise"],
                        "standard deviation of a spot's coordinate, a length [0]");
     camera
-        ->add_option("--images", c.images,
+        ->add_option("--images", options.answers["images"],
                      "pictures that are drawn, from the first on: images/000000.png [0]")
         ->check(whole_number_from(0, 1000000));
-    camera->add_option("--blur", c.blur, "standard deviation of the lens in them, pixels, 0.1 to 20 [1]");
-    camera->add_option("--photons", c.photons,
+    camera->add_option("--blur", options.answers["blur"],
+                       "standard deviation of the lens in them, pixels, 0.1 to 20 [1]");
+    camera->add_option("--photons", options.answers["photons"],
                        "that a white pixel of them counts: their noise, 1 to 1e9 [1000]");
     camera->add_option("--seed", options.seed, "of what is lost and of the noise, 0 to 2^63 - 1 [1]")
         ->check(whole_number_from(0, largest_seed));

@@ -33,11 +33,11 @@ int dispatch(const Options& options) {
     case Verb::impact:
         return verb_impact(options);
     case Verb::tradeoff:
-        return verb_tradeoff(options);
+        return verb_python(options, "tradeoff");
     case Verb::design:
-        return verb_design(options);
+        return verb_python(options, "design");
     case Verb::camera:
-        return verb_camera(options);
+        return verb_python(options, "camera");
     case Verb::convert:
         return verb_convert(options);
     case Verb::replay:

@@ -2,10 +2,7 @@
 // The command line, parsed.
 
 #include "rodwake/app/convert.hpp"
-#include "rodwake/app/fit_design.hpp"
 #include "rodwake/app/replay.hpp"
-#include "rodwake/app/tradeoff.hpp"
-#include "rodwake/measure/camera.hpp"
 #include "rodwake/scan/run.hpp"
 
 #include <CLI/CLI.hpp>
@@ -54,33 +51,27 @@ struct Options {
     std::string json_log; ///< --log-json FILE
     std::string command;  ///< the whole line, as a shell takes it
     // verb-specific
-    std::map<std::string, std::string> answers; ///< new: by option, empty where none is given
-    std::string points;                         ///< field --points; "-": standard input
-    std::string backend = "exact";              ///< field --backend
-    double table_tolerance = 1e-8;              ///< field --table-tolerance
-    std::string cases;                          ///< impact --cases; "-": standard input
-    std::string part;                           ///< scan --part i/n
-    bool merge = false;                         ///< scan --merge
-    bool rerun_failed = false;                  ///< scan --rerun-failed
-    std::string want_error;          ///< tradeoff --for: "1e-6", "2%", "rod_speed 2%"; empty: not asked
-    std::optional<double> want_time; ///< tradeoff --within, s
-    std::string error_kind;          ///< tradeoff --error; empty: the first there is
-    std::string tradeoff_of;         ///< tradeoff --of; empty: what the scene names first
-    double limit = 60.0;             ///< tradeoff --limit, s
-    app::DesignRequest design;       ///< design --vary, --list, --runs, --sets
-    bool no_figures = false;         ///< run --no-figures
-    measure::Camera camera;          ///< camera; its lengths as they were typed, its angle in degrees
-    std::string pixel = "0.05 a", localisation = "0"; ///< camera --pixel, --noise
-    app::ConvertRequest convert;                      ///< convert; its files are target and output
-    std::string format;                               ///< convert --format; empty: automatic
-    std::vector<std::string> columns;                 ///< convert --column, "id=NAME"
-    app::ReplayRequest replay;                        ///< replay --from, --to, --frames
-    bool verify = false;                              ///< replay --verify
-    bool pdf = false;                                 ///< plot --pdf
-    bool scene_reference = false;                     ///< info --scene-reference
-    bool schema = false;                              ///< info --schema
-    bool man = false;                                 ///< info --man
-    std::string completion;                           ///< info --completion
+    std::map<std::string, std::string>
+        answers;                      ///< new, tradeoff, design, camera: by option; empty: not given
+    std::vector<std::string> vary;    ///< design --vary
+    std::string points;               ///< field --points; "-": standard input
+    std::string backend = "exact";    ///< field --backend
+    double table_tolerance = 1e-8;    ///< field --table-tolerance
+    std::string cases;                ///< impact --cases; "-": standard input
+    std::string part;                 ///< scan --part i/n
+    bool merge = false;               ///< scan --merge
+    bool rerun_failed = false;        ///< scan --rerun-failed
+    bool no_figures = false;          ///< run --no-figures
+    app::ConvertRequest convert;      ///< convert; its files are target and output
+    std::string format;               ///< convert --format; empty: automatic
+    std::vector<std::string> columns; ///< convert --column, "id=NAME"
+    app::ReplayRequest replay;        ///< replay --from, --to, --frames
+    bool verify = false;              ///< replay --verify
+    bool pdf = false;                 ///< plot --pdf
+    bool scene_reference = false;     ///< info --scene-reference
+    bool schema = false;              ///< info --schema
+    bool man = false;                 ///< info --man
+    std::string completion;           ///< info --completion
     // look of the figures, as the plotting program takes it
     std::string figure_width; ///< plot --width; empty: each its own
     std::string figure_style; ///< plot --style; empty: paper

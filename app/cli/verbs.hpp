@@ -17,9 +17,8 @@ int verb_field_points(const Options& options);
 int verb_impact(const Options& options);
 int verb_stages(
     const Options& options); ///< field, rods, dem, measure, fit, run: the stages the verb stands for
-int verb_tradeoff(const Options& options);
-int verb_design(const Options& options);
-int verb_camera(const Options& options);
+/// tradeoff, design, camera: carried out by Python (commands/rodwake_commands).
+int verb_python(const Options& options, const std::string& name);
 int verb_convert(const Options& options);
 int verb_replay(const Options& options);
 int verb_explore(const Options& options);
