@@ -45,18 +45,6 @@ endforeach()
 install(TARGETS rodwake RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY include/rodwake DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
-# Names of 0.2, for one release: its parts assembly and stages are app. Their headers pass on to those of app, with the old namespace.
-set(headers_of_assembly cases describe field_choice fit granular measure measure_kind measure_report plan rods scan scan_beds scan_problem schema)
-set(headers_of_stages evaluate fit_results run run_context run_folder tradeoff wake_tables ways)
-foreach(old IN ITEMS assembly stages)
-    foreach(header IN LISTS headers_of_${old})
-        string(REPLACE scan_beds scanned_bed new ${header})
-        string(REPLACE ways tradeoff new ${new})
-        file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/names_of_0_2/rodwake/${old}/${header}.hpp
-             CONTENT "#pragma once\n// The name of 0.2: include rodwake/app/${new}.hpp.\n#include \"rodwake/app/${new}.hpp\"\nnamespace rodwake {\nnamespace ${old} = app;\n}\n")
-    endforeach()
-endforeach()
-install(DIRECTORY ${CMAKE_BINARY_DIR}/names_of_0_2/rodwake DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY plots/ DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake/plots PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY convert/ DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake/convert PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY commands/ DESTINATION ${CMAKE_INSTALL_DATADIR}/rodwake/commands PATTERN "__pycache__" EXCLUDE)
@@ -70,8 +58,7 @@ install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(cmake/rodwakeConfig.cmake.in ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake
                               INSTALL_DESTINATION ${package_dir})
-# Names of 0.2 are still understood, so a project that asks for 0.2 is served.
-write_basic_package_version_file(${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/rodwakeConfig.cmake ${CMAKE_BINARY_DIR}/rodwakeConfigVersion.cmake cmake/FindHDF5C.cmake
         DESTINATION ${package_dir})
 

@@ -15,6 +15,9 @@ set(RODWAKE_FLAGS -fno-semantic-interposition -Wall -Wextra -Wpedantic -Wshadow 
 # What a part's sources read most: numbers or text. Reading a precompiled header costs too, so each is small.
 rodwake_precompile(rodwake_numbers PIC LINK fmt::fmt Eigen3::Eigen
                    HEADERS algorithm array cmath functional limits optional span string vector fmt/format.h Eigen/Core)
+rodwake_precompile(rodwake_front PIC LINK fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json
+                   HEADERS algorithm array cmath filesystem fstream functional map memory optional set span string vector fmt/format.h
+                   Eigen/Core nlohmann/json.hpp)
 rodwake_precompile(rodwake_text PIC LINK fmt::fmt
                    HEADERS algorithm array cmath functional map memory optional set span string vector fmt/format.h)
 
@@ -60,6 +63,8 @@ function(rodwake_part name)
     rodwake_optimise(${target} ${name})
     if(NOT fmt::fmt IN_LIST links OR name IN_LIST RODWAKE_UNOPTIMISED)
         # the small parts gain nothing; those of the list have another level than the precompiled headers
+    elseif(name IN_LIST RODWAKE_LIGHT)
+        rodwake_reuse(${target} rodwake_front)
     elseif("${links}" MATCHES "Eigen3|rodwake::(integrate|rods|granular|measure|fitting)")
         rodwake_reuse(${target} rodwake_numbers)
     else()

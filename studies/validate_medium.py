@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The bed as an elastic medium: every table of docs/validation_bed.md, "The bed as a medium".
 
-    studies/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,polycrystal,scaling,spread,moments,tail,hard,deviations,scaling_310] [--quick]
+    studies/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,polycrystal,scaling,spread,moments,tail,hard,scaling_310] [--quick]
                              [-j 2] [--keep DIR]
 
 Prints Markdown, a part at a time, and before each the CPU time that it takes at most. --keep DIR keeps runs and takes up what is
@@ -12,7 +12,7 @@ scaling_310 runs only when named.
 """
 
 from lab import parser, run_parts
-from medium import deviations, drag, hard, moments, monopole, moving, pairs, scaling, sound, spread, static, strain, tail
+from medium import drag, hard, moments, monopole, moving, pairs, scaling, sound, spread, static, strain, tail
 from medium.bed import COST, Beds
 
 PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost), "strain": (strain.part, strain.cost),
@@ -21,7 +21,6 @@ PARTS = {"sound": (sound.part, sound.cost), "static": (static.part, static.cost)
          "monopole": (monopole.part, monopole.cost), "pairs": (pairs.part, pairs.cost), "polycrystal": (pairs.polycrystal, pairs.cost_polycrystal), "scaling": (scaling.part, scaling.cost),
          "spread": (spread.part, spread.cost), "moments": (moments.part, moments.cost),
          "tail": (tail.part, tail.cost), "hard": (hard.part, hard.cost),
-         "deviations": (deviations.part, deviations.cost),
          "scaling_310": (lambda lab: scaling.part(lab, 310), lambda: scaling.cost(310))}
 NAMED_ONLY = {"scaling_310"}
 

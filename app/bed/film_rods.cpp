@@ -72,7 +72,6 @@ std::vector<std::string_view> wanted_of_rods(const scene::Measure& m) {
     add(m.displacement.has_value(), "displacement");
     add(m.flow, "flow");
     add(m.heading_diffusion, "heading_diffusion");
-    add(m.speed_deviations, "speed_deviations");
     add(m.from_travel.has_value(), "from_travel");
     add(m.pairs, "pairs");
     return names;

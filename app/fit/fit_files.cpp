@@ -388,26 +388,6 @@ void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, c
     store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), csv_of(rows));
 }
 
-std::string findings_text(const FitPlan& plan, const FitResults& results) {
-    std::string text;
-    for (const std::string& line : findings(plan, results))
-        text += (text.empty() ? "\nMisfit, likelihood and predictions\n  - " : "  - ") + line + "\n";
-    return text;
-}
-
-/// Which medium the numbers belong to.
-std::string media(const FitPlan& plan) {
-    std::string text;
-    if (scene::fit_is_isotropic(plan.keys) && !plan.profiles.empty())
-        text += "Profiles: predicted by the field that fits the maps\n";
-    else if (!plan.profiles.empty())
-        text += "Profiles: steady field of an isotropic medium, along lines\n";
-    if (!plan.maps.empty())
-        text += fmt::format("Maps: steady field of an {} medium, outside the mask\n",
-                            scene::fit_is_isotropic(plan.keys) ? "isotropic" : "orthotropic");
-    return text.empty() ? text : text + "\n";
-}
-
 } // namespace
 
 void write_fit(const fs::path& folder, const FitPlan& plan, const FitResults& results,
@@ -420,9 +400,6 @@ void write_fit(const fs::path& folder, const FitPlan& plan, const FitResults& re
         write_track(folder, i, plan.tracks[i], results.tracks[i]);
     for (std::size_t i = 0; i < results.maps.size(); ++i)
         write_map(folder, i, plan.maps[i].data, results.maps[i]);
-    store::write_atomically(folder / "fit.txt",
-                            media(plan) + fitting::to_text(plan.problem, results.fit, results.report) +
-                                findings_text(plan, results) + to_text(plan, results));
     store::write_atomically(folder / "fit.json", fit_json(plan, results, origin));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The files of a fit: fit.json, fit.txt, fit_profile_<i>.csv, fit_curve_<i>.csv, fit_trajectory_<i>.csv.
+// The files of a fit: fit.json, fit_profile_<i>.csv, fit_curve_<i>.csv, fit_trajectory_<i>.csv.
 
 #include "rodwake/app/fit_results.hpp"
 #include "rodwake/app/run.hpp"
@@ -23,9 +23,6 @@ namespace rodwake::app {
 /// fails.
 std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
                                               const FitResults& results);
-
-/// A section of fit.txt; empty where there is nothing to say.
-std::string to_text(const FitPlan& plan, const FitResults& results);
 
 /// Who made it, for fit.json.
 struct FitOrigin {

@@ -364,23 +364,6 @@ double evaluation_time(const fitting::Problem& problem, bool derivatives) {
                       0.2 * cost_budget);
 }
 
-std::vector<CostRow> fit_rows(const Plan& plan, double whole) {
-    const auto each = [](double seconds) { return duration_text(seconds) + " an evaluation"; };
-    const double residuals = std::min(whole, evaluation_time(plan.fit_plan->problem, false));
-    std::vector<CostRow> rows = {
-        {"residuals", each(residuals), residuals / whole, {}},
-        {"derivatives by the parameters", each(whole - residuals), 1.0 - residuals / whole, {}}};
-    if (scene::Fit keys = *plan.scene.fit; keys.box && !keys.profiles.empty()) {
-        keys.box.reset();
-        const double plane = evaluation_time(fit_plan(keys, *plan.fit).problem, true);
-        rows.push_back(
-            {"images in the box (fit.box), of these", each(whole - plane), {}, 1.0 - plane / whole});
-    }
-    if (const long starts = plan.scene.fit->search.starts; starts > 1)
-        rows.push_back({"fit.starts = 1", "", {}, 1.0 - 1.0 / static_cast<double>(starts)});
-    return rows;
-}
-
 std::string posterior_cost(const FitPlan& plan, const RunContext& context) {
     if (!plan.keys.posterior)
         return "";
@@ -409,7 +392,7 @@ std::string fit_cost(const Plan& plan, const RunContext& context) {
     return text +
            fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
                        duration_text(all * each)) +
-           posterior_cost(*plan.fit_plan, context) + cost_table(fit_rows(plan, each));
+           posterior_cost(*plan.fit_plan, context);
 }
 
 std::span<const ColumnInfo> model_columns() {
@@ -424,7 +407,6 @@ std::span<const ColumnInfo> model_columns() {
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
     return {{"fit.json", result, "parameters with errors, and how good the fit is"},
-            {"fit.txt", result, "the same to read"},
             {"medium.json", result, "the medium that the fit gives to field and rods"},
             {"fit_profile_<k>.csv", result, "a profile with its fit", columns_of<FitProfileRow>()},
             {"fit_curve_<k>.csv", result, "the model along a profile's line",

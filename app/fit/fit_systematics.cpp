@@ -121,10 +121,6 @@ void set_totals(const FitResults& results, FitSystematics& s) {
         add(one.known() ? one.error : 0.0);
 }
 
-std::string number(const std::vector<double>& errors, std::size_t k) {
-    return errors.empty() ? fmt::format("{:>11}", "-") : fmt::format("{:>11.3g}", errors[k]);
-}
-
 } // namespace
 
 std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
@@ -167,39 +163,6 @@ double whole_error(const FitResults& results, const std::string& name) {
         return total.empty() ? at->standard_error : total[static_cast<std::size_t>(at - all.begin())];
     const auto place = all.size() + static_cast<std::size_t>(std::distance(results.derived.begin(), derived));
     return total.empty() ? derived->second.error : total[place];
-}
-
-std::string to_text(const FitPlan& plan, const FitResults& results) {
-    const FitSystematics& s = results.systematics;
-    if (s.total.empty())
-        return "";
-    std::string text =
-        fmt::format("\nErrors beyond the fit's own\n  {:<12}{:>13}{:>11}{:>11}{:>11}{:>11}{:>11}\n", "",
-                    "value", "curvature", "held", "masks", "jackknife", "total");
-    std::size_t k = 0;
-    const auto row = [&](const std::string& name, double value, double error, bool wanted) {
-        if (wanted)
-            text += fmt::format("  {:<12}{:>13.6g}{:>11.3g}{}{}{}{}\n", name, value, error,
-                                number(s.held_error, k), number(s.mask_spread, k), number(s.jackknife, k),
-                                number(s.total, k));
-        ++k;
-    };
-    for (const fitting::Estimate& e : results.report.estimates)
-        row(e.name, e.value, e.standard_error, e.free);
-    for (const auto& [name, one] : results.derived)
-        row(name, one.value, one.error, true);
-    text += "  total: the larger of curvature and jackknife, with held constants and masks in quadrature\n";
-    for (const auto& one : s.masks)
-        text += fmt::format(
-            "  mask |y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg: chi2 = {:.4g} for {} degrees of "
-            "freedom\n",
-            one.mask.strip, one.mask.radius, one.mask.from * 180.0 / std::numbers::pi,
-            one.mask.to * 180.0 / std::numbers::pi, one.report.chi2, one.report.dof);
-    if (!plan.maps.empty() && s.jackknife.empty())
-        text +=
-            "  The curvature takes bins as independent. Neighbouring bins share noise, so its errors are too "
-            "small:\n  give maps of several runs (fit.maps.files) for a jackknife.\n";
-    return text;
 }
 
 } // namespace rodwake::app

@@ -123,16 +123,6 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
-void add_choice_lines(const Plan& plan, Lines& lines) {
-    if (!plan.scene.medium || plan.scene.medium->field != scene::FieldBackend::automatic)
-        return;
-    for (const RodsPlan& one : plan.rods)
-        lines.push_back({true, fmt::format("field chosen for the rods{}: {} ({})", one.of.suffix(),
-                                           to_string(one.field.backend), one.field.why)});
-    if (plan.scene.field || plan.scan)
-        lines.push_back({true, "field of maps and scans: exact"});
-}
-
 /// What only many rods have.
 void add_crowd_lines(const Plan& plan, Lines& lines) {
     if (plan.rods.empty())
@@ -255,7 +245,6 @@ std::vector<PlanLine> describe(const Plan& plan) {
     Lines lines;
     add_medium_lines(plan.scene, lines);
     add_field_lines(plan.scene, lines);
-    add_choice_lines(plan, lines);
     add_rod_lines(plan, lines);
     add_crowd_lines(plan, lines);
     add_noise_lines(plan, lines);

@@ -26,14 +26,20 @@ std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
 
 } // namespace
 
+const char* to_string(scene::FieldBackend backend) {
+    using enum scene::FieldBackend;
+    return backend == exact      ? "exact"
+           : backend == table    ? "table"
+           : backend == measured ? "measured"
+                                 : "dynamic";
+}
+
 bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != stages.end(); }
 
 std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
     std::vector<RodsPlan> plans;
     for (Case& one : cases_of(scene)) {
-        FieldChoice field = field_choice(one.scene);
-        one.scene = with_field(std::move(one.scene), field);
-        RodsPlan plan{std::move(one), {}, {}, std::move(field), {}};
+        RodsPlan plan{std::move(one), {}, {}, {}};
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
         plan.noise = noise_plan(plan.of.scene, plan.problem);

@@ -172,54 +172,22 @@ StageEnd run_scan(Session& session) {
     return report(session, ledger, counts, summary);
 }
 
-/// A few points spread over the scan stand for all.
-double seconds_of_point(const ScanPlan& plan, double budget) {
+/// Twenty points spread over the scan stand for all, or as many as there is time for.
+double seconds_of_point(const ScanPlan& plan) {
     ScanPlan spread = plan;
     if (spread.design.kind != scan::Kind::list)
         spread.design.kind = scan::Kind::sobol;
-    spread.design.samples = 256;
+    spread.design.samples = 20;
     const scan::PointList points(spread.design);
     const scan::Evaluate evaluate = evaluate_rods(spread, nullptr);
     const Stopwatch watch;
     std::int64_t done = 0;
-    while (done < points.size() && watch.seconds() < budget) {
+    while (done < std::min<std::int64_t>(20, points.size()) && watch.seconds() < cost_budget) {
         const scan::Point one[] = {points[done++]};
         scan::Result result[1];
         evaluate(one, result);
     }
     return watch.seconds() / static_cast<double>(done);
-}
-
-bool varies(const ScanPlan& plan, std::string_view key) {
-    return std::ranges::any_of(plan.keys, [&](const auto& one) { return one.key == key; });
-}
-
-std::vector<CostRow> scan_rows(const ScanPlan& plan, double whole) {
-    std::vector<CostRow> rows;
-    const auto add = [&](std::string setting, const ScanPlan& other) {
-        const double each = seconds_of_point(other, 0.3 * cost_budget);
-        rows.push_back({std::move(setting), duration_text(each) + " a point", {}, 1.0 - each / whole});
-    };
-    ScanPlan other = plan;
-    scene::RodsRun& run = *other.base.rods_run;
-    if (run.rtol < 1e-3 && !varies(plan, "rods_run.rtol")) {
-        run.rtol = std::min(100.0 * run.rtol, 1e-3);
-        run.atol *= run.rtol / plan.base.rods_run->rtol;
-        add(fmt::format("rods_run.rtol = {:g} instead of {:g}", run.rtol, plan.base.rods_run->rtol), other);
-    }
-    const bool varied =
-        std::ranges::any_of(rods::coupling_list,
-                            [&](const rods::Coupling& c) {
-                                return c.polar && varies(plan, "coupling." + std::string(c.name));
-                            }) ||
-        varies(plan, "coupling.gamma_flow");
-    if (plan.base.coupling && couplings_of(plan.base).polar() && !varied) {
-        other = plan;
-        static_cast<rods::Couplings&>(*other.base.coupling) = rods::without(*other.base.coupling, true);
-        other.base.coupling->gamma_flow = 0.0;
-        add(fmt::format("no polar turning ({})", rods::coupling_names(true)), other);
-    }
-    return rows;
 }
 
 /// Of an adaptive scan which one boundary crosses. For each of the finest cells on that, the shipped scans
@@ -241,11 +209,10 @@ double expected_points(const scan::Design& design) {
 }
 
 std::string scan_cost(const ScanPlan& plan) {
-    const double each = seconds_of_point(plan, 0.4 * cost_budget), points = expected_points(plan.design);
+    const double each = seconds_of_point(plan), points = expected_points(plan.design);
     return fmt::format("  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each,
                        points, plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "",
-                       each * points) +
-           cost_table(scan_rows(plan, each));
+                       each * points);
 }
 
 constexpr ColumnInfo cells_columns[] = {

@@ -140,7 +140,6 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
         report("measure.displacement", "displacement needs [[granular.rods]], or a [granular.body_force] of "
                                        "kind \"gaussian\": it is seen from there");
     want_rod(m.heading_diffusion, "heading_diffusion");
-    want_rod(m.speed_deviations, "speed_deviations");
     if (m.mechanics && bed.body_force && bed.body_force->kind != granular::BodyForceKind::uniform)
         report("measure.mechanics",
                "mechanics has to know all of the force on the bed: make [granular.body_force] kind = "
@@ -254,18 +253,6 @@ void headings(const Measure& m, const Granular& bed, const Report& report) {
                            high, measured));
 }
 
-void deviations(const Measure& m, const Granular& bed, const Report& report) {
-    const double measured = bed.duration - m.from, lag = deviation_lag(m, measured);
-    if (m.deviation_lag && 2.0 * lag > m.block)
-        report("measure.deviation_lag",
-               fmt::format("deviation_lag = {:g} s is longer than half of block = {:g} s", lag, m.block));
-    if (m.speed_deviations && m.trajectory.empty() && measured < 2.0 * lag)
-        report("measure.speed_deviations",
-               fmt::format("lags up to {:g} s need twice as much, and {:g} s are measured: shorten "
-                           "measure.deviation_lag or run longer",
-                           lag, measured));
-}
-
 /// What is measured by nearest images and wave vectors of the box.
 void periodic_only(const Measure& m, const Report& report) {
     const struct {
@@ -319,7 +306,6 @@ void check_measure(const Scene& scene, const Report& report) {
     times(*scene.measure, *scene.granular, report);
     currents(*scene.measure, *scene.granular, report);
     headings(*scene.measure, *scene.granular, report);
-    deviations(*scene.measure, *scene.granular, report);
     if (scene.granular->container)
         periodic_only(*scene.measure, report);
     lengths(*scene.measure, *scene.granular, report);

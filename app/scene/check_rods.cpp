@@ -27,8 +27,7 @@ void random_start(const Scene& scene, const Report& report) {
 /// What only the sums of the exact field on the plane offer.
 void sums(const Scene& scene, const Report& report) {
     const RodsRun& run = *scene.rods_run;
-    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact ||
-                       scene.medium->field == FieldBackend::automatic; // which then chooses it
+    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact;
     const bool offered = exact && !(scene.medium && scene.medium->box());
     const auto want_plane = [&](bool asked, const char* key) {
         if (asked && !offered)

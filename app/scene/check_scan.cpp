@@ -126,8 +126,7 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
                    rods::most_followed_rods, scene.rods.size()));
     if (scene.medium && scene.medium->fitted)
         report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
-    if (scene.medium && scene.medium->field != FieldBackend::exact &&
-        scene.medium->field != FieldBackend::automatic)
+    if (scene.medium && scene.medium->field != FieldBackend::exact)
         report("medium.field",
                "[scan] takes medium.field = \"exact\": its pairs are integrated many at once, "
                "which is faster than a table and not made for a measured or a dynamic field");

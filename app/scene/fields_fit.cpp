@@ -390,7 +390,11 @@ void fields(Visitor& v, FitPosterior& posterior) {
           .doc("kept, of all chains together: a multiple of chains, 8 a chain or more")
           .example("4000"),
       posterior.samples);
-    v(key("evidence").doc("find the logarithm of the evidence, too").example("true"), posterior.evidence);
+    v(key("evidence")
+          .doc(
+              "find the logarithm of the evidence, too, and sample every model of [[fit.models]] for its own")
+          .example("true"),
+      posterior.evidence);
     v(key("priors")
           .one_of(fit_parameter_names())
           .absent("uniform between the bounds")

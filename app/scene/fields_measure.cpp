@@ -59,12 +59,6 @@ void what_fields(Visitor& v, Measure& m) {
                "as strong; needs [[granular.rods]]")
           .example("true"),
       m.heading_diffusion);
-    v(key("speed_deviations")
-          .doc("how often the rod goes backwards along its heading for a while: the large-deviation function "
-               "of "
-               "its speed, its antisymmetric part and its kink; needs [[granular.rods]] that walk")
-          .example("true"),
-      m.speed_deviations);
 }
 
 void when_fields(Visitor& v, Measure& m) {
@@ -289,15 +283,6 @@ void heading_fields(Visitor& v, Measure& m) {
           .doc("heading_diffusion: longest lag; at most half of block")
           .example("\"2 s\""),
       m.heading_lag_high);
-    v(key("deviation_lag")
-          .unit(time)
-          .above(0.0, 1e7)
-          .absent("an eighth of block, or of what is measured if that is shorter")
-          .doc("speed_deviations: longest lag; the others are a half, a quarter ... a 32nd of it; at most "
-               "half of "
-               "block")
-          .example("\"0.64 s\""),
-      m.deviation_lag);
 }
 
 } // namespace

@@ -255,14 +255,12 @@ void fields(Visitor& v, Medium& medium) {
           .doc("how the field is evaluated; a table of it is made once, to table.tolerance, and kept in the "
                "user's cache folder; measured: the displacement field of measured.file, with theory where it "
                "has none; dynamic: rods in a medium that remembers, integrated with them, in the box of "
-               "[medium.dynamic]; "
-               "auto: for rods exact or a table, whichever the scene lets expect to take less time")
+               "[medium.dynamic]")
           .example("\"exact\""),
       choice(medium.field, {{"exact", FieldBackend::exact},
                             {"table", FieldBackend::table},
                             {"measured", FieldBackend::measured},
-                            {"dynamic", FieldBackend::dynamic},
-                            {"auto", FieldBackend::automatic}}));
+                            {"dynamic", FieldBackend::dynamic}}));
     v(key("periodic")
           .unit(length)
           .above(0.0)

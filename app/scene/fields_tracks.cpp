@@ -226,11 +226,10 @@ void check_measured_tracks(const Scene& scene, const Report& report) {
                 fmt::format("{} needs a bed ([granular]): it goes by forces or velocities, and [tracks] have "
                             "places and headings; leave it out",
                             of.key));
-    if (!m.order && !m.microrheology && !m.displacement && !m.flow && !m.pairs && !m.heading_diffusion &&
-        !m.speed_deviations)
+    if (!m.order && !m.microrheology && !m.displacement && !m.flow && !m.pairs && !m.heading_diffusion)
         report("measure",
                "[measure] asks for nothing that tracks have: give order, microrheology, displacement, "
-               "flow, pairs, heading_diffusion or speed_deviations");
+               "flow, pairs or heading_diffusion");
     if (m.pairs && !m.contact_distance)
         report("measure.pairs", "pairs of [tracks] needs contact_distance, between the rods' places: half a "
                                 "rod's length, for example contact_distance = \"12 a\"");

@@ -63,9 +63,6 @@ constexpr FigureNeed mechanics{"measure.mechanics = true", [](const Scene& s, co
 constexpr FigureNeed heading_diffusion{"measure.heading_diffusion = true", [](const Scene& s, const Figure&) {
                                            return is_measured(s, &Measure::heading_diffusion);
                                        }};
-constexpr FigureNeed speed_deviations{"measure.speed_deviations = true", [](const Scene& s, const Figure&) {
-                                          return is_measured(s, &Measure::speed_deviations);
-                                      }};
 constexpr FigureNeed displacement{"measure.displacement", [](const Scene& s, const Figure&) {
                                       return s.measure && s.measure->displacement;
                                   }};
@@ -140,12 +137,6 @@ const std::vector<FigureKind>& figure_kinds() {
          measure,
          {beads, heading_diffusion},
          {"heading.csv"},
-         {}},
-        {"speed_deviations",
-         "large-deviation function of the rod's speed by lag, and its antisymmetric part",
-         measure,
-         {beads, speed_deviations},
-         {"deviations.csv", "deviation_lags.csv"},
          {}},
         {"flow",
          "velocity of the beads in the rod's frame",

@@ -4,6 +4,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/json_text.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/core/stopwatch.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/certificate.hpp"
 #include "rodwake/scene/read.hpp"
@@ -22,6 +23,11 @@
 namespace rodwake::app {
 
 namespace {
+
+scene::FieldBackend field_of(const RodsPlan& plan) {
+    const auto& medium = plan.of.scene.medium;
+    return medium ? medium->field : scene::FieldBackend::exact;
+}
 
 /// A plan on its way.
 struct Work {
@@ -183,7 +189,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
     write_couplings(out, group, one.of().scene.coupling.value_or(scene::Coupling{}), session.units);
     if (one.of().scene.medium) {
-        out.attribute(group, "field", to_string(one.plan->field.backend));
+        out.attribute(group, "field", to_string(field_of(*one.plan)));
         out.attribute(group, "eta", one.of().scene.medium->eta);
         out.attribute(group, "alpha", 1.0 / one.of().scene.medium->xi);
     }
@@ -321,12 +327,8 @@ StageEnd run_rods(Session& session) {
     const std::size_t threads = std::max<std::size_t>(1, session.context.thread_count() / plans.size());
     std::vector<Work> cases;
     cases.reserve(plans.size());
-    for (const RodsPlan& plan : plans) {
-        if (!plan.field.why.empty())
-            session.log->info("rods{}: field {}: {}", plan.of.suffix(), to_string(plan.field.backend),
-                              plan.field.why);
+    for (const RodsPlan& plan : plans)
         cases.push_back(work_of(plan, fields, threads));
-    }
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
     StageEnd end = solve_samples(session, cases) ? solve_noise(session, cases) : StageEnd::interrupted;
@@ -340,7 +342,7 @@ StageEnd run_rods(Session& session) {
 }
 
 std::string method_name(const RodsPlan& plan) {
-    if (plan.field.backend != scene::FieldBackend::dynamic)
+    if (field_of(plan) != scene::FieldBackend::dynamic)
         return integrate::to_string(plan.options.ode.method);
     return plan.of.scene.medium->memory().closure == medium::Closure::none
                ? "etdrk4"
@@ -353,16 +355,14 @@ SolverReport solver_report(const rods::RodResult& result, const RodsPlan& plan, 
     SolverReport solver;
     solver.method = plan.noise ? "noise, strong order 1.5" : method_name(plan);
     solver.form = to_string(plan.options.form);
-    solver.field_name = to_string(plan.field.backend);
-    if (plan.field.backend == scene::FieldBackend::dynamic) // which of the two "auto" comes to
+    solver.field_name = to_string(field_of(plan));
+    if (field_of(plan) == scene::FieldBackend::dynamic) // which of the two "auto" comes to
         solver.evaluation = medium::evaluation_of(plan.of.scene.medium->memory(), plan.problem.rods.size()) ==
                                     medium::Evaluation::mesh
                                 ? "mesh"
                                 : "sums";
-    if (plan.field.tolerance > 0.0)
-        solver.field_tolerance = plan.field.tolerance;
-    if (!plan.field.why.empty())
-        solver.field_chosen = plan.field.why;
+    if (field_of(plan) == scene::FieldBackend::table)
+        solver.field_tolerance = plan.of.scene.medium->table.value_or(scene::FieldTable{}).tolerance;
     if (plan.noise) {
         solver.run = 0;
         solver.time_step = plan.noise->noise.time_step * units.time;
@@ -430,6 +430,35 @@ std::vector<FileKind> rods_files() {
             {"checkpoint.json", progress, "state to go on from"}};
 }
 
+/// Runs, and the time of a right-hand side at the start. A step of a dynamic medium has no part that could be
+/// timed by itself.
+std::string rods_cost(const Plan& plan) {
+    std::string text;
+    for (const RodsPlan& one : plan.rods) {
+        const auto& medium = one.of.scene.medium;
+        double runs = one.noise ? static_cast<double>(one.noise->runs) : 1.0;
+        if (field_of(one) == scene::FieldBackend::measured)
+            runs += static_cast<double>(medium->measured->samples);
+        text += fmt::format("  rods{}: {:g} run{} to t = {:g}", one.of.suffix(), runs, runs == 1.0 ? "" : "s",
+                            one.of.scene.rods_run->t_end);
+        if (one.noise && one.noise->capture_error)
+            text += fmt::format(", up to {} for noise.capture_error", one.noise->most_runs);
+        if (medium && medium->is_dynamic()) {
+            text += "; steps of a dynamic medium are not timed\n";
+            continue;
+        }
+        rods::RodProblem problem = one.problem;
+        problem.field = nullptr;
+        const rods::RodModel model = rods::model_of(problem);
+        const std::vector<double> y = rods::to_state(problem.rods);
+        std::vector<double> ydot(y.size());
+        const double seconds = seconds_of([&] { model.rhs(y, ydot); }, 0.1 * cost_budget);
+        text += fmt::format(", {} for a right-hand side{}\n", duration_text(seconds),
+                            field_of(one) == scene::FieldBackend::exact ? "" : " in the exact field");
+    }
+    return text;
+}
+
 } // namespace
 
 StageKind rods_stage() {
@@ -439,7 +468,8 @@ StageKind rods_stage() {
             .key = [](const scene::Scene& s) { return scene::to_plain_toml(key_of_rods(s)); },
             .files = rods_files,
             .run = run_rods,
-            .cost = rods_cost,
+            .cost = [](const Plan& plan, const std::filesystem::path&,
+                       const RunContext&) { return rods_cost(plan); },
             .outdated = has_new_field,
             .datasets = true};
 }

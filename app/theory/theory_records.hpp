@@ -54,7 +54,6 @@ struct SolverReport {
     std::string method, form, field_name;
     std::optional<std::string> evaluation;
     std::optional<double> field_tolerance;
-    std::optional<std::string> field_chosen;
     std::optional<int> run;
     std::optional<double> time_step, rtol, atol;
     std::string status;
@@ -71,7 +70,6 @@ struct SolverReport {
             field("field", &R::field_name, {"", "how the wakes were computed"}),
             field("evaluation", &R::evaluation, {"", "of a dynamic medium: mesh or sums"}),
             field("field_tolerance", &R::field_tolerance, {"1", "of a table of the field"}),
-            field("field_chosen", &R::field_chosen, {"", "why that field"}),
             field("run", &R::run, {"", "of the runs with noise"}),
             field("time_step", &R::time_step, {"{time}", "of the first run with noise"}),
             field("rtol", &R::rtol, {"1", "relative tolerance"}),

@@ -28,7 +28,7 @@ void tell(const Logger& log, const char* component, const elastic::SmoothingRepo
 std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& scene) {
     const scene::Medium& medium = *scene.medium;
     const elastic::Medium constants{medium.eta, medium.xi};
-    if (medium.field == scene::FieldBackend::exact || medium.field == scene::FieldBackend::automatic ||
+    if (medium.field == scene::FieldBackend::exact ||
         medium.is_dynamic()) // of maps; rods in a dynamic medium have no wake field
         return elastic::exact_field(constants, medium.box());
     if (medium.field == scene::FieldBackend::measured)

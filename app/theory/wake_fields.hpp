@@ -19,7 +19,6 @@ public:
     explicit WakeFields(const Session& session)
         : WakeFields(session.context, session.directory.path(), session.log) {}
 
-    /// With field = "auto" the exact one: for rods with_field has chosen before.
     std::shared_ptr<const elastic::WakeField> of(const scene::Scene& scene);
     /// With field = "measured"; smoothed at most once. Throws InputError as read_measured does.
     std::shared_ptr<const elastic::MeasuredDisplacement> measured(const scene::Scene& scene);

@@ -244,66 +244,9 @@ def caption_heading_diffusion(run, _):
             f"{'. ' + numbers if numbers else ''}.{bed_run.not_measured(run, HEADING)}")
 
 
-# Large deviations of a rod's speed: F(W) on both sides of W = 0 by lag, and its antisymmetric part with the line through 0.
-
-DEVIATIONS, DEVIATION_LAGS, SPEED = "deviations.csv", "deviation_lags.csv", "speed_deviations"
-DEVIATION_COLUMNS = ("lag", "W", "F_plus", "F_plus_error", "F_minus", "F_minus_error", "A", "A_error")
-
-
-def draw_speed_deviations(run, spec):
-    shown = [(part, lag) for part in bed_run.holders(run, DEVIATIONS) for lag in drawn_lags(run, part)]
-    figure = canvas.figure(style.WIDE, 3.0)
-    panels = figure.subplots(1, 2)
-    for (part, lag), colour in zip(shown, canvas.colours(len(shown))):
-        draw_deviations(part, lag, panels, colour, style.safe(part.label) or f"{lag:.3g} s")
-    panels[0].set(xlabel="$W$", ylabel=r"$F(W) = -\ln P(W)/\tau$ (1/s)")
-    panels[1].set(xlabel="$W$", ylabel="$F(W) - F(-W)$ (1/s)", xlim=(0, None))
-    for axes, column, missing in zip(panels, ("F_plus", "A"), ("displacements: run for longer", "displacements backwards")):
-        if not any(np.isfinite(part.table(DEVIATIONS, column)[0]).any() for part, _ in shown):
-            axes.text(0.5, 0.5, f"too few {missing}", ha="center", va="center", transform=axes.transAxes)
-    canvas.legend(panels[0], fontsize=7.5)
-    for k, axes in enumerate(panels):
-        canvas.letter(axes, k)
-    figure.suptitle(style.safe(spec.title), fontsize=10.5)
-    return figure
-
-
-def drawn_lags(run, part):
-    """Of one case all lags; of several the one that measure.json tells of, else the longest."""
-    lags = np.unique(part.table(DEVIATIONS, "lag")[0])
-    told = part.number(SPEED, "lag")
-    return lags if len(bed_run.holders(run, DEVIATIONS)) == 1 else [told if told else lags[-1]]
-
-
-def draw_deviations(part, lag, panels, colour, label):
-    table = dict(zip(DEVIATION_COLUMNS, part.table(DEVIATIONS, *DEVIATION_COLUMNS)))
-    table = {name: values[np.isclose(table["lag"], lag)] for name, values in table.items()}
-    for sign, name in ((1, "F_plus"), (-1, "F_minus")):
-        canvas.points(panels[0], sign * table["W"], table[name], bed_run.known_errors(table[f"{name}_error"]), colour, label if sign > 0 else None)
-    known = np.isfinite(table["A"])
-    canvas.points(panels[1], table["W"], table["A"], bed_run.known_errors(table["A_error"]), colour)
-    lags, slope = part.table(DEVIATION_LAGS, "lag", "slope")
-    W = np.array([0.0, table["W"][known].max(initial=0.0)])
-    panels[1].plot(W, slope[np.argmin(abs(lags - lag))] * W, color=colour, linewidth=0.9)
-
-
-def caption_speed_deviations(run, _):
-    def told(part):
-        slope, kink = (part.estimate(SPEED, f"deviation_{name}") for name in ("slope", "kink"))
-        return "" if slope is None or kink is None else (
-            f"at {words.number(part.number(SPEED, 'lag'))} s slope {words.with_error(*slope[:2])} 1/s "
-            f"(a Gaussian of that variance {words.number(part.number(SPEED, 'gaussian_slope'))}), kink at 0 {words.with_error(*kink[:2])} 1/s")
-
-    numbers = bed_run.told_of_each(bed_run.holders(run, DEVIATIONS), told)
-    return ("Large deviations of a rod's speed: <i>W</i> is the displacement along the heading in the lag <i>τ</i> over that at the mean speed, "
-            "<i>P</i> its density; right: antisymmetric part with the straight line through 0; bars: standard error"
-            f"{'. ' + numbers if numbers else ''}.{bed_run.not_measured(run, DEVIATIONS)}")
-
-
 KINDS = {
     "msd": Kind(draw=draw_msd, caption=caption_msd, there=lambda run: bed_run.some(run, MSD)),
     "stiffness": Kind(draw=draw_stiffness, caption=caption_stiffness),
     "memory_kernel": Kind(draw=draw_memory_kernel, caption=caption_memory_kernel),
     "heading_diffusion": Kind(draw=draw_heading_diffusion, caption=caption_heading_diffusion, there=lambda run: bed_run.some(run, HEADING)),
-    "speed_deviations": Kind(draw=draw_speed_deviations, caption=caption_speed_deviations, there=lambda run: bed_run.some(run, DEVIATIONS)),
 }

@@ -52,7 +52,7 @@ TEST_CASE("A lost file of the fit removes nothing that was not asked for") {
         "[[fit.profiles]]\nfile = \"ux.csv\"\ncomponent = \"Ux\"\nalong = \"x\"\nat = 0.0\n",
         "fit.toml");
     hold(scratch, scene, {{"fit", "finished"}, {"field", "finished"}});
-    scratch.file("run/manifest.json", R"({"files": {"fit.txt": {"stage": "fit"}}})");
+    scratch.file("run/manifest.json", R"({"files": {"fit.json": {"stage": "fit"}}})");
     scratch.file("run/medium.json", "{}");
     CHECK(has(refusal(scratch, scene, {Stage::fit}), "files of the fit are gone, and field follows from it"));
     const RunFolder folder(scratch / "run", scene, Stages{Stage::fit, Stage::field}, false);

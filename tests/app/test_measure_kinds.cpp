@@ -103,7 +103,7 @@ TEST_CASE("Keys that matter only when runs are put together leave the sums as th
           "profile_offset = \"5 a\"\nreference = \"far\"\nmirror = true\n", "s_low = 0.1\ns_high = 0.4\n",
           "trajectory = \"other.h5md\"\n", "shear_speed = \"120 a/s\"\n", "inertia_factor = 1.3\n",
           "heading_diffusion = true\nheading_lag_low = 0.02\nheading_lag_high = 0.2\n",
-          "speed_deviations = true\ndeviation_lag = 0.1\n", "phonon_interval = \"5 ms\"\n"})
+          "phonon_interval = \"5 ms\"\n"})
         CHECK(key_text(std::string("order = true\n") + keys) == key_text("order = true\n"));
     CHECK(key_text("order = true\norder_cutoff = \"2.9 a\"\n") != key_text("order = true\n"));
     CHECK(key_text("order = true\nflow = true\n") != key_text("order = true\n"));

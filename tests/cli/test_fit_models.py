@@ -46,6 +46,7 @@ set = { "fit.parameters" = [] }
 """
 SIGMA = 0.01
 PRIORS = """[fit.posterior]
+evidence = true
 samples = 4000
 [fit.posterior.priors]
 f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }
@@ -122,7 +123,7 @@ class ModelsTest(FitTest):
         self.make_pair("kappa = 0.8")
         text = RIVALS[:RIVALS.index("[[fit.models]]")] + 'start_poses = "exact"\n'  # one parameter each
         text = text.replace("fixed =", "start = { kappa = 0.5 }\nbounds = { kappa = [0.0, 5.0] }\nfixed =")
-        text += '[fit.posterior]\nsamples = 400\n[[fit.models]]\nname = "flow"\nset = { "fit.parameters" = ["gamma_flow"], "fit.bounds.gamma_flow" = [0.0, 5.0] }\n'
+        text += '[fit.posterior]\nsamples = 400\nevidence = true\n[[fit.models]]\nname = "flow"\nset = { "fit.parameters" = ["gamma_flow"], "fit.bounds.gamma_flow" = [0.0, 5.0] }\n'
         text += '[[fit.models]]\nname = "none"\nset = { "fit.parameters" = [] }\n'
         _, told, _ = self.weigh(text)
         self.assertEqual(told["weight_from"], "evidence")
@@ -168,9 +169,9 @@ class ModelsTest(FitTest):
 
     def test_rivals_are_sampled_for_their_evidence_alone(self):
         self.make_profile()
-        self.write("fit.toml", FIT + PRIORS.replace("samples = 4000", "samples = 40"))
-        for evidence, count in (("true", 3), ("false", 1)):
-            keys = ("-s", f"fit.posterior.evidence={evidence}")
+        self.write("fit.toml", FIT + PRIORS.replace("samples = 4000", "samples = 40").replace("evidence = true\n", ""))
+        for evidence, count in (("true", 3), ("default", 1)):
+            keys = ("-s", "fit.posterior.evidence=true") if evidence == "true" else ()
             self.assertEqual("of each of 3 models" in self.expect(0, "check", "fit.toml", *keys).stdout, evidence == "true")
             self.expect(0, "fit", "fit.toml", "-o", evidence, "--quiet", *keys)
             self.assertEqual(len(list((self.folder / evidence).rglob("posterior.json"))), count)
@@ -178,7 +179,7 @@ class ModelsTest(FitTest):
     def test_rods_that_diffuse(self):
         self.make_pair("kappa = 0.8")
         alone = RIVALS[:RIVALS.index("[[fit.models]]")].replace('["kappa"]', '["kappa", "D_r"]')
-        sampled = '[fit.posterior]\nsamples = 40\nevidence = false\n[fit.posterior.priors]\nkappa = { kind = "uniform", low = 0.0, high = 2.0 }\n'
+        sampled = '[fit.posterior]\nsamples = 40\n[fit.posterior.priors]\nkappa = { kind = "uniform", low = 0.0, high = 2.0 }\n'
         found, _ = self.fit(alone + sampled, "--force")
         self.assertEqual(found["residuals"], 96)
         self.assertEqual(found["parameters"]["D_r"]["unit"], "rad^2 mu v0/f")

@@ -11,6 +11,7 @@ from fits import FIT, TRUE, FitTest, columns
 from rodwake import wait_until
 
 PRIORS = """[fit.posterior]
+evidence = true
 samples = 4000
 [fit.posterior.priors]
 f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }

@@ -72,8 +72,6 @@ phonons = true
 phonon_interval = {0.005 * s}
 mechanics = true
 heading_diffusion = true
-speed_deviations = true
-deviation_lag = {0.05 * s}
 block = {0.25 * s}
 [rods_order]
 link = "8 a"

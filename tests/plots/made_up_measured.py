@@ -49,7 +49,6 @@ def results(phi):
                     "inertia": estimate(1.27, 0.03)},
         "heading_diffusion": {"D_r": estimate(D_R, 1e-3), "D_r_cosine": estimate(D_R, 1e-3), "jitter": JITTER, "lag_low": 0.125,
                               "lag_high": 1.25, "cosine_amplitude": math.exp(-JITTER**2), "rotational_diffusion": estimate(0.0176, 2e-3)},
-        "speed_deviations": {"lag": 0.16, "deviation_slope": estimate(-RATE, 0.4), "gaussian_slope": -RATE, "deviation_kink": estimate(0.3, 0.5)},
         "mechanics": {"drift": estimate(0.11, 0.01), "drag_rate": estimate(DRAG, 0.4), "screening_length": estimate(490.0, 30.0),
                       "decay_rate": estimate(10.5, 0.4), "inertia": estimate(1.27, 0.05), "used_inertia": estimate(1.27, 0.05)},
     })
@@ -129,23 +128,6 @@ def write_heading(folder, random):
                                        "cosine_error": 0.01 + 0 * lag, "origins": 1000 - 100 * lag})
 
 
-def write_deviations(folder):
-    """A drifting Brownian motion: F(W) - F(-W) = -RATE W."""
-    rows, lags = [], []
-    for lag in (0.08, 0.16, 0.32):
-        width = np.sqrt(2 / (RATE * lag)) / 3
-        W = (np.arange(9) + 0.5) * width
-        F = {name: RATE / 4 * (W - sign)**2 - np.log(RATE * lag / (4 * np.pi)) / (2 * lag) for name, sign in (("F_plus", 1), ("F_minus", -1))}
-        far = W > 2.2
-        rows.append({"lag": lag + 0 * W, "W": W, "plus": 500 + 0 * W, "minus": 100 + 0 * W, "F_plus": F["F_plus"], "F_plus_error": 0.1 + 0 * W,
-                     "F_minus": np.where(far, np.nan, F["F_minus"]), "F_minus_error": np.where(far, np.nan, 0.2),
-                     "A": np.where(far, np.nan, -RATE * W), "A_error": np.where(far, np.nan, 0.3)})
-        lags.append({"lag": lag, "mean_W": 1.0, "variance_W": 9 * width**2, "backwards": 0.1, "pairs": (~far).sum(), "slope": -RATE, "slope_error": 0.4,
-                     "gaussian_slope": -RATE, "cubic": 0.1, "cubic_error": 0.2, "kink": 0.3, "kink_error": 0.5})
-    write_csv(folder / "deviations.csv", {name: np.concatenate([row[name] for row in rows]) for name in rows[0]})
-    write_csv(folder / "deviation_lags.csv", {name: np.array([row[name] for row in lags]) for name in lags[0]})
-
-
 def wake(x, y):
     """A displacement that falls slowly behind and fast ahead."""
     r = np.hypot(x, y) + 1.0
@@ -213,7 +195,6 @@ def write_part(folder, phi=0.8, runs=1, seed=1, figures="", rods=2, pairs=True):
         write_fields(folder, phi, random)
         write_profiles(folder, random)
         write_heading(folder, random)
-        write_deviations(folder)
         write_marked(folder, Bed(rods=rods, **SMALL))
     if rods == 2 and pairs:
         write_pairs(folder, runs)

@@ -15,7 +15,7 @@ from rodwake_plots import bed_run, bed_sections, displacement, draw, flow, rod_t
 
 GRANULAR = ("snapshot", "rod_tracks", "side_view", "granular_table")
 ORDER = ("pair_correlation", "bond_order", "msd", "phonons")
-SEEN_FROM_A_ROD = ("flow", "dragged", "displacement_map", "heading_diffusion", "speed_deviations", *("profile_" + name for name in "Ux_x Ux_y Uy_x Uy_y Ux_x_scaled".split()))
+SEEN_FROM_A_ROD = ("flow", "dragged", "displacement_map", "heading_diffusion", *("profile_" + name for name in "Ux_x Ux_y Uy_x Uy_y Ux_x_scaled".split()))
 QUANTITIES = "psi6 exponent stiffness delta_y non_reciprocity c_T C11 C22 C66 drag_rate screening_length D_r diffusion_per_length"
 SERIES = tuple("series_" + name for name in QUANTITIES.split())
 EPS = np.finfo(float).eps

@@ -67,7 +67,7 @@ class ReadTest(unittest.TestCase):
         text = rodwake.Scene.load(PAIR).check()
         self.assertRegex(text, r"(?s)^modelled\n.*2 rods to t = 60.*not modelled\n.*no \[granular\]")
         self.assertNotIn("expected cost", text)
-        self.assertIn("rods: about", rodwake.Scene.load(PAIR).check(cost=True))
+        self.assertIn("for a right-hand side", rodwake.Scene.load(PAIR).check(cost=True))
 
 
 class RunTest(unittest.TestCase):

@@ -106,7 +106,7 @@ struct FitCompare {
 /// [fit.posterior]
 struct FitPosterior {
     std::size_t chains = 4, samples = 4000; ///< kept, of all chains together
-    bool evidence = true;
+    bool evidence = false; ///< of the fit and, with [[fit.models]], of its rivals, which are sampled for it
     std::map<std::string, fitting::Prior> priors; ///< absent: uniform between the bounds
 
     bool operator==(const FitPosterior&) const = default;

@@ -11,7 +11,7 @@ namespace rodwake::scene {
 
 struct Measure {
     bool order = false, microrheology = false, flow = false, pairs = false, force = false;
-    bool phonons = false, mechanics = false, heading_diffusion = false, speed_deviations = false;
+    bool phonons = false, mechanics = false, heading_diffusion = false;
     std::optional<measure::DisplacementMethod> displacement;
     std::optional<double> interval; ///< between the frames that are measured, s; absent: of the stored frames
     double from = 0.0;              ///< earlier frames are not measured, s
@@ -43,7 +43,6 @@ struct Measure {
     std::optional<double> inertia_error;    ///< of it; absent: 0
     std::optional<double> heading_lag_low;  ///< s; absent: a tenth of the longest
     std::optional<double> heading_lag_high; ///< s; absent: a quarter of block or of a shorter run
-    std::optional<double> deviation_lag;    ///< longest, s; absent: an eighth of block or of a shorter run
     std::string trajectory; ///< file to measure in place of the run's own; empty: the run's own
 
     bool operator==(const Measure&) const = default;
@@ -52,11 +51,6 @@ struct Measure {
 /// Longest lag of the heading's change where so much time is measured, s.
 inline double heading_lag_high(const Measure& m, double measured) {
     return m.heading_lag_high.value_or(0.25 * (m.block < measured ? m.block : measured));
-}
-
-/// Longest lag of the deviations of a rod's speed where so much time is measured, s.
-inline double deviation_lag(const Measure& m, double measured) {
-    return m.deviation_lag.value_or(0.125 * (m.block < measured ? m.block : measured));
 }
 
 } // namespace rodwake::scene

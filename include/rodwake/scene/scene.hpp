@@ -38,7 +38,7 @@ struct Scales {
     bool operator==(const Scales&) const = default;
 };
 
-enum class FieldBackend { exact, table, measured, dynamic, automatic };
+enum class FieldBackend { exact, table, measured, dynamic };
 enum class PolarBasis { laplacian, divergence };
 
 /// [medium.table]: for backends that interpolate the field. The exact one has no use for it.
@@ -67,7 +67,7 @@ struct MeasuredMedium {
 struct Medium {
     double eta = 1.0;                         ///< > -1
     double xi = 1.0;                          ///< > 0, in f/mu; alpha = 1/xi
-    FieldBackend field = FieldBackend::exact; ///< automatic: rodwake/app/field_choice.hpp
+    FieldBackend field = FieldBackend::exact;
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
     std::optional<medium::DynamicMedium> dynamic; ///< absent: its defaults; only with field = dynamic
