@@ -37,6 +37,8 @@ ERFC = np.array([math.erfc(x) for x in ERFC_AT])  # interpolated to 1e-7, far be
 
 @dataclass(frozen=True)
 class Camera:
+    """The options of the command, in SI; the program has checked the ranges that do not depend on the bed."""
+
     pixel: float             # m
     every: int = 1           # frames from one picture to the next
     exposure: int = 1        # frames whose mean position a spot has, at most `every`
@@ -98,6 +100,7 @@ def opened(path):
 
 
 def read_bed(path):
+    """All but the frames. The checks are for what would otherwise give wrong tracks."""
     with opened(path) as file:
         spheres, parameters = file["particles/trajectory"], file["parameters"].attrs
         edges, species, radius = (np.asarray(spheres[name]) for name in ("box/edges/value", "species", "radius"))
@@ -139,7 +142,7 @@ def read_pictures(path, bed, camera):
                 rods = file["particles/trajectory_rods"]
                 bodies = [np.hstack([part, in_order(rods, name, frames)[..., :2]]) for part, name in zip(bodies, ("position", "image"))]
                 heading = _core.rod_heading(*in_order(rods, "orientation", frames)[-1].T)
-            if not (np.isfinite(heading).all() and all(((0 <= part) & (part < bed.box)).all() for part in (found[0], bodies[0]))):
+            if not (np.isfinite(heading).all() and ((0 <= bodies[0]) & (bodies[0] < bed.box)).all()):
                 raise ValueError(f"frames {first} to {first + camera.exposure - 1}: a position outside the box, or not finite")
             yield *bodies, heading, found[0]
 
