@@ -18,9 +18,8 @@ set(RODWAKE_FIND_nlohmann_json nlohmann_json)
 set(RODWAKE_FIND_HDF5C HDF5C)
 set(RODWAKE_FIND_SQLite SQLite3 3.40)
 set(RODWAKE_FIND_hwy hwy) # its run-time part links with the vector kernels
-set(RODWAKE_FIND_PNG PNG 1.6)
 set(RODWAKE_FIND_ZLIB ZLIB)
-foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy PNG ZLIB)
+foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy ZLIB)
     find_package(${RODWAKE_FIND_${package}} REQUIRED)
 endforeach()
 

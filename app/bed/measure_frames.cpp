@@ -5,6 +5,7 @@
 #include "rodwake/store/block_file.hpp"
 #include "rodwake/store/bytes.hpp"
 #include "rodwake/store/frames.hpp"
+#include "rodwake/store/h5md_reader.hpp"
 
 #include <fmt/format.h>
 
@@ -78,28 +79,6 @@ std::size_t stride_of(const std::filesystem::path& file, const store::Trajectory
     return static_cast<std::size_t>(std::round(ratio));
 }
 
-} // namespace
-
-void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box) {
-    const granular::Beads& beads = state.beads;
-    resize(frame, beads.size(), state.rods.size());
-    frame.time = time;
-    for (std::size_t i = 0; i < beads.size(); ++i) {
-        const store::Wrapped x = store::wrap(beads.x[i], box.x), y = store::wrap(beads.y[i], box.y);
-        frame.x[i] = x.place;
-        frame.y[i] = y.place;
-        frame.unwrapped_x[i] = unwrapped(x.place, x.image, box.x);
-        frame.unwrapped_y[i] = unwrapped(y.place, y.image, box.y);
-        frame.vx[i] = beads.vx[i];
-        frame.vy[i] = beads.vy[i];
-    }
-    for (std::size_t r = 0; r < state.rods.size(); ++r) {
-        const granular::RodBody& rod = state.rods[r];
-        frame.rods[r] = {unwrapped(rod.position.x(), box.x), unwrapped(rod.position.y(), box.y),
-                         rod.heading()};
-    }
-}
-
 void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, const PeriodicBox& box) {
     const std::size_t beads = stored.x.size();
     resize(frame, beads, stored.rods.size());
@@ -119,6 +98,28 @@ void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, const P
         body.orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
         frame.rods[r] = {unwrapped(rod.x, rod.image_x, box.x), unwrapped(rod.y, rod.image_y, box.y),
                          body.heading()};
+    }
+}
+
+} // namespace
+
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box) {
+    const granular::Beads& beads = state.beads;
+    resize(frame, beads.size(), state.rods.size());
+    frame.time = time;
+    for (std::size_t i = 0; i < beads.size(); ++i) {
+        const store::Wrapped x = store::wrap(beads.x[i], box.x), y = store::wrap(beads.y[i], box.y);
+        frame.x[i] = x.place;
+        frame.y[i] = y.place;
+        frame.unwrapped_x[i] = unwrapped(x.place, x.image, box.x);
+        frame.unwrapped_y[i] = unwrapped(y.place, y.image, box.y);
+        frame.vx[i] = beads.vx[i];
+        frame.vy[i] = beads.vy[i];
+    }
+    for (std::size_t r = 0; r < state.rods.size(); ++r) {
+        const granular::RodBody& rod = state.rods[r];
+        frame.rods[r] = {unwrapped(rod.position.x(), box.x), unwrapped(rod.position.y(), box.y),
+                         rod.heading()};
     }
 }
 

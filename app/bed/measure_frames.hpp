@@ -3,7 +3,6 @@
 
 #include "rodwake/app/measure.hpp"
 #include "rodwake/granular/state.hpp"
-#include "rodwake/store/h5md_reader.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -14,7 +13,6 @@ namespace rodwake::app {
 
 /// `frame` is filled anew, its memory used again.
 void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box);
-void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, const PeriodicBox& box);
 
 /// Frames of a stored trajectory from the first, every `stride`, with the fraction done; `use` may return
 /// false to stop. Throws InputError if the file cannot be read or is of another bed.

@@ -259,14 +259,22 @@ void add_camera(CLI::App& app, Options& options) {
         ->add_option("--exposure", options.answers["exposure"],
                      "frames over which a picture is exposed, at most --every [1]")
         ->check(whole_number_from(1, 1000000));
-    camera->add_option("--view", options.answers["view"],
-                       "sides of the picture over those of the box, above 0 to 1 [1]");
-    camera->add_option("--turned", options.answers["turned"],
-                       "by which the camera is turned, anticlockwise, degrees [0]");
-    camera->add_option("--distortion", options.answers["distortion"],
-                       "shift at the corners over their distance, -0.1 to 0.1 [0]");
-    camera->add_option("--lost", options.answers["lost"],
-                       "share of the spots that are not found, 0 to 1 [0]");
+    camera
+        ->add_option("--view", options.answers["view"],
+                     "sides of the picture over those of the box, above 0 to 1 [1]")
+        ->check(number_from(0.0, 1.0));
+    camera
+        ->add_option("--turned", options.answers["turned"],
+                     "by which the camera is turned, anticlockwise, degrees, -360 to 360 [0]")
+        ->check(number_from(-360.0, 360.0));
+    camera
+        ->add_option("--distortion", options.answers["distortion"],
+                     "shift at the corners over their distance, -0.1 to 0.1 [0]")
+        ->check(number_from(-0.1, 0.1));
+    camera
+        ->add_option("--lost", options.answers["lost"],
+                     "share of the spots that are not found, 0 to below 1 [0]")
+        ->check(number_from(0.0, 1.0));
     camera
         ->add_option("--memory", options.answers["memory"],
                      "pictures without a particle after which its number changes [3]")
@@ -277,10 +285,14 @@ void add_camera(CLI::App& app, Options& options) {
         ->add_option("--images", options.answers["images"],
                      "pictures that are drawn, from the first on: images/000000.png [0]")
         ->check(whole_number_from(0, 1000000));
-    camera->add_option("--blur", options.answers["blur"],
-                       "standard deviation of the lens in them, pixels, 0.1 to 20 [1]");
-    camera->add_option("--photons", options.answers["photons"],
-                       "that a white pixel of them counts: their noise, 1 to 1e9 [1000]");
+    camera
+        ->add_option("--blur", options.answers["blur"],
+                     "standard deviation of the lens in them, pixels, 0.1 to 20 [1]")
+        ->check(number_from(0.1, 20.0));
+    camera
+        ->add_option("--photons", options.answers["photons"],
+                     "that a white pixel of them counts: their noise, 1 to 1e9 [1000]")
+        ->check(number_from(1.0, 1e9));
     camera->add_option("--seed", options.seed, "of what is lost and of the noise, 0 to 2^63 - 1 [1]")
         ->check(whole_number_from(0, largest_seed));
     add_force(*camera, options, "replace what a camera wrote there before");

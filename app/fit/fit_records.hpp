@@ -138,23 +138,6 @@ struct FitModelRow {
     }
 };
 
-/// design.csv, behind what was varied
-struct DesignRow {
-    double runs, information, error, right, least_log_bayes;
-
-    static constexpr auto fields() {
-        using R = DesignRow;
-        return std::tuple{
-            field("runs", &R::runs, {"1", "runs of the design"}),
-            field("information", &R::information, {"1", "bits expected on which rival makes the tracks"}),
-            field("information_stderr", &R::error, {"1", "its standard error, bits"}),
-            field("right", &R::right,
-                  {"1", "share of sets in which the true rival has the largest evidence"}),
-            field("least_log_bayes", &R::least_log_bayes,
-                  {"1", "least of all pairs: mean logarithm of the true rival's evidence over another's"})};
-    }
-};
-
 /// fit_map_<i>.csv: a row a bin
 struct FitMapRow {
     double x, y, Ux, Uy, sigma_x, sigma_y, model_Ux, model_Uy, known, used;

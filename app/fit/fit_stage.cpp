@@ -404,6 +404,17 @@ std::span<const ColumnInfo> model_columns() {
     return columns;
 }
 
+std::span<const ColumnInfo> design_columns() {
+    static const std::vector<ColumnInfo> columns = {
+        {"runs", "1", "runs of the design"},
+        {"information", "1", "bits expected on which rival makes the tracks"},
+        {"information_stderr", "1", "its standard error, bits"},
+        {"right", "1", "share of sets in which the true rival has the largest evidence"},
+        {"least_log_bayes", "1",
+         "least of all pairs: mean logarithm of the true rival's evidence over another's"}};
+    return columns;
+}
+
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
     return {{"fit.json", result, "parameters with errors, and how good the fit is"},
@@ -427,7 +438,7 @@ std::vector<FileKind> fit_files() {
              "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
             {"models.csv", result, "the same as a table", model_columns()},
             {"design.json", kept, "experiments that would tell rivals apart, weighed by rodwake design"},
-            {"design.csv", kept, "the same as a table, behind what was varied", columns_of<DesignRow>()},
+            {"design.csv", kept, "the same as a table, behind what was varied", design_columns()},
             {posterior_ledger_file, progress, "stretches of the chains that are done"},
             {ledger_file, progress, "starts that are done"}};
 }

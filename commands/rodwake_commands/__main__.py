@@ -45,7 +45,7 @@ def main():
     from rodwake import InputError, RunError
     from rodwake_commands.request import Request
     try:
-        return importlib.import_module(f"rodwake_commands.{command}").main(Request(words)) or 0
+        return importlib.import_module(f"rodwake_commands.{command}").main(Request(words, program)) or 0
     except (Stopped, KeyboardInterrupt) as stopped:
         return getattr(stopped, "exit_code", 130)
     except InputError as error:

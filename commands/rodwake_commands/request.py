@@ -11,7 +11,8 @@ from rodwake import _core
 class Request:
     """Words NAME=VALUE, in the order of the command line. Options that were not given are empty."""
 
-    def __init__(self, words):
+    def __init__(self, words, program=None):
+        self.program = program
         self._given = defaultdict(list)
         for word in words:
             name, _, value = word.partition("=")

@@ -144,6 +144,13 @@ void bind_granular(py::module_& module) {
         .def("temperatures", &temperatures)
         .def("psi6", [](const Bed& b) { return b.simulation().psi6(b.plan().schedule.order_cutoff); })
         .def("state_hash", [](const Bed& b) { return granular::state_hash(b.simulation().state()); });
+
+    // Of stored orientations: the bits that the measures of a bed have.
+    module.def("rod_heading", py::vectorize([](double w, double x, double y, double z) {
+                   granular::RodBody rod;
+                   rod.orientation = {w, x, y, z};
+                   return rod.heading();
+               }));
 }
 
 } // namespace rodwake::python

@@ -7,6 +7,7 @@ PYBIND11_MODULE(_core, module) {
     using namespace rodwake::python;
     module.doc() = "Compiled part of rodwake.";
     module.attr("version") = rodwake::build_info().version;
+    module.attr("git") = rodwake::build_info().git;
     bind_errors(module);
     bind_medium(module);
     bind_fields(module);

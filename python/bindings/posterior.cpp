@@ -4,6 +4,7 @@
 
 #include "bind.hpp"
 #include "fit.hpp"
+#include "rodwake/app/design_models.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/fitting/fit.hpp"
 #include "signals.hpp"
@@ -107,6 +108,13 @@ void bind_posterior(py::module_& module) {
         .def("names", &names_of)
         .def("log_densities", &log_densities)
         .def("posterior", &posterior);
+
+    using app::DesignModels; // of rodwake design
+    py::class_<DesignModels>(module, "DesignModels")
+        .def(py::init<const scene::Scene&, const std::vector<std::string>&, long>())
+        .def("names", &DesignModels::names)
+        .def("seed_of_scene", &DesignModels::seed_of_scene)
+        .def("log_evidence", &DesignModels::log_evidence, py::call_guard<py::gil_scoped_release>());
 }
 
 } // namespace rodwake::python

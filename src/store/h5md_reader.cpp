@@ -89,9 +89,9 @@ void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
         side *= si_factor(file, path, H5mdUnit::length);
 }
 
-/// The one radius or mass of all beads; those of the spheres of rods go to `others`.
-double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what, H5mdUnit unit,
-                    std::vector<double>* others = nullptr) {
+/// The one radius or mass of all beads.
+double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what,
+                    H5mdUnit unit) {
     const auto values = read_column<double>(file, spheres + what, H5T_IEEE_F64LE);
     if (values.size() != info.particles)
         file.refuse(fmt::format("{} particles have {} values of {}", info.particles, values.size(), what));
@@ -101,11 +101,7 @@ double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std
         if (values[i] != values[0])
             file.refuse(fmt::format("the {} of bead {} is {}, that of bead 0 {}: all beads must be alike",
                                     what, i, values[i], values[0]));
-    const double factor = si_factor(file, spheres + what, unit);
-    if (others)
-        for (std::size_t i = info.beads; i < info.particles; ++i)
-            others->push_back(values[i] * factor);
-    return values[0] * factor;
+    return values[0] * si_factor(file, spheres + what, unit);
 }
 
 void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
@@ -117,7 +113,7 @@ void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
         std::any_of(species.begin() + static_cast<std::ptrdiff_t>(info.beads), species.end(), bead))
         file.refuse(
             fmt::format("the beads (species 0) are not the first of its {} particles", info.particles));
-    info.bead_radius = common_value(file, info, "radius", H5mdUnit::length, &info.sphere_radius);
+    info.bead_radius = common_value(file, info, "radius", H5mdUnit::length);
     info.bead_mass = common_value(file, info, "mass", H5mdUnit::mass);
 }
 
@@ -341,15 +337,6 @@ struct H5mdReader::Impl {
         take(places.box, 1, out.image_y);
         take(velocity.value, 0, out.vx);
         take(velocity.value, 1, out.vy);
-        take_spheres(0, out.sphere_x);
-        take_spheres(1, out.sphere_y);
-    }
-
-    /// One component of the spheres of rods.
-    void take_spheres(std::size_t component, std::vector<double>& out) const {
-        out.clear();
-        for (std::size_t i = info.beads; i < info.particles; ++i)
-            out.push_back(places.place[3 * places.row[i] + component]);
     }
 
     /// One component of the beads.

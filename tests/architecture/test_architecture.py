@@ -42,7 +42,7 @@ TOPS = {folder.split("/")[0] for folder in FOLDERS.values()}
 # Libraries that stay in one part, or a few.
 ONLY_IN = {
     "integrate": re.compile(r"^(sundials|cvodes|cvode|arkode|idas|ida|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol)\b"),
-    "store": re.compile(r"^(hdf5|H5|hdf5_hl|png)"),
+    "store": re.compile(r"^(hdf5|H5|hdf5_hl)"),
     "scene": re.compile(r"^toml\+\+"),
     "fitting": re.compile(r"^nlopt"),
     "fitting|measure": re.compile(r"^unsupported/Eigen"),  # Levenberg and Marquardt's search

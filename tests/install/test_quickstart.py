@@ -87,7 +87,7 @@ class QuickstartTest(ProgramTest):
 
 RECIPES = {"conda": SOURCE / "tools/recipes/conda/meta.yaml", "spack": SOURCE / "tools/recipes/spack/package.py"}
 # What the build calls a package, as others do.
-OTHER_NAMES = {"eigen3": "eigen", "hdf5c": "hdf5", "sqlite": "sqlite", "hwy": "libhwy|highway", "nlohmann_json": "nlohmann[_-]json", "png": "libpng",
+OTHER_NAMES = {"eigen3": "eigen", "hdf5c": "hdf5", "sqlite": "sqlite", "hwy": "libhwy|highway", "nlohmann_json": "nlohmann[_-]json",
                "boost": "boost|libboost-headers", "xxhash": "xxhash"}
 
 

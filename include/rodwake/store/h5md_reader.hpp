@@ -26,9 +26,8 @@ struct TrajectoryInfo {
     bool periodic = true;        ///< in x and y; false: a wall, round if the parameters have wall_radius
     std::size_t particles = 0;   ///< beads and spheres of rods
     std::size_t beads = 0, rods = 0;
-    double bead_radius = 0.0;          ///< m
-    double bead_mass = 0.0;            ///< kg
-    std::vector<double> sphere_radius; ///< of the spheres of rods, m
+    double bead_radius = 0.0; ///< m
+    double bead_mass = 0.0;   ///< kg
     std::map<std::string, double> parameters;
     std::uint64_t seed = 0;
     std::vector<std::int64_t> step; ///< [frames], increasing
@@ -51,7 +50,6 @@ struct StoredFrame {
     std::vector<std::int32_t> image_x, image_y; ///< [beads], number of the box
     std::vector<double> vx, vy;                 ///< [beads], m/s
     std::vector<StoredRod> rods;                ///< [rods]
-    std::vector<double> sphere_x, sphere_y;     ///< of rods, as sphere_radius, m, in [0, box)
 };
 
 class H5mdReader {

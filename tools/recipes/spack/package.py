@@ -27,7 +27,6 @@ class Rodwake(CMakePackage):
     depends_on("sqlite@3.40:")
     depends_on("highway")
     depends_on("xxhash")
-    depends_on("libpng@1.6:")
     depends_on("zlib")
     depends_on("random123")
     depends_on("mpi", when="+mpi")
