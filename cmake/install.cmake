@@ -47,11 +47,10 @@ install(DIRECTORY include/rodwake DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 # Names of 0.2, for one release: its parts assembly and stages are app. Their headers pass on to those of app, with the old namespace.
 set(headers_of_assembly cases describe field_choice fit granular measure measure_kind measure_report plan rods scan scan_beds scan_problem schema)
-set(headers_of_stages evaluate fit_results run run_context run_folder tradeoff wake_tables ways)
+set(headers_of_stages evaluate fit_results run run_context run_folder wake_tables)
 foreach(old IN ITEMS assembly stages)
     foreach(header IN LISTS headers_of_${old})
         string(REPLACE scan_beds scanned_bed new ${header})
-        string(REPLACE ways tradeoff new ${new})
         file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/names_of_0_2/rodwake/${old}/${header}.hpp
              CONTENT "#pragma once\n// The name of 0.2: include rodwake/app/${new}.hpp.\n#include \"rodwake/app/${new}.hpp\"\nnamespace rodwake {\nnamespace ${old} = app;\n}\n")
     endforeach()

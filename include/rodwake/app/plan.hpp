@@ -63,8 +63,8 @@ FieldChoice field_choice(const scene::Scene& scene);
 scene::Scene with_field(scene::Scene scene, const FieldChoice& choice);
 
 /// What a run can consist of, in the order in which it is done.
-/// `tradeoff` only where a command asks for it. `end` is none.
-enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff, end };
+/// `end` is none.
+enum class Stage { granular, measure, fit, field, rods, order, scan, end };
 const char* to_string(Stage stage);
 
 /// Whether the scene has the table that the stage works on: [granular], [measure], ...

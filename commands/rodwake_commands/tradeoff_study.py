@@ -1,0 +1,341 @@
+"""What `rodwake tradeoff` measured: candidates with their cost and errors, which of them to take, and the files that keep them."""
+
+import contextlib
+import csv
+import io
+import json
+import math
+import os
+import shutil
+import sys
+import time
+from dataclasses import asdict, dataclass, field
+
+from rodwake import InputError, RunError, __version__, _core
+
+MOST_RUNS = 10**9
+RODS_ERRORS = ("final_state", "contact_time", "outcome", "path")
+
+
+@dataclass
+class QuantityError:
+    """A quantity as one candidate computes it, against the reference. Of rods, fits and field maps the value is an error already."""
+
+    quantity: str
+    unit: str
+    value: float = math.inf
+    error: float = 0.0  # standard error of the value
+    scatter: float = 0.0  # standard deviation of one run; 0: each run gives the same
+    bias: float = math.inf  # difference from the reference
+    bias_error: float = 0.0  # standard error of the bias
+    scale: float = 1.0  # 100 %: the size of the reference's value, or 1
+
+    @classmethod
+    def plain(cls, quantity, unit, error):
+        """A quantity that is an error itself."""
+        return cls(quantity, unit, value=float(error), bias=float(error))
+
+
+@dataclass
+class Candidate:
+    """One choice of keys, and what it was measured to cost and to compute."""
+
+    keys: list  # as for -s: 'granular.time_step="1e-05 s"'
+    seconds: float = math.inf  # CPU time of one run on one thread; of rods the least of `runs`
+    runs: int = 0
+    found: list = field(default_factory=list)
+    status: str = "ok"  # or why there is no result
+    setting: dict = field(default_factory=dict)  # of rods: the columns of tradeoff.csv that the keys stand for
+    rhs_evaluations: int = 0  # of rods
+
+    @property
+    def tried(self):
+        return self.runs > 0 or self.status != "ok"
+
+    def find(self, quantity):
+        """The quantity, if the candidate has a result."""
+        return next((q for q in self.found if q.quantity == quantity), None) if self.status == "ok" else None
+
+
+# --- which candidate to take --------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Choice:
+    """A candidate and its number of runs."""
+
+    candidate: Candidate
+    found: QuantityError
+    runs: int = 1
+
+    @property
+    def bias(self):
+        """b of b^2 = max(0, (q - q_ref)^2 - e^2 - e_ref^2): in the mean, the square of a measured difference exceeds that of the bias
+        by the squared standard errors of both values."""
+        return math.sqrt(max(0.0, self.found.bias**2 - self.found.bias_error**2))
+
+    @property
+    def statistical(self):
+        return self.found.scatter / math.sqrt(self.runs)
+
+    @property
+    def error(self):
+        """error^2 = b^2 + s^2/n, s the standard deviation of one run: runs reduce the second part only."""
+        return math.hypot(self.bias, self.statistical)
+
+    @property
+    def seconds(self):
+        return self.runs * self.candidate.seconds
+
+
+def choices(candidates, quantity):
+    """One run of each candidate that has a finite error of the quantity."""
+    found = [(candidate, candidate.find(quantity)) for candidate in candidates]
+    return [Choice(candidate, q) for candidate, q in found if q is not None and math.isfinite(q.bias)]
+
+
+def cheapest(candidates, quantity, error):
+    """The choice that takes the least time to this error, with n = ceil(s^2/(error^2 - b^2)) runs; None if all are biased by more."""
+    enough = []
+    for choice in choices(candidates, quantity):
+        if choice.found.scatter > 0:
+            room = error**2 - choice.bias**2
+            runs = math.ceil(choice.found.scatter**2 / room) if room > 0 else math.inf
+            if runs <= MOST_RUNS:
+                enough.append(Choice(choice.candidate, choice.found, max(runs, 1)))
+        elif choice.bias <= error:  # compared without squares: errors as small as 1e-200 may be asked for
+            enough.append(choice)
+    return min(enough, key=lambda choice: choice.seconds, default=None)
+
+
+def most_accurate(candidates, quantity, seconds):
+    """The choice of the least error within this time, with as many runs as fit into it; None if no run does."""
+    possible = []
+    for choice in choices(candidates, quantity):
+        if choice.candidate.seconds <= seconds:
+            runs = min(seconds / choice.candidate.seconds, MOST_RUNS) if choice.found.scatter > 0 else 1
+            possible.append(Choice(choice.candidate, choice.found, int(runs)))
+    return min(possible, key=lambda choice: (choice.error, choice.seconds), default=None)
+
+
+def pareto_front(candidates, quantity):
+    """The choices of one run that no other one beats in both time and error, by time."""
+    front = []
+    for choice in sorted(choices(candidates, quantity), key=lambda choice: (choice.seconds, choice.error)):
+        if not front or choice.error < front[-1].error:
+            front.append(choice)
+    return front
+
+
+def quantities(candidates):
+    return list(dict.fromkeys(q.quantity for candidate in candidates for q in candidate.found))
+
+
+def reference_quantity(part, candidates, quantity):
+    """The quantity as the first candidate has it, whose scale is that of the reference."""
+    for candidate in candidates:
+        if candidate.find(quantity):
+            return candidate.find(quantity)
+    if not quantities(candidates):
+        raise InputError(f"no candidate for the {part} gave a result: {candidates[0].status if candidates else 'none was tried'}")
+    raise InputError(f'"{quantity}" is not measured of this {part}; there is {", ".join(quantities(candidates))}')
+
+
+# --- the study of one part of a scene, and its folder -------------------------------------------------------------------
+
+
+class Study:
+    """The candidates of a target (tradeoff_rods.py, tradeoff_parts.py), measured one by one into a folder.
+
+    A target has: part, work (a text that differs where results would), reference (a text), candidates (untried), prepare(log), which
+    makes the reference, measure(k, candidates), which returns candidate k with its results, second_look(candidate), and
+    keeps(candidate, limit): whether a result of an earlier command with that --limit counts.
+    """
+
+    def __init__(self, target, folder, limit, kind=""):
+        self.target, self.folder, self.limit, self.kind = target, folder, limit, kind
+        self.rods = target.part == "rods"
+        self.files = ("tradeoff.json", "tradeoff.csv") if self.rods else ("ways.json", "ways.csv")
+        self.candidates = list(target.candidates)
+        self.finished = False
+
+    def take_up(self, force):
+        """Takes over what an earlier command left here of the same work. Raises InputError for a folder that holds something else."""
+        self._refuse_strangers(force)
+        path = self.folder / self.files[0]
+        if force or not path.exists():
+            return
+        try:
+            earlier = json.loads(path.read_text(encoding="utf-8"))
+            work, limit, finished = earlier["work"], earlier["limit"], earlier["finished"]
+            known = [_candidate_of(entry, self.rods) for entry in earlier["trials" if self.rods else "ways"]]
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise InputError(f"{path}: cannot be read ({type(error).__name__}: {error}); --force measures anew") from error
+        if work != self.target.work:
+            raise InputError(f"{self.folder}: holds the measurement of another scene; choose another folder with -o, or --force to replace it")
+        for k, candidate in enumerate(self.candidates):
+            match = next((other for other in known if other.tried and (other.setting == candidate.setting if self.rods else other.keys == candidate.keys)), None)
+            if match and self.target.keeps(match, limit):
+                match.keys = candidate.keys
+                self.candidates[k] = match
+        self.finished = finished and all(candidate.tried for candidate in self.candidates)
+        if self.finished:
+            self.limit, self.kind = limit, earlier.get("error", "")
+
+    def _refuse_strangers(self, force):
+        for path in (self.folder, *(self.folder / name for name in (*self.files, "log.txt", "figures"))):
+            _core.refuse_link(path)
+        if self.folder.exists() and not self.folder.is_dir():
+            raise InputError(f"{self.folder}: is a file; -o names the folder for the results")
+        if force or not self.folder.is_dir() or any((self.folder / name).exists() for name in ("provenance.json", self.files[0])):
+            return
+        if any(not path.name.startswith(("tradeoff", "part-", "rodwake.lock", "log.txt", "ways")) for path in self.folder.iterdir()):
+            raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write among them")
+
+    def clear(self):
+        """Removes what an earlier command measured here, runs of beds too."""
+        for name in self.files:
+            (self.folder / name).unlink(missing_ok=True)
+        if not self.rods:
+            shutil.rmtree(self.folder / "ways", ignore_errors=True)
+
+    def measure(self, log, progress):
+        """Measures the candidates that are not known yet. Tables are written once a second and when this ends, in whatever way."""
+        self.target.prepare(log)
+        written = 0.0
+        try:
+            for k, candidate in enumerate(self.candidates):
+                if not candidate.tried:
+                    try:
+                        self.candidates[k] = self.target.measure(k, self.candidates)
+                    except (InputError, RunError) as error:
+                        self.candidates[k] = Candidate(candidate.keys, candidate.seconds, status=str(error), setting=candidate.setting)
+                progress(k + 1, len(self.candidates))
+                if time.monotonic() - written > 1.0:
+                    self.save()
+                    written = time.monotonic()
+            for candidate in self.candidates:
+                self.target.second_look(candidate)
+            self.finished = True
+        finally:
+            if any(candidate.tried for candidate in self.candidates):
+                self.save()
+
+    def save(self):
+        head = {"work": self.target.work, "limit": self.limit, "finished": self.finished}
+        if self.rods:
+            tried = [candidate for candidate in self.candidates if candidate.tried]
+            document = {"unit": self.target.unit, **head, "error": self.kind, "reference": self.target.agreement, "version": __version__,
+                        "cpu": _core.cpu, "trials": [_trial(candidate) for candidate in tried]}
+            table = [_trial_row(candidate, self.kind) for candidate in tried]
+        else:
+            document = {"of": self.target.part, **head, "reference": self.target.reference, "version": __version__, "cpu": _core.cpu,
+                        "ways": [_entry(candidate) for candidate in self.candidates]}
+            table = [row for k, candidate in enumerate(self.candidates) for row in _candidate_rows(k, candidate)]
+        write_atomically(self.folder / self.files[0], json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        write_atomically(self.folder / self.files[1], _csv(table))
+        _core.write_manifest(self.folder)
+
+
+def write_atomically(path, text):
+    """A reader finds the old file or the new one, never a part of it."""
+    pending = path.with_name(f"{path.name}.tmp{os.getpid()}")
+    try:
+        with open(pending, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(pending, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            pending.unlink()
+        raise
+
+
+def _number(value, infinite=None):
+    """JSON has neither NaN nor infinity."""
+    return None if math.isnan(value) else infinite if math.isinf(value) else value
+
+
+def _trial(candidate):
+    """A candidate of rods in tradeoff.json."""
+    errors = {q.quantity: _number(q.bias, "inf") for q in candidate.found}
+    return {**candidate.setting, "errors": errors, "seconds": _number(candidate.seconds, "inf"), "repeats": candidate.runs,
+            "rhs_evaluations": candidate.rhs_evaluations, "status": candidate.status}
+
+
+def _trial_row(candidate, kind):
+    """The same in tradeoff.csv."""
+    setting, errors = dict(candidate.setting), {name: math.inf for name in RODS_ERRORS} | {q.quantity: q.bias for q in candidate.found}
+    table, precision = setting.pop("table_tolerance") or math.nan, setting.pop("precision")
+    return {**setting, "error": errors[kind], "seconds": candidate.seconds, "rhs_evaluations": candidate.rhs_evaluations, "table_tolerance": table,
+            "precision": precision, **errors, "repeats": candidate.runs, "status": candidate.status}
+
+
+def _entry(candidate):
+    """A candidate of another part in ways.json."""
+    found = [{name: _number(value) if isinstance(value, float) else value for name, value in asdict(q).items()} for q in candidate.found]
+    return {"keys": candidate.keys, "seconds": _number(candidate.seconds), "runs": candidate.runs, "found": found, "status": candidate.status}
+
+
+def _candidate_rows(k, candidate):
+    """The same in ways.csv: a row a quantity."""
+    nothing = {name: math.nan for name in QuantityError.__dataclass_fields__} | {"quantity": "", "unit": ""}
+    head = {"way": k, "keys": " ".join(candidate.keys), "seconds": candidate.seconds, "runs": candidate.runs}
+    return [{**head, **q, "status": candidate.status} for q in ([asdict(q) for q in candidate.found] or [nothing])]
+
+
+def _candidate_of(entry, rods):
+    if rods:
+        setting = {name: entry[name] for name in ("method", "form", "field", "table_tolerance", "precision", "tolerance")}
+        found = [QuantityError.plain(name, "1", math.nan if value is None else float(value)) for name, value in entry["errors"].items()]
+        return Candidate([], float(entry["seconds"]), entry["repeats"], found, entry["status"], setting, entry["rhs_evaluations"])
+    numbers = [{name: math.inf if value is None else value for name, value in q.items()} for q in entry["found"]]
+    seconds = math.inf if entry["seconds"] is None else entry["seconds"]
+    return Candidate(entry["keys"], seconds, entry["runs"], [QuantityError(**q) for q in numbers], entry["status"])
+
+
+def _csv(rows):
+    """Words have no line ends and no double quotes in them, NaN is an empty cell."""
+    def cell(name, value):
+        if isinstance(value, float):
+            return "" if math.isnan(value) else f"{value:.9g}" if name in ("value", "scale") else f"{value:.6g}"
+        return value.replace("\n", " ").replace('"', "'") if isinstance(value, str) else value
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(rows[0])
+    table.writerows([cell(name, value) for name, value in row.items()] for row in rows)
+    return text.getvalue()
+
+
+class Messages:
+    """Messages on the terminal and in the log.txt of a folder; below them, how far the work is."""
+
+    def __init__(self, request, folder):
+        self.quiet, self.file = request.flag("quiet"), folder / "log.txt"
+        self.terminal = sys.stderr.isatty()
+        self.begin = time.monotonic()
+        self.shown, self.open = self.begin, False
+
+    def log(self, text, level="info"):
+        with open(self.file, "a", encoding="utf-8") as file:
+            file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {level}: {text}\n")
+        if not self.quiet:
+            self.wipe()
+            print(text, file=sys.stderr)
+
+    def progress(self, done, count):
+        """A line that redraws itself on a terminal, one every ten seconds elsewhere."""
+        now = time.monotonic()
+        if self.quiet or now - self.shown < (0.2 if self.terminal else 10.0):
+            return
+        self.shown = now
+        left = (now - self.begin) / done * (count - done)
+        self.wipe()
+        self.open = self.terminal
+        print(f"tradeoff: {done} of {count} candidates, {left:.0f} s left", end="" if self.open else "\n", file=sys.stderr, flush=True)
+
+    def wipe(self):
+        if self.open:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+        self.open = False
