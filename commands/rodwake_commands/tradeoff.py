@@ -18,7 +18,9 @@ def main(request):
     core = _core.read_scene(request.text("target"), request.all("set"))
     if request.text("seed"):
         core = _core.apply_seed(core, request.whole("seed", 0))
-    text = core.to_toml()
+    scene = tomllib.loads(core.to_toml())
+    no_part = [f"{name}=" for name in ("figures", "variants") if name in scene]  # which other keys of the scene may need
+    text = _core.parse_scene(core.to_toml(), request.text("target"), no_part).to_toml()
     scene = tomllib.loads(text)
     wanted = wanted_error(request.text("for"))  # what is wrong with a question is known before anything is measured
     target, folder, kind = target_of(request, scene, text, wanted)

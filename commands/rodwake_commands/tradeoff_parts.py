@@ -182,8 +182,8 @@ class FitTarget(Target):
     part = "fit"
     reference = "the better one of slsqp and nelder-mead, 50 starts each, polished, intervals by likelihood"
 
-    def __init__(self, scene, text, path, folder, results, limit, threads):
-        super().__init__(scene, text, path, results, limit)
+    def __init__(self, scene, text, path, folder, limit, threads):
+        super().__init__(scene, text, path, folder, limit)
         if "fit" not in scene:
             raise InputError(f"{path}: no [fit] table, so there is no fit whose cost and error could be measured")
         self.threads, fit = threads, scene["fit"]
