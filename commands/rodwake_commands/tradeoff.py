@@ -10,8 +10,8 @@ import tomllib
 
 from rodwake import InputError, RunError, _core, shipped
 from rodwake_commands.tradeoff_parts import BedTarget, FieldTarget, FitTarget
-from rodwake_commands.tradeoff_rods import RodsTarget, setting_text
-from rodwake_commands.tradeoff_study import RODS_ERRORS, Messages, Study, cheapest, most_accurate, pareto_front, quantities, reference_quantity
+from rodwake_commands.tradeoff_rods import ERRORS, RodsTarget, setting_text
+from rodwake_commands.tradeoff_study import Messages, Study, cheapest, most_accurate, pareto_front, quantities, reference_quantity
 
 
 def main(request):
@@ -23,8 +23,8 @@ def main(request):
     text = _core.parse_scene(core.to_toml(), request.text("target"), no_part).to_toml()
     scene = tomllib.loads(text)
     wanted = wanted_error(request.text("for"))  # what is wrong with a question is known before anything is measured
-    target, folder, kind = target_of(request, scene, text, wanted)
-    study = Study(target, folder, request.number("limit", 60.0), kind)
+    target, folder = target_of(request, scene, text, wanted)
+    study = Study(target, folder, request.number("limit", 60.0))
     if request.flag("dry_run"):
         describe_work(study)
         return
@@ -33,11 +33,11 @@ def main(request):
         request.say(f"measured already in {folder}, with --limit {study.limit:g}s; --force measures anew")
     else:
         measure(request, study)
-    (answer_of_rods if study.rods else answer_of_part)(request, study, kind, wanted)
+    (answer_of_rods if target.part == "rods" else answer_of_part)(request, study, wanted)
 
 
 def target_of(request, scene, text, wanted):
-    """The part --of, or else the first that the scene has; the folder of its results; of rods the kind of error."""
+    """The part --of, or else the first that the scene has; and the folder of its results."""
     foreign = scene.get("measure", {}).get("trajectory")
     first = ("rods" if "rods_run" in scene or "scan" in scene else "bed" if "granular" in scene and not foreign else "fit" if "fit" in scene
              else "field" if "field" in scene else "rods")
@@ -45,18 +45,18 @@ def target_of(request, scene, text, wanted):
     threads = request.whole("threads", os.cpu_count() or 1)
     given, folder = (scene, text, request.text("target")), results / f"tradeoff_{part}"
     if part == "bed":
-        return BedTarget(*given, folder, limit, threads), folder, ""
+        return BedTarget(*given, folder, limit, threads), folder
     if part == "fit":
-        return FitTarget(*given, results, limit, threads), folder, ""
+        return FitTarget(*given, results, limit, threads), folder
     if part == "field":
-        return FieldTarget(*given, results, limit), folder, ""
-    kind = request.text("error", RODS_ERRORS[0])
-    if kind not in RODS_ERRORS:
-        near = difflib.get_close_matches(kind, RODS_ERRORS, 1)
-        raise InputError(f"--error: {kind} is none of {', '.join(RODS_ERRORS)}" + (f' (did you mean "{near[0]}"?)' if near else ""))
+        return FieldTarget(*given, results, limit), folder
+    kind = request.text("error", ERRORS[0])
+    if kind not in ERRORS:
+        near = difflib.get_close_matches(kind, ERRORS, 1)
+        raise InputError(f"--error: {kind} is none of {', '.join(ERRORS)}" + (f' (did you mean "{near[0]}"?)' if near else ""))
     if wanted and (wanted[2] or wanted[0]):
         raise InputError(f'--for "{request.text("for")}": of rods a plain number, such as 1e-6; --error says of what')
-    return RodsTarget(*given, results, limit, kind), results, kind
+    return RodsTarget(*given, results, limit, kind), results
 
 
 def wanted_error(text):
@@ -79,12 +79,12 @@ def wanted_error(text):
 
 def describe_work(study):
     candidates, target = study.candidates, study.target
-    if study.rods:
+    if target.part == "rods":
         print(f"{len(candidates)} settings would be timed, results in {study.folder}:")
     else:
         print(f"{len(candidates)} candidates would be measured, results in {study.folder}; the reference is {target.reference}:")
     for candidate in candidates:
-        print(f"  rtol {candidate.setting['tolerance']:g}: {setting_text(candidate.setting)}" if study.rods else f"  {' '.join(candidate.keys)}")
+        print(f"  rtol {candidate.setting['tolerance']:g}: {setting_text(candidate.setting)}" if target.part == "rods" else f"  {' '.join(candidate.keys)}")
 
 
 def measure(request, study):
@@ -95,9 +95,7 @@ def measure(request, study):
     if request.flag("force"):
         study.clear()
     study.measure(messages.log, messages.progress)
-    messages.wipe()
-    if study.rods:
-        messages.log(f"results in {study.folder}")
+    messages.log(f"results in {study.folder}")
     command = [sys.executable, str(shipped.folder("plots") / "rodwake_plot.py"), "--quiet", "--", str(study.folder)]
     if subprocess.run(command, check=False).returncode != 0:
         raise RunError(f"the figures could not be made (see above); the results themselves are in {study.folder}, and rodwake plot {study.folder} tries again")
@@ -119,9 +117,10 @@ def print_keys(keys):
 # --- rods and scans -----------------------------------------------------------------------------------------------------
 
 
-def answer_of_rods(request, study, kind, wanted):
+def answer_of_rods(request, study, wanted):
     """The settings that no other one beats; or the one that is cheapest for an error, or most accurate within a time."""
-    candidates, front, within = study.candidates, pareto_front(study.candidates, kind), request.number("within", 0)
+    kind, candidates, within = study.target.kind, study.candidates, request.number("within", 0)
+    front = pareto_front(candidates, kind)
     if not wanted and not within:
         if not front:
             raise RunError(f"no setting has a {kind}: the reference ends otherwise; --error names another kind")
@@ -150,7 +149,7 @@ def amount(error, q):
     return f"{100 * error / q.scale:.2g} %" if q.scatter > 0 and q.scale > 0 else f"{error:.2g}"
 
 
-def answer_of_part(request, study, _, wanted):
+def answer_of_part(request, study, wanted):
     """All candidates; or the keys and number of runs that are cheapest for an error, or most accurate within a time."""
     part, candidates, within = study.target.part, study.candidates, request.number("within", 0)
     quantity = (wanted[0] if wanted else "") or request.text("error") or next(iter(quantities(candidates)), "")

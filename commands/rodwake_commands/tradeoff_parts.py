@@ -1,9 +1,12 @@
 """Candidates to compute a bed, a fit or the map of a field, and how each is run, timed and compared."""
 
 import csv
+import hashlib
 import json
 import logging
 import math
+from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import rodwake
@@ -18,6 +21,7 @@ DURATIONS = (0.5, 0.25)
 RARER = 4.0  # between the frames that are measured
 BED_COLUMNS = {"T_xy": "m^2/s^2", "T_z": "m^2/s^2", "psi6": "1"}  # of runs.csv
 LOCAL, GLOBAL = ("slsqp", "lbfgs", "mma", "bobyqa", "nelder-mead"), ("mlsl", "crs", "isres", "direct-l")
+BOUNDED = {"eta", "xi", "alpha", "D_r", "D_t"}  # fitted within bounds even if the scene gives none
 MANY_STARTS, REFERENCE_STARTS = 10, 50
 LONG_FIT, REPEATS = 0.5, 3  # s; longer fits are not repeated
 MAP_BUDGET = 0.1  # s, of repeats of a map
@@ -32,10 +36,19 @@ class Target:
         self.scene, self.text, self.path, self.folder, self.limit = scene, text, path, folder, limit
 
     def prepare(self, log):
+        self.log = log
         log(f"tradeoff: {len(self.candidates)} candidates to compute the {self.part}; the reference is {self.reference}")
+
+    facts = {}
 
     def second_look(self, candidate):
         pass
+
+    def rows(self, k, candidate):
+        """Rows of ways.csv, one a quantity."""
+        nothing = dict.fromkeys(QuantityError.__dataclass_fields__, math.nan) | {"quantity": "", "unit": ""}
+        head = {"way": k, "keys": " ".join(candidate.keys), "seconds": candidate.seconds, "runs": candidate.runs}
+        return [{**head, **q, "status": candidate.status} for q in ([asdict(q) for q in candidate.found] or [nothing])]
 
     def with_keys(self, keys):
         return _core.parse_scene(self.text, self.path, keys)
@@ -186,70 +199,82 @@ class FitTarget(Target):
         super().__init__(scene, text, path, folder, limit)
         if "fit" not in scene:
             raise InputError(f"{path}: no [fit] table, so there is no fit whose cost and error could be measured")
-        self.threads, fit = threads, scene["fit"]
-        work = _core.FitWork(self.with_keys([]), self.folder)
-        self.names = work.free
-        self.work = json.dumps({"fit": fit, "residuals": work.residuals().tolist()}, sort_keys=True)
+        self.threads, self.best, fit = threads, None, scene["fit"]
+        data = [name for table in ("profiles", "trajectories", "maps") for entry in fit.get(table, []) for name in entry.get("files", [entry.get("file")])]
+        digest = hashlib.sha256()
+        for name in data:
+            found = next((place / name for place in (folder, Path(path).parent, Path()) if (place / name).is_file()), None)
+            if found is None:
+                raise InputError(f"{path}: {name}: no such file, in {folder}, beside the scene or here")
+            digest.update(found.read_bytes())
+        self.work = json.dumps({"fit": fit, "data": digest.hexdigest()}, sort_keys=True)
+        self.names = ", ".join(f'"{name}"' for name in fit["parameters"])
+        tracks = fit.get("trajectories", [])
+        free_start = any(track["start_poses"] == "fitted" or (track["start_poses"] == "auto" and "sigma_position" in track) for track in tracks)
+        bounded = set(fit["parameters"]) <= BOUNDED | fit.get("bounds", {}).keys() and not free_start
         searches = [(method, polish, starts, False) for method in LOCAL for polish in (True, False) for starts in (1, MANY_STARTS)]
-        if work.bounded:  # searches of the whole box
-            searches += [(method, polish, 1, False) for method in GLOBAL for polish in (True, False)]
+        searches += [(method, polish, 1, False) for method in GLOBAL for polish in (True, False) if bounded]  # they search the whole box
         searches += [("slsqp", True, starts, True) for starts in (1, MANY_STARTS)]
         self.candidates = [Candidate(self.keys(*search), seconds=0.0) for search in searches]
-        self.answer = None
 
     def keys(self, method, polish, starts, likelihood):
-        names = ", ".join(f'"{name}"' for name in self.names) if likelihood else ""
-        return [f'fit.method="{method}"', f"fit.polish={str(polish).lower()}", f"fit.starts={starts}", f"fit.likelihood=[{names}]"]
+        return [f'fit.method="{method}"', f"fit.polish={str(polish).lower()}", f"fit.starts={starts}", f"fit.likelihood=[{self.names if likelihood else ''}]"]
 
     def keeps(self, candidate, limit):
         return not candidate.status.startswith("took more than") or limit >= self.limit
 
-    def prepare(self, log):
-        super().prepare(log)
-        self.log = log
+    def solve(self, keys, threads, limit):
+        """The fit with these keys: {"seconds", "failure", "objective", "estimates": a row (value, standard error, ends of the 95 % interval) for
+        each parameter}."""
+        fit = _core.fit_scene(self.with_keys(keys), self.folder, threads, limit)
+        failure = f"failed: {fit.reason}" if fit.termination == "failed" else f"took more than {limit:g} s" if fit.termination == "interrupted" else ""
+        answer = {"seconds": fit.seconds, "failure": failure, "objective": fit.objective}
+        if not failure:
+            ends = fit.likelihood(lambda value, chi2, low, high: (-math.inf if low is None else low, math.inf if high is None else high))
+            rows = fit.estimates(lambda name, value, error, low, high, free, bound: (value, error, *ends.get(name, (low, high))) if free else None)
+            answer["estimates"] = np.array([row for row in rows if row])
+        return answer
 
     def make_reference(self):
         """The better one of two searches that have nothing in common but the polish."""
         answers = []
         for method in ("slsqp", "nelder-mead"):
             keys = [*self.keys(method, True, REFERENCE_STARTS, True), "fit.tolerance=1e-13"]
-            answers.append(_core.FitWork(self.with_keys(keys), self.folder).solve(self.threads, math.inf))
-            if answers[-1][1]:
-                raise RunError(f"no reference: {answers[-1][1]}")
-        self.answer, other = sorted(answers, key=lambda answer: answer[2])
-        apart = fit_errors(other, self.answer)["optimum"]
-        self.log(f"tradeoff: two searches of {REFERENCE_STARTS} starts agree to {apart:.2g} standard errors")
+            answers.append(self.solve(keys, self.threads, math.inf))
+            if answers[-1]["failure"]:
+                raise RunError(f"no reference: {answers[-1]['failure']}")
+        self.best, other = sorted(answers, key=lambda answer: answer["objective"])
+        self.log(f"tradeoff: two searches of {REFERENCE_STARTS} starts agree to {fit_errors(other, self.best)['optimum']:.2g} standard errors")
 
     def measure(self, k, candidates):
-        if self.answer is None:
+        if self.best is None:
             self.make_reference()
-        work = _core.FitWork(self.with_keys(candidates[k].keys), self.folder)
-        answer = work.solve(1, self.limit)
-        candidate = Candidate(candidates[k].keys, answer[0], runs=1, status=answer[1] or "ok")
+        keys = candidates[k].keys
+        answer = self.solve(keys, 1, self.limit)
+        candidate = Candidate(keys, answer["seconds"], runs=1, status=answer["failure"] or "ok")
         for _ in range(REPEATS - 1):
-            if candidate.seconds < LONG_FIT and not answer[1]:
-                candidate.seconds = min(candidate.seconds, work.solve(1, self.limit)[0])
-        if candidate.status == "ok" and answer[0] > self.limit:
-            candidate.status = f"took more than {self.limit:g} s"
+            if candidate.seconds < LONG_FIT and candidate.status == "ok":
+                candidate.seconds = min(candidate.seconds, self.solve(keys, 1, self.limit)["seconds"])
         if candidate.status == "ok":
             units = {"optimum": "standard errors", "interval": "half widths", "objective": "of chi2"}
-            candidate.found = [QuantityError.plain(name, units[name], error) for name, error in fit_errors(answer, self.answer).items() if not math.isnan(error)]
+            candidate.found = [QuantityError.plain(name, units[name], error) for name, error in fit_errors(answer, self.best).items() if not math.isnan(error)]
         return candidate
 
 
 def fit_errors(answer, reference):
-    """`answer`: CPU seconds, failure, objective, and a row (value, standard error, ends of the 95 % interval) for each free parameter.
+    """Of the parameters p_i with standard errors e_i and intervals [low_i, high_i]; the reference is starred.
 
         optimum   = max_i |p_i - p_i*|/e_i*              in standard errors
         interval  = max_i max(|low - low*|, |high - high*|)/((high* - low*)/2)    NaN if the reference has none
         objective = max(0, chi2 - chi2*)
     """
-    (value, _, low, high), (best, error, least, most) = np.transpose(answer[3]), np.transpose(reference[3])
+    (value, _, low, high), (best, error, least, most) = np.transpose(answer["estimates"]), np.transpose(reference["estimates"])
     known = np.isfinite(error) & (error > 0)
     optimum = float(np.fmax.reduce(np.abs(value - best)[known] / error[known], initial=0.0))
     bounded = np.isfinite(least) & np.isfinite(most)
     shift = np.fmax(np.abs(low - least), np.abs(high - most))[bounded] * 2 / (most - least)[bounded]
-    return {"optimum": optimum, "interval": float(shift.max()) if shift.size else math.nan, "objective": max(0.0, answer[2] - reference[2])}
+    return {"optimum": optimum, "interval": float(shift.max()) if shift.size else math.nan,
+            "objective": max(0.0, answer["objective"] - reference["objective"])}
 
 
 class FieldTarget(Target):

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 from rodwake import InputError, RunError, _core
-from rodwake_commands.tradeoff_study import RODS_ERRORS, Candidate, QuantityError
+from rodwake_commands.tradeoff_study import Candidate, QuantityError
 
+ERRORS = ("final_state", "contact_time", "outcome", "path")
 LARGEST_DENSE = 320  # side of Newton's dense matrix: beyond it an implicit step costs more than any number of explicit ones
 LEAST_FOR_PRECISION = 8  # rods from which their wakes are added up in tiles
 STIFF = 30.0  # rods::suitable_method: stiffer headings are for backward differentiation
@@ -17,7 +18,8 @@ KEPT_BY = 0.95  # share of the points of a scan
 TIMED_FOR, LEAST_REPEATS, MOST_REPEATS = 0.05, 3, 100  # seconds and numbers of repeats of a setting
 LONG_RUN, QUICK_RUN = 1.0, 0.2  # s; longer runs are not repeated, quicker ones are timed again when all have had their turn
 OVER_AGREEMENT = 10.0  # least error quoted over what the two methods of the reference agree to
-TOO_LONG = "took too long"  # of python/bindings/tradeoff.cpp
+TOO_LONG = "took too long"
+CONTACT = 0  # of the endings that _core.RodsWork has as numbers
 
 
 def rod_count(scene):
@@ -136,7 +138,7 @@ def rod_errors(run, reference):
         known = np.sort(values[~np.isnan(values)])
         errors[name] = float(known[math.ceil(KEPT_BY * (len(known) - 1))]) if len(known) else math.nan
     errors["outcome"] = float(np.mean(~same))
-    return {name: errors[name] for name in RODS_ERRORS}
+    return {name: errors[name] for name in ERRORS}
 
 
 class RodsTarget:
@@ -153,10 +155,10 @@ class RodsTarget:
         plain = {**self.candidates[0].setting, "method": "erk", "form": "angle"}
         work = self.solver(plain)
         self.work = work_text(scene, work.sample)
-        self.unit = f"{work.points} points of the scan" if self.scans else "a run"
+        self.unit = f"{len(work.sample) // _core.point_size} points of the scan" if self.scans else "a run"
         second = "bdf" if self.scans or work.stiffness > STIFF else "adams"
         self.methods = [{**plain, "method": method} for method in ("erk", second)]
-        self.reference, self.agreement = None, {}
+        self.answer, self.reference, self.facts = None, {}, {"unit": self.unit, "error": kind}
 
     def solver(self, setting):
         """The rods made ready to be solved by this setting. Raises InputError for one that the scene does not take."""
@@ -164,10 +166,26 @@ class RodsTarget:
         core = _core.parse_scene(self.text, self.path, keys)
         name, table = setting["field"], setting["table_tolerance"]
         if self.scans or name == "exact" or "medium" not in self.scene:
-            return _core.RodsWork(core, self.folder)
+            return _core.RodsWork(core, self.folder, None)
         if (name, table) not in self.fields:  # a table is made or read once
             self.fields[name, table] = _core.WakeField(core, self.folder)
         return _core.RodsWork(core, self.folder, self.fields[name, table])
+
+    def solve(self, work, limit):
+        """One solve as rod_errors wants it, with its CPU time, number of right-hand sides and, if there is no result, the reason."""
+        run = work.solve(limit)
+        run["failure"] = TOO_LONG if run.pop("stopped") else run["failure"]
+        if self.scans:  # the state of a point is its last separation and how far each rod turned
+            names, length, time = work.columns()
+            column = dict(zip(names, run["values"].T))
+            run["time"], run["path"] = column["time"] / time, np.empty((0, 0))
+            run["rhs_evaluations"] = int(column["rhs_evaluations"][run["solved"][:, 0] > 0].sum())
+            turns = [column[name] for name in names if name.startswith("turn")]
+            run["final_state"] = np.column_stack([column["final_separation"] / length, *turns])
+        run["solved"] = np.atleast_1d(np.ravel(run.get("solved", not run["failure"])))
+        run["ending"] = np.ravel(run["ending"])
+        run["contact_time"] = np.where(run["ending"] == CONTACT, run["time"], np.nan)
+        return run
 
     def prepare(self, log):
         """The reference: both methods at rtol 1e-11, 1e-12 and 1e-13, of which the tolerance counts that brings them closest together in
@@ -179,7 +197,7 @@ class RodsTarget:
             runs = []
             for setting in self.methods:
                 try:
-                    runs.append(self.solver({**setting, "tolerance": tolerance}).solve(10 * self.limit))
+                    runs.append(self.solve(self.solver({**setting, "tolerance": tolerance}), 10 * self.limit))
                 except (InputError, RunError) as error:
                     runs.append({"failure": str(error)})
                 failure = f"{setting['method']}: {runs[-1]['failure']}" if runs[-1]["failure"] else failure
@@ -192,28 +210,23 @@ class RodsTarget:
                 continue  # which of the two is right?
             distance = (0.0 if math.isnan(asked) else asked, apart["final_state"])
             if distance < closest:
-                closest, self.reference = distance, runs[0]
-                least = {name: OVER_AGREEMENT * error for name, error in apart.items()}
-                self.agreement = {"methods": names, "tolerance": tolerance, "agreement": apart, "least_error_quoted": least}
-        if self.reference is None:
+                closest, self.answer = distance, runs[0]
+                self.least = {name: OVER_AGREEMENT * error for name, error in apart.items()}
+                self.reference = {"methods": names, "tolerance": tolerance, "agreement": apart, "least_error_quoted": self.least}
+        if self.answer is None:
             why = f"have no answers to compare ({failure})" if failure else "do not agree on the outcome"
             raise RunError(f"tradeoff: no reference: methods {names[0]} and {names[1]} {why}; a shorter run, or a longer --limit, may have one")
-        self.least = self.agreement["least_error_quoted"]
-        self.agreement = {name: {key: None if math.isnan(value) else value for key, value in part.items()} if isinstance(part, dict) else part
-                          for name, part in self.agreement.items()}
-        log(f"tradeoff: the reference is {names[0]} at rtol {self.agreement['tolerance']:g}; errors below {self.least[self.kind]:.2g} ({self.kind}), ten times "
+        log(f"tradeoff: the reference is {names[0]} at rtol {self.reference['tolerance']:g}; errors below {self.least[self.kind]:.2g} ({self.kind}), ten times "
             "what the two methods agree to, are quoted as that")
 
     def measure(self, k, candidates):
         candidate = replace(candidates[k])
         run = self.time(candidate)
         candidate.rhs_evaluations = run["rhs_evaluations"]
-        errors = dict.fromkeys(RODS_ERRORS, math.inf)
-        if run["failure"]:
-            candidate.status = run["failure"]
-        else:
-            errors = rod_errors(run, self.reference)
-        candidate.found = [QuantityError.plain(name, "1", self.least[name] if error < self.least[name] else error) for name, error in errors.items()]
+        candidate.status = run["failure"] or "ok"
+        if not run["failure"]:
+            errors = {name: np.fmax(error, self.least[name]) for name, error in rod_errors(run, self.answer).items() if not math.isnan(error)}
+            candidate.found = [QuantityError.plain(name, "1", error) for name, error in errors.items()]
         return candidate
 
     def time(self, candidate):
@@ -221,7 +234,7 @@ class RodsTarget:
         solve that came to its end."""
         work, total, turn, answer = self.solver(candidate.setting), 0.0, 0, None
         while turn == 0 or (turn < MOST_REPEATS and candidate.seconds < LONG_RUN and (turn < LEAST_REPEATS or total < TIMED_FOR)):
-            run = work.solve(self.limit)
+            run = self.solve(work, self.limit)
             if run["failure"] and candidate.runs > 0:
                 break
             answer = run
@@ -238,3 +251,13 @@ class RodsTarget:
 
     def keeps(self, candidate, limit):
         return candidate.status != TOO_LONG or limit >= self.limit
+
+    def rows(self, _, candidate):
+        """The row of tradeoff.csv. A kind of error that there is not is an empty cell; without a result all are infinite."""
+        if not candidate.tried:
+            return []
+        errors = {name: math.nan if candidate.status == "ok" else math.inf for name in ERRORS} | {q.quantity: q.bias for q in candidate.found}
+        s = candidate.setting
+        return [{"method": s["method"], "form": s["form"], "field": s["field"], "tolerance": s["tolerance"], "error": errors[self.kind],
+                 "seconds": candidate.seconds, "rhs_evaluations": candidate.rhs_evaluations, "table_tolerance": s["table_tolerance"] or math.nan,
+                 "precision": s["precision"], **errors, "repeats": candidate.runs, "status": candidate.status}]

@@ -9,12 +9,11 @@ import os
 import shutil
 import sys
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 from rodwake import InputError, RunError, __version__, _core
 
 MOST_RUNS = 10**9
-RODS_ERRORS = ("final_state", "contact_time", "outcome", "path")
 
 
 @dataclass
@@ -147,60 +146,51 @@ def reference_quantity(part, candidates, quantity):
 class Study:
     """The candidates of a target (tradeoff_rods.py, tradeoff_parts.py), measured one by one into a folder.
 
-    A target has: part, work (a text that differs where results would), reference (a text), candidates (untried), prepare(log), which
-    makes the reference, measure(k, candidates), which returns candidate k with its results, second_look(candidate), and
-    keeps(candidate, limit): whether a result of an earlier command with that --limit counts.
+    A target has: part, work (a text that differs where results would), reference (a text), candidates (untried), facts (more for the JSON
+    file), prepare(log), which makes the reference, measure(k, candidates), which returns candidate k with its results,
+    second_look(candidate), keeps(candidate, limit): whether a result of an earlier command with that --limit counts, and
+    rows(k, candidate) of the CSV file.
     """
 
-    def __init__(self, target, folder, limit, kind=""):
-        self.target, self.folder, self.limit, self.kind = target, folder, limit, kind
-        self.rods = target.part == "rods"
-        self.files = ("tradeoff.json", "tradeoff.csv") if self.rods else ("ways.json", "ways.csv")
-        self.candidates = list(target.candidates)
-        self.finished = False
+    def __init__(self, target, folder, limit):
+        self.target, self.folder, self.limit, self.candidates, self.finished = target, folder, limit, list(target.candidates), False
+        self.json, self.csv = (folder / f"{'tradeoff' if target.part == 'rods' else 'ways'}.{ending}" for ending in ("json", "csv"))
 
     def take_up(self, force):
         """Takes over what an earlier command left here of the same work. Raises InputError for a folder that holds something else."""
-        self._refuse_strangers(force)
-        path = self.folder / self.files[0]
-        if force or not path.exists():
-            return
-        try:
-            earlier = json.loads(path.read_text(encoding="utf-8"))
-            work, limit, finished = earlier["work"], earlier["limit"], earlier["finished"]
-            known = [_candidate_of(entry, self.rods) for entry in earlier["trials" if self.rods else "ways"]]
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
-            raise InputError(f"{path}: cannot be read ({type(error).__name__}: {error}); --force measures anew") from error
-        if work != self.target.work:
-            raise InputError(f"{self.folder}: holds the measurement of another scene; choose another folder with -o, or --force to replace it")
-        for k, candidate in enumerate(self.candidates):
-            match = next((other for other in known if other.tried and (other.setting == candidate.setting if self.rods else other.keys == candidate.keys)), None)
-            if match and self.target.keeps(match, limit):
-                match.keys = candidate.keys
-                self.candidates[k] = match
-        self.finished = finished and all(candidate.tried for candidate in self.candidates)
-        if self.finished:
-            self.limit, self.kind = limit, earlier.get("error", "")
-
-    def _refuse_strangers(self, force):
-        for path in (self.folder, *(self.folder / name for name in (*self.files, "log.txt", "figures"))):
+        for path in (self.folder, self.json, self.csv, self.folder / "log.txt", self.folder / "figures"):
             _core.refuse_link(path)
         if self.folder.exists() and not self.folder.is_dir():
             raise InputError(f"{self.folder}: is a file; -o names the folder for the results")
-        if force or not self.folder.is_dir() or any((self.folder / name).exists() for name in ("provenance.json", self.files[0])):
+        if force or not self.folder.is_dir():
             return
-        if any(not path.name.startswith(("tradeoff", "part-", "rodwake.lock", "log.txt", "ways")) for path in self.folder.iterdir()):
-            raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write among them")
+        if not self.json.exists():
+            ours = ("tradeoff", "ways", "part-", "rodwake.lock", "log.txt")
+            if not (self.folder / "provenance.json").exists() and not all(path.name.startswith(ours) for path in self.folder.iterdir()):
+                raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write among them")
+            return
+        try:
+            earlier = json.loads(self.json.read_text(encoding="utf-8"))
+            work, limit, finished = earlier["work"], earlier["limit"], earlier["finished"]
+            known = [_read(Candidate, {**way, "found": [_read(QuantityError, found) for found in way["found"]]}) for way in earlier["ways"]]
+        except (ValueError, LookupError, TypeError) as error:
+            raise InputError(f"{self.json}: cannot be read ({type(error).__name__}: {error}); --force measures anew") from error
+        if work != self.target.work:
+            raise InputError(f"{self.folder}: holds the measurement of another scene; choose another folder with -o, or --force to replace it")
+        kept = {tuple(way.keys): way for way in known if way.tried and self.target.keeps(way, limit)}
+        self.candidates = [kept.get(tuple(candidate.keys), candidate) for candidate in self.candidates]
+        self.finished = finished and all(candidate.tried for candidate in self.candidates)
+        self.limit = limit if self.finished else self.limit
 
     def clear(self):
         """Removes what an earlier command measured here, runs of beds too."""
-        for name in self.files:
-            (self.folder / name).unlink(missing_ok=True)
-        if not self.rods:
+        for path in (self.json, self.csv):
+            path.unlink(missing_ok=True)
+        if self.target.part != "rods":
             shutil.rmtree(self.folder / "ways", ignore_errors=True)
 
     def measure(self, log, progress):
-        """Measures the candidates that are not known yet. Tables are written once a second and when this ends, in whatever way."""
+        """Measures the candidates that are not known yet. Files are written once a second and when this ends, in whatever way."""
         self.target.prepare(log)
         written = 0.0
         try:
@@ -209,7 +199,7 @@ class Study:
                     try:
                         self.candidates[k] = self.target.measure(k, self.candidates)
                     except (InputError, RunError) as error:
-                        self.candidates[k] = Candidate(candidate.keys, candidate.seconds, status=str(error), setting=candidate.setting)
+                        self.candidates[k] = replace(candidate, status=str(error))
                 progress(k + 1, len(self.candidates))
                 if time.monotonic() - written > 1.0:
                     self.save()
@@ -222,19 +212,37 @@ class Study:
                 self.save()
 
     def save(self):
-        head = {"work": self.target.work, "limit": self.limit, "finished": self.finished}
-        if self.rods:
-            tried = [candidate for candidate in self.candidates if candidate.tried]
-            document = {"unit": self.target.unit, **head, "error": self.kind, "reference": self.target.agreement, "version": __version__,
-                        "cpu": _core.cpu, "trials": [_trial(candidate) for candidate in tried]}
-            table = [_trial_row(candidate, self.kind) for candidate in tried]
-        else:
-            document = {"of": self.target.part, **head, "reference": self.target.reference, "version": __version__, "cpu": _core.cpu,
-                        "ways": [_entry(candidate) for candidate in self.candidates]}
-            table = [row for k, candidate in enumerate(self.candidates) for row in _candidate_rows(k, candidate)]
-        write_atomically(self.folder / self.files[0], json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-        write_atomically(self.folder / self.files[1], _csv(table))
+        document = {"of": self.target.part, "work": self.target.work, "reference": self.target.reference, "limit": self.limit, "finished": self.finished,
+                    **self.target.facts, "version": __version__, "cpu": _core.cpu, "ways": [asdict(candidate) for candidate in self.candidates]}
+        write_atomically(self.json, json.dumps(_finite(document), indent=1, ensure_ascii=False) + "\n")
+        write_atomically(self.csv, _csv([row for k, candidate in enumerate(self.candidates) for row in self.target.rows(k, candidate)]))
         _core.write_manifest(self.folder)
+
+
+def _finite(value):
+    """JSON has neither NaN nor infinity: both are null."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _read(kind, entry):
+    return kind(**{name: math.inf if value is None else value for name, value in entry.items()})
+
+
+def _csv(rows):
+    """Words have no line ends and no double quotes in them, NaN is an empty cell."""
+    def cell(name, value):
+        if isinstance(value, float):
+            return "" if math.isnan(value) else f"{value:.9g}" if name in ("value", "scale") else f"{value:.6g}"
+        return value.replace("\n", " ").replace('"', "'") if isinstance(value, str) else value
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(rows[0])
+    table.writerows([cell(name, value) for name, value in row.items()] for row in rows)
+    return text.getvalue()
 
 
 def write_atomically(path, text):
@@ -252,90 +260,23 @@ def write_atomically(path, text):
         raise
 
 
-def _number(value, infinite=None):
-    """JSON has neither NaN nor infinity."""
-    return None if math.isnan(value) else infinite if math.isinf(value) else value
-
-
-def _trial(candidate):
-    """A candidate of rods in tradeoff.json."""
-    errors = {q.quantity: _number(q.bias, "inf") for q in candidate.found}
-    return {**candidate.setting, "errors": errors, "seconds": _number(candidate.seconds, "inf"), "repeats": candidate.runs,
-            "rhs_evaluations": candidate.rhs_evaluations, "status": candidate.status}
-
-
-def _trial_row(candidate, kind):
-    """The same in tradeoff.csv."""
-    setting, errors = dict(candidate.setting), {name: math.inf for name in RODS_ERRORS} | {q.quantity: q.bias for q in candidate.found}
-    table, precision = setting.pop("table_tolerance") or math.nan, setting.pop("precision")
-    return {**setting, "error": errors[kind], "seconds": candidate.seconds, "rhs_evaluations": candidate.rhs_evaluations, "table_tolerance": table,
-            "precision": precision, **errors, "repeats": candidate.runs, "status": candidate.status}
-
-
-def _entry(candidate):
-    """A candidate of another part in ways.json."""
-    found = [{name: _number(value) if isinstance(value, float) else value for name, value in asdict(q).items()} for q in candidate.found]
-    return {"keys": candidate.keys, "seconds": _number(candidate.seconds), "runs": candidate.runs, "found": found, "status": candidate.status}
-
-
-def _candidate_rows(k, candidate):
-    """The same in ways.csv: a row a quantity."""
-    nothing = {name: math.nan for name in QuantityError.__dataclass_fields__} | {"quantity": "", "unit": ""}
-    head = {"way": k, "keys": " ".join(candidate.keys), "seconds": candidate.seconds, "runs": candidate.runs}
-    return [{**head, **q, "status": candidate.status} for q in ([asdict(q) for q in candidate.found] or [nothing])]
-
-
-def _candidate_of(entry, rods):
-    if rods:
-        setting = {name: entry[name] for name in ("method", "form", "field", "table_tolerance", "precision", "tolerance")}
-        found = [QuantityError.plain(name, "1", math.nan if value is None else float(value)) for name, value in entry["errors"].items()]
-        return Candidate([], float(entry["seconds"]), entry["repeats"], found, entry["status"], setting, entry["rhs_evaluations"])
-    numbers = [{name: math.inf if value is None else value for name, value in q.items()} for q in entry["found"]]
-    seconds = math.inf if entry["seconds"] is None else entry["seconds"]
-    return Candidate(entry["keys"], seconds, entry["runs"], [QuantityError(**q) for q in numbers], entry["status"])
-
-
-def _csv(rows):
-    """Words have no line ends and no double quotes in them, NaN is an empty cell."""
-    def cell(name, value):
-        if isinstance(value, float):
-            return "" if math.isnan(value) else f"{value:.9g}" if name in ("value", "scale") else f"{value:.6g}"
-        return value.replace("\n", " ").replace('"', "'") if isinstance(value, str) else value
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(rows[0])
-    table.writerows([cell(name, value) for name, value in row.items()] for row in rows)
-    return text.getvalue()
-
-
 class Messages:
     """Messages on the terminal and in the log.txt of a folder; below them, how far the work is."""
 
     def __init__(self, request, folder):
-        self.quiet, self.file = request.flag("quiet"), folder / "log.txt"
-        self.terminal = sys.stderr.isatty()
-        self.begin = time.monotonic()
-        self.shown, self.open = self.begin, False
+        self.quiet, self.file, self.begin = request.flag("quiet"), folder / "log.txt", time.monotonic()
+        self.shown, self.wipe = self.begin, "\r\033[K" if sys.stderr.isatty() else ""
 
-    def log(self, text, level="info"):
+    def log(self, text):
         with open(self.file, "a", encoding="utf-8") as file:
-            file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} {level}: {text}\n")
+            file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} info: {text}\n")
         if not self.quiet:
-            self.wipe()
-            print(text, file=sys.stderr)
+            print(f"{self.wipe}{text}", file=sys.stderr)
 
     def progress(self, done, count):
         """A line that redraws itself on a terminal, one every ten seconds elsewhere."""
         now = time.monotonic()
-        if self.quiet or now - self.shown < (0.2 if self.terminal else 10.0):
-            return
-        self.shown = now
-        left = (now - self.begin) / done * (count - done)
-        self.wipe()
-        self.open = self.terminal
-        print(f"tradeoff: {done} of {count} candidates, {left:.0f} s left", end="" if self.open else "\n", file=sys.stderr, flush=True)
-
-    def wipe(self):
-        if self.open:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-        self.open = False
+        if not self.quiet and now - self.shown > (0.2 if self.wipe else 10.0):
+            self.shown = now
+            left = f"tradeoff: {done} of {count} candidates, {(now - self.begin) / done * (count - done):.0f} s left"
+            print(f"{self.wipe}{left}", end="" if self.wipe else "\n", file=sys.stderr, flush=True)
