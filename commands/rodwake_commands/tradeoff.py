@@ -84,7 +84,8 @@ def describe_work(study):
     else:
         print(f"{len(candidates)} candidates would be measured, results in {study.folder}; the reference is {target.reference}:")
     for candidate in candidates:
-        print(f"  rtol {candidate.setting['tolerance']:g}: {setting_text(candidate.setting)}" if target.part == "rods" else f"  {' '.join(candidate.keys)}")
+        rods = candidate.setting and f"rtol {candidate.setting['tolerance']:g}: {setting_text(candidate.setting)}"
+        print(f"  {rods or ' '.join(candidate.keys)}")
 
 
 def measure(request, study):
@@ -98,7 +99,8 @@ def measure(request, study):
     messages.log(f"results in {study.folder}")
     command = [sys.executable, str(shipped.folder("plots") / "rodwake_plot.py"), "--quiet", "--", str(study.folder)]
     if subprocess.run(command, check=False).returncode != 0:
-        raise RunError(f"the figures could not be made (see above); the results themselves are in {study.folder}, and rodwake plot {study.folder} tries again")
+        raise RunError(f"the figures could not be made (see above); the results themselves are in {study.folder}, and rodwake plot {study.folder} "
+                       "tries again")
     _core.write_manifest(study.folder)
     del lock
 
@@ -126,8 +128,8 @@ def answer_of_rods(request, study, wanted):
             raise RunError(f"no setting has a {kind}: the reference ends otherwise; --error names another kind")
         print(f"{'error':>10}  {'time':>12}  {'rhs':>8}  {'rtol':>10}  method, form, field")
         for choice in front:
-            one = choice.candidate
-            print(f"{choice.error:>10.2g}  {time_text(one.seconds):>12}  {one.rhs_evaluations:>8}  {one.setting['tolerance']:>10g}  {setting_text(one.setting)}")
+            setting, count = choice.candidate.setting, choice.candidate.rhs_evaluations
+            print(f"{choice.error:>10.2g}  {time_text(choice.seconds):>12}  {count:>8}  {setting['tolerance']:>10g}  {setting_text(setting)}")
         return
     best = cheapest(candidates, kind, wanted[1]) if wanted else most_accurate(candidates, kind, within)
     if not best:
@@ -169,8 +171,9 @@ def answer_of_part(request, study, wanted):
         raise RunError(f"no candidate that was tried has a {quantity} within {request.text('for')}{off}")
     q = best.found
     if q.scatter > 0:
-        request.say(f"{q.quantity} to {amount(best.error, q)}: bias {amount(best.bias, q)} (measured {amount(q.bias, q)} +- {amount(q.bias_error, q)}), "
-                    f"{amount(best.statistical, q)} from the scatter of {best.runs} runs; {time_text(best.seconds)} of CPU")
+        measured = f"measured {amount(q.bias, q)} +- {amount(q.bias_error, q)}"
+        request.say(f"{q.quantity} to {amount(best.error, q)}: bias {amount(best.bias, q)} ({measured}), {amount(best.statistical, q)} from the "
+                    f"scatter of {best.runs} runs; {time_text(best.seconds)} of CPU")
     else:
         request.say(f"{q.quantity} {best.error:.2g} ({q.unit}) in {time_text(best.seconds)}")
     if wanted and q.bias_error > error:
@@ -189,6 +192,7 @@ def print_table(study, quantity, first):
         if q is None:
             print(f"{'-':>10}  {keys}: {candidate.status}")
         elif first.scatter > 0:
-            print(f"{q.value:>14.6g}  {amount(q.bias, q):>10}  {candidate.runs:>5}  {amount(q.error, q):>10}  {time_text(candidate.seconds):>10}  {keys}")
+            print(f"{q.value:>14.6g}  {amount(q.bias, q):>10}  {candidate.runs:>5}  {amount(q.error, q):>10}  {time_text(candidate.seconds):>10}  "
+                  f"{keys}")
         else:
             print(f"{q.bias:>10.2g}  {time_text(candidate.seconds):>10}  {keys}")

@@ -71,7 +71,8 @@ class BedTarget(Target):
         # the duration, which will change.
         frames = bed["output"].get("frames", bed["duration"] / 100)
         others = [name for name in scene if name not in ("schema", "title", "units", "granular", "measure")]
-        self.bare = [f"{name}=" for name in others] + [f"granular.output.frames={frames!r}", "granular.output.formats=[]", "granular.output.last_period=false"]
+        output = {"frames": repr(frames), "formats": "[]", "last_period": "false"}
+        self.bare = [f"{name}=" for name in others] + [f"granular.output.{name}={value}" for name, value in output.items()]
         interval = measure.get("interval", frames) if measure else None
         self.step = _core.bed_time_step(self.with_keys(self.bare))
         work = {"granular": bed, "measure": measure, "frames": frames}
@@ -154,7 +155,8 @@ def bed_quantities(folder, runs, rods):
             for key in sorted(node):
                 add_estimates(node[key], f"{name}.{key}" if name else key)
 
-    speeds = [runs[f"mean_speed{k}"] for k, rod in enumerate(rods) if rod["kind"] == "motile" and "imposed_speed" not in rod and f"mean_speed{k}" in runs]
+    motile = [f"mean_speed{k}" for k, rod in enumerate(rods) if rod["kind"] == "motile" and "imposed_speed" not in rod]
+    speeds = [runs[name] for name in motile if name in runs]
     if speeds:
         add_mean("rod_speed", "m/s", np.mean(speeds, axis=0))
     for name, unit in BED_COLUMNS.items():
@@ -200,9 +202,9 @@ class FitTarget(Target):
         if "fit" not in scene:
             raise InputError(f"{path}: no [fit] table, so there is no fit whose cost and error could be measured")
         self.threads, self.best, fit = threads, None, scene["fit"]
-        data = [name for table in ("profiles", "trajectories", "maps") for entry in fit.get(table, []) for name in entry.get("files", [entry.get("file")])]
+        tables = [table for kind in ("profiles", "trajectories", "maps") for table in fit.get(kind, [])]
         digest = hashlib.sha256()
-        for name in data:
+        for name in [name for table in tables for name in table.get("files", [table.get("file")])]:
             found = next((place / name for place in (folder, Path(path).parent, Path()) if (place / name).is_file()), None)
             if found is None:
                 raise InputError(f"{path}: {name}: no such file, in {folder}, beside the scene or here")
@@ -218,16 +220,18 @@ class FitTarget(Target):
         self.candidates = [Candidate(self.keys(*search), seconds=0.0) for search in searches]
 
     def keys(self, method, polish, starts, likelihood):
-        return [f'fit.method="{method}"', f"fit.polish={str(polish).lower()}", f"fit.starts={starts}", f"fit.likelihood=[{self.names if likelihood else ''}]"]
+        names = self.names if likelihood else ""
+        return [f'fit.method="{method}"', f"fit.polish={str(polish).lower()}", f"fit.starts={starts}", f"fit.likelihood=[{names}]"]
 
     def keeps(self, candidate, limit):
         return not candidate.status.startswith("took more than") or limit >= self.limit
 
     def solve(self, keys, threads, limit):
-        """The fit with these keys: {"seconds", "failure", "objective", "estimates": a row (value, standard error, ends of the 95 % interval) for
-        each parameter}."""
+        """The fit with these keys: seconds, failure, objective, and as estimates a row (value, standard error, ends of the 95 % interval) for
+        each parameter."""
         fit = _core.fit_scene(self.with_keys(keys), self.folder, threads, limit)
-        failure = f"failed: {fit.reason}" if fit.termination == "failed" else f"took more than {limit:g} s" if fit.termination == "interrupted" else ""
+        reasons = {"failed": f"failed: {fit.reason}", "interrupted": f"took more than {limit:g} s"}
+        failure = reasons.get(fit.termination, "")
         answer = {"seconds": fit.seconds, "failure": failure, "objective": fit.objective}
         if not failure:
             ends = fit.likelihood(lambda value, chi2, low, high: (-math.inf if low is None else low, math.inf if high is None else high))
@@ -257,7 +261,8 @@ class FitTarget(Target):
                 candidate.seconds = min(candidate.seconds, self.solve(keys, 1, self.limit)["seconds"])
         if candidate.status == "ok":
             units = {"optimum": "standard errors", "interval": "half widths", "objective": "of chi2"}
-            candidate.found = [QuantityError.plain(name, units[name], error) for name, error in fit_errors(answer, self.best).items() if not math.isnan(error)]
+            errors = fit_errors(answer, self.best)
+            candidate.found = [QuantityError.plain(name, units[name], error) for name, error in errors.items() if not math.isnan(error)]
         return candidate
 
 
@@ -288,8 +293,8 @@ class FieldTarget(Target):
         if "field" not in scene or not medium:
             raise InputError(f"{path}: no [field] table, so there is no map whose cost and error could be measured")
         if medium.get("fitted") or medium["field"] == "measured":
-            raise InputError(f"{path}: the field of this scene is measured or fitted: there is one way to map it; give eta and xi in [medium] to compare "
-                             "the others")
+            raise InputError(f"{path}: the field of this scene is measured or fitted: there is one way to map it; give eta and xi in [medium] to "
+                             "compare the others")
         fixed = {key: value for key, value in medium.items() if key not in ("field", "table")}
         self.work = json.dumps({"medium": fixed, **{name: scene[name] for name in ("units", "scales", "field") if name in scene}}, sort_keys=True)
         box = medium.get("periodic")

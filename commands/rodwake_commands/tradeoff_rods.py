@@ -82,7 +82,8 @@ def allowed_settings(scene):
 def setting_keys(scene, setting):
     """Keys of the scene that make a setting, as for -s; those that make no difference are left out."""
     run, tolerance = scene["rods_run"], setting["tolerance"]
-    keys = [f'rods_run.method="{setting["method"]}"', f'rods_run.form="{setting["form"]}"', f"rods_run.rtol={tolerance:g}", f"rods_run.atol={tolerance / 100:g}"]
+    keys = [f'rods_run.method="{setting["method"]}"', f'rods_run.form="{setting["form"]}"']
+    keys += [f"rods_run.rtol={tolerance:g}", f"rods_run.atol={tolerance / 100:g}"]
     if rod_count(scene) >= LEAST_FOR_PRECISION or run["precision"] != setting["precision"]:
         keys.append(f'rods_run.precision="{setting["precision"]}"')
     if run["turning_tolerance"] > 0:
@@ -216,8 +217,8 @@ class RodsTarget:
         if self.answer is None:
             why = f"have no answers to compare ({failure})" if failure else "do not agree on the outcome"
             raise RunError(f"tradeoff: no reference: methods {names[0]} and {names[1]} {why}; a shorter run, or a longer --limit, may have one")
-        log(f"tradeoff: the reference is {names[0]} at rtol {self.reference['tolerance']:g}; errors below {self.least[self.kind]:.2g} ({self.kind}), ten times "
-            "what the two methods agree to, are quoted as that")
+        log(f"tradeoff: the reference is {names[0]} at rtol {self.reference['tolerance']:g}; errors below {self.least[self.kind]:.2g} ({self.kind}), "
+            "ten times what the two methods agree to, are quoted as that")
 
     def measure(self, k, candidates):
         candidate = replace(candidates[k])

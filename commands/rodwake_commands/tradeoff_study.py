@@ -1,11 +1,9 @@
 """What `rodwake tradeoff` measured: candidates with their cost and errors, which of them to take, and the files that keep them."""
 
-import contextlib
 import csv
 import io
 import json
 import math
-import os
 import shutil
 import sys
 import time
@@ -167,7 +165,8 @@ class Study:
         if not self.json.exists():
             ours = ("tradeoff", "ways", "part-", "rodwake.lock", "log.txt")
             if not (self.folder / "provenance.json").exists() and not all(path.name.startswith(ours) for path in self.folder.iterdir()):
-                raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write among them")
+                raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write "
+                                 "among them")
             return
         try:
             earlier = json.loads(self.json.read_text(encoding="utf-8"))
@@ -212,10 +211,11 @@ class Study:
                 self.save()
 
     def save(self):
-        document = {"of": self.target.part, "work": self.target.work, "reference": self.target.reference, "limit": self.limit, "finished": self.finished,
-                    **self.target.facts, "version": __version__, "cpu": _core.cpu, "ways": [asdict(candidate) for candidate in self.candidates]}
-        write_atomically(self.json, json.dumps(_finite(document), indent=1, ensure_ascii=False) + "\n")
-        write_atomically(self.csv, _csv([row for k, candidate in enumerate(self.candidates) for row in self.target.rows(k, candidate)]))
+        document = {"of": self.target.part, "work": self.target.work, "reference": self.target.reference, "limit": self.limit,
+                    "finished": self.finished, **self.target.facts, "version": __version__, "cpu": _core.cpu,
+                    "ways": [asdict(candidate) for candidate in self.candidates]}
+        _core.write_atomically(self.json, json.dumps(_finite(document), indent=1, ensure_ascii=False) + "\n")
+        _core.write_atomically(self.csv, _csv([row for k, candidate in enumerate(self.candidates) for row in self.target.rows(k, candidate)]))
         _core.write_manifest(self.folder)
 
 
@@ -243,21 +243,6 @@ def _csv(rows):
     table.writerow(rows[0])
     table.writerows([cell(name, value) for name, value in row.items()] for row in rows)
     return text.getvalue()
-
-
-def write_atomically(path, text):
-    """A reader finds the old file or the new one, never a part of it."""
-    pending = path.with_name(f"{path.name}.tmp{os.getpid()}")
-    try:
-        with open(pending, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(pending, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            pending.unlink()
-        raise
 
 
 class Messages:

@@ -9,6 +9,7 @@
 #include "rodwake/app/wake_tables.hpp"
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/stopwatch.hpp"
+#include "rodwake/store/atomic_file.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>
@@ -185,6 +186,7 @@ void bind_tradeoff(py::module_& module) {
     py::class_<app::FolderLock>(module, "FolderLock").def(py::init<const fs::path&>());
     module.def("timed_map", &timed_map);
     module.def("refuse_link", &app::refuse_link);
+    module.def("write_atomically", &store::write_atomically);
     module.def("write_manifest", &app::write_manifest);
     module.def("bed_time_step", [](const scene::Scene& scene) { return scene::time_step(*scene.granular); });
     module.def("apply_seed", [](scene::Scene scene, std::uint64_t seed) {

@@ -50,8 +50,8 @@ private:
     std::map<std::array<double, 4>, elastic::PeriodicTable> boxes_; ///< by eta, xi, box, tolerance
 };
 
-/// The wake that the scene asks for by medium.field: exact, from a table, or measured (its file is also looked
-/// for in `folder`).
+/// The wake that the scene asks for by medium.field: exact, from a table, or measured (its file is also
+/// looked for in `folder`).
 std::shared_ptr<const elastic::WakeField> wake_field(const scene::Scene& scene,
                                                      const std::filesystem::path& folder);
 
