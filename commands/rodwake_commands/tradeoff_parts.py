@@ -44,6 +44,9 @@ class Target:
     def second_look(self, candidate):
         pass
 
+    def refuse_run(self, file):
+        pass
+
     def rows(self, k, candidate):
         """Rows of ways.csv, one a quantity."""
         nothing = dict.fromkeys(QuantityError.__dataclass_fields__, math.nan) | {"quantity": "", "unit": ""}

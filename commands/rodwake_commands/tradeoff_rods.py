@@ -3,6 +3,7 @@
 import hashlib
 import json
 import math
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -249,6 +250,11 @@ class RodsTarget:
         """What else the machine does comes and goes: a setting that met it has a second chance."""
         if candidate.status == "ok" and candidate.seconds < QUICK_RUN:
             self.time(candidate)
+
+    def refuse_run(self, file):
+        other = tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
+        if "rods_run" in other and work_text({**other, "scan": {}}, b"") != work_text({**self.scene, "scan": {}}, b""):
+            raise InputError(f"{file.parent}: holds rods of another scene; choose another folder with -o, or --force to write among them")
 
     def keeps(self, candidate, limit):
         return candidate.status != TOO_LONG or limit >= self.limit

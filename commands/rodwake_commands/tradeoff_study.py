@@ -146,8 +146,8 @@ class Study:
 
     A target has: part, work (a text that differs where results would), reference (a text), candidates (untried), facts (more for the JSON
     file), prepare(log), which makes the reference, measure(k, candidates), which returns candidate k with its results,
-    second_look(candidate), keeps(candidate, limit): whether a result of an earlier command with that --limit counts, and
-    rows(k, candidate) of the CSV file.
+    second_look(candidate), keeps(candidate, limit): whether a result of an earlier command with that --limit counts, rows(k, candidate)
+    of the CSV file, and refuse_run(file), which raises InputError if the folder holds a run of another scene.
     """
 
     def __init__(self, target, folder, limit):
@@ -167,6 +167,7 @@ class Study:
             if not (self.folder / "provenance.json").exists() and not all(path.name.startswith(ours) for path in self.folder.iterdir()):
                 raise InputError(f"{self.folder}: holds files that are not a rodwake run; choose another folder with -o, or --force to write "
                                  "among them")
+            self.target.refuse_run(self.folder / "scene.toml")
             return
         try:
             earlier = json.loads(self.json.read_text(encoding="utf-8"))
@@ -249,12 +250,15 @@ class Messages:
     """Messages on the terminal and in the log.txt of a folder; below them, how far the work is."""
 
     def __init__(self, request, folder):
-        self.quiet, self.file, self.begin = request.flag("quiet"), folder / "log.txt", time.monotonic()
+        self.quiet, self.file, self.json, self.begin = request.flag("quiet"), folder / "log.txt", request.text("log_json"), time.monotonic()
         self.shown, self.wipe = self.begin, "\r\033[K" if sys.stderr.isatty() else ""
 
     def log(self, text):
         with open(self.file, "a", encoding="utf-8") as file:
             file.write(f"{time.strftime('%Y-%m-%d %H:%M:%S')} info: {text}\n")
+        if self.json:
+            with open(self.json, "a", encoding="utf-8") as file:
+                file.write(json.dumps({"time": time.strftime("%Y-%m-%dT%H:%M:%S%z"), "level": "info", "message": text}) + "\n")
         if not self.quiet:
             print(f"{self.wipe}{text}", file=sys.stderr)
 

@@ -82,8 +82,9 @@ class ChoiceTest(unittest.TestCase):
         self.assertEqual(most_accurate(fields, "speed", 1e9).runs, 1)
 
     def test_the_front_is_what_no_other_one_beats(self):
-        runs = [candidate(str(k), seconds, error) for k, (seconds, error) in
-                enumerate([(4, 1e-8), (1, 1e-3), (2, 1e-5), (3, 1e-4), (0.5, math.inf), (2.5, 1e-5)])] + [candidate("late", 0.1, 1e-9, status="took too long")]
+        measured = [(4, 1e-8), (1, 1e-3), (2, 1e-5), (3, 1e-4), (0.5, math.inf), (2.5, 1e-5)]
+        runs = [candidate(str(k), seconds, error) for k, (seconds, error) in enumerate(measured)]
+        runs.append(candidate("late", 0.1, 1e-9, status="took too long"))
         self.assertEqual([choice.seconds for choice in pareto_front(runs, "speed")], [1, 2, 4])
         self.assertEqual(cheapest(runs, "speed", 1e-4).seconds, 2)
         self.assertIsNone(cheapest(runs, "speed", 1e-9))
@@ -100,7 +101,8 @@ class ChoiceTest(unittest.TestCase):
             reference_quantity("bed", [Candidate([], status="failed")], "speed")
 
     def test_what_for_says(self):
-        for text, wanted in (("1e-6", ("", 1e-6, False)), ("2%", ("", 0.02, True)), ("rod_speed 5 %", ("rod_speed", 0.05, True)), ("T_xy 1e-6", ("T_xy", 1e-6, False))):
+        for text, wanted in (("1e-6", ("", 1e-6, False)), ("2%", ("", 0.02, True)), ("rod_speed 5 %", ("rod_speed", 0.05, True)),
+                             ("T_xy 1e-6", ("T_xy", 1e-6, False))):
             quantity, error, relative = tradeoff.wanted_error(text)
             self.assertEqual((quantity, round(error, 12), relative), wanted)
         for text, why in (("T_z much", "much is not a number"), ("1e400", "too large"), ("-1", "not from 0"), ("nan", "nan is not")):
@@ -116,7 +118,8 @@ class ErrorsTest(unittest.TestCase):
     def test_another_outcome_is_infinitely_wrong(self):
         reference = solve(0, 4.0, 1.0, (0.0, 0.5))
         for other in (solve(2, math.nan, 1.0, (0.0,)), solve(0, 4.0, 1.0, (0.0, 0.5), solved=0.0)):
-            self.assertEqual(tradeoff_rods.rod_errors(other, reference), {"final_state": math.inf, "contact_time": math.inf, "outcome": 1.0, "path": math.inf})
+            wrong = {"final_state": math.inf, "contact_time": math.inf, "outcome": 1.0, "path": math.inf}
+            self.assertEqual(tradeoff_rods.rod_errors(other, reference), wrong)
         nobody = solve(2, math.nan, 1.0)
         self.assertTrue(math.isnan(tradeoff_rods.rod_errors(nobody, nobody)["contact_time"]))
         self.assertTrue(math.isnan(tradeoff_rods.rod_errors(nobody, nobody)["path"]))
@@ -151,8 +154,8 @@ class SettingsTest(unittest.TestCase):
         settings = tradeoff_rods.allowed_settings(pair)
         self.assertEqual({s["field"] for s in settings}, {"exact", "table"})
         self.assertEqual({s["precision"] for s in settings}, {"full"})
-        self.assertEqual({(s["method"], s["form"]) for s in settings},
-                         {("erk", "angle"), ("adams", "angle"), ("erk", "director"), ("bdf", "angle"), ("bdf", "director"), ("bdf", "dae")})
+        solvers = {(s["method"], s["form"]) for s in settings}
+        self.assertEqual(solvers, {("erk", "angle"), ("adams", "angle"), ("erk", "director"), ("bdf", "angle"), ("bdf", "director"), ("bdf", "dae")})
         many = tradeoff_rods.allowed_settings(pair | {"rods": pair["rods"] * 150})
         self.assertNotIn("bdf", {s["method"] for s in many})
         self.assertEqual({s["precision"] for s in many}, {"full", "fine", "single"})
@@ -161,8 +164,9 @@ class SettingsTest(unittest.TestCase):
 
     def test_rods_without_a_choice_are_refused(self):
         _, pair = tables(PAIR)
-        for scene, why in (({}, "no .rods_run. table"), (pair | {"medium": {"fitted": True}}, "give eta and xi"), (pair | {"medium": {"dynamic": {}}}, "nothing to choose"),
-                           (pair | {"noise": {"rotational_diffusion": 0.1}}, "no noise"), (pair | {"scan": {"axes": [{"key": "rods_run.rtol"}]}}, "varies rods_run.rtol")):
+        for scene, why in (({}, "no .rods_run. table"), (pair | {"medium": {"fitted": True}}, "give eta and xi"),
+                           (pair | {"medium": {"dynamic": {}}}, "nothing to choose"), (pair | {"noise": {"rotational_diffusion": 0.1}}, "no noise"),
+                           (pair | {"scan": {"axes": [{"key": "rods_run.rtol"}]}}, "varies rods_run.rtol")):
             with self.assertRaisesRegex(InputError, why):
                 tradeoff_rods.require_rods(scene, "pair.toml")
         tradeoff_rods.require_rods(pair | {"scan": {"axes": [{"key": "rods_run.t_end"}]}}, "pair.toml")
@@ -248,6 +252,13 @@ class StudyTest(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "another scene"):
             study.take_up(False)
         study.json.unlink()
+        (study.folder / "provenance.json").write_text("{}")
+        (study.folder / "scene.toml").write_text(study.target.text)
+        study.take_up(False)
+        (study.folder / "scene.toml").write_text(study.target.text.replace("kappa = 0.5", "kappa = 0.7"))
+        with self.assertRaisesRegex(InputError, "rods of another scene"):
+            study.take_up(False)
+        (study.folder / "provenance.json").unlink()
         (study.folder / "precious.txt").write_text("precious")
         with self.assertRaisesRegex(InputError, "not a rodwake run"):
             study.take_up(False)
