@@ -250,8 +250,8 @@ class Messages:
     """Messages on the terminal and in the log.txt of a folder; below them, how far the work is."""
 
     def __init__(self, request, folder):
-        self.quiet, self.file, self.json, self.begin = request.flag("quiet"), folder / "log.txt", request.text("log_json"), time.monotonic()
-        self.shown, self.wipe = self.begin, "\r\033[K" if sys.stderr.isatty() else ""
+        self.quiet, self.file, self.json, self.begin = request.flag("quiet"), folder / "log.txt", request.text("log_json"), None
+        self.shown, self.wipe = time.monotonic(), "\r\033[K" if sys.stderr.isatty() else ""
 
     def log(self, text):
         with open(self.file, "a", encoding="utf-8") as file:
@@ -265,7 +265,9 @@ class Messages:
     def progress(self, done, count):
         """A line that redraws itself on a terminal, one every ten seconds elsewhere."""
         now = time.monotonic()
-        if not self.quiet and now - self.shown > (0.2 if self.wipe else 10.0):
+        self.begin = self.begin or (now, done)
+        if not self.quiet and done > self.begin[1] and now - self.shown > (0.2 if self.wipe else 10.0):
             self.shown = now
-            left = f"tradeoff: {done} of {count} candidates, {(now - self.begin) / done * (count - done):.0f} s left"
+            each = (now - self.begin[0]) / (done - self.begin[1])
+            left = f"tradeoff: {done} of {count} candidates, {each * (count - done):.0f} s left"
             print(f"{self.wipe}{left}", end="" if self.wipe else "\n", file=sys.stderr, flush=True)
