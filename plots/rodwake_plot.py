@@ -53,16 +53,14 @@ def draw_folder(options, look):
         print(*tradeoff.write_ways(options.run_dir, options.output), sep="\n")
         return
 
-    if design.has_design(options.run_dir):
-        print(*design.write(options.run_dir, options.output), sep="\n")
-        if not (Path(options.run_dir) / "scene.toml").is_file():  # of a command that does no run
-            return
+    commands = [part for part, is_there in ((tradeoff, tradeoff.has_rods), (design, design.has_design)) if is_there(options.run_dir)]
+    for part in commands:
+        print(*part.write(options.run_dir, options.output), sep="\n")
+    if commands and not (Path(options.run_dir) / "scene.toml").is_file():  # of commands that do no run
+        return
 
     with RunDir(options.run_dir, options.output) as run:
-        if run.has_tradeoff and not options.report_only:
-            print(*tradeoff.write(run), sep="\n")
-        if not run.holds_tradeoff_alone:
-            draw_all(run, options, look)
+        draw_all(run, options, look)
 
 
 def draw_all(run, options, look):

@@ -25,7 +25,7 @@ SWAPS = [(" < ", " <= "), (" <= ", " < "), (" > ", " >= "), (" >= ", " > "), (" 
          ("std::min", "std::max"), ("std::max", "std::min"), ("0.5 ", "0.25 "), ("2.0 ", "3.0 "), ("return !", "return "), ("if (!", "if ("), ("++", "--")]
 # tests of the program that a folder of app concerns, by their names
 CONCERNED = {"bed": "dem|measure|granular", "cli": "cli", "fit": "fit", "run": "run|resume|variants|info|stops", "scan": "scan", "scene": "scene|mistake|units|options",
-             "theory": "rods|noise|order|theory|medium|variants", "tradeoff": "tradeoff|ways"}
+             "theory": "rods|noise|order|theory|medium|variants"}
 
 
 def candidates(tree, under):

@@ -4,7 +4,6 @@
 #include "rodwake/app/explore.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/run_folder.hpp"
-#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "terminal.hpp"
@@ -110,7 +109,9 @@ int verb_plot(const Options& options) {
         folder = folder.has_parent_path() ? folder.parent_path() : ".";
     if (!fs::is_directory(folder))
         throw InputError(options.target + ": not a run directory; rodwake run SCENE makes one");
-    if (app::run_status(folder).empty() && !app::read_ways(folder) && !fs::exists(folder / "design.json"))
+    const char* others[] = {"tradeoff.json", "ways.json", "design.json"}; // of commands that are no runs
+    if (app::run_status(folder).empty() &&
+        std::ranges::none_of(others, [&](const char* name) { return fs::exists(folder / name); }))
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     if (options.dry_run)
         return 0; // there is something to draw; that is all there is to say

@@ -12,6 +12,38 @@ namespace rodwake::app {
 namespace {
 using enum Lifetime;
 
+// Columns of what `rodwake tradeoff` writes (commands/rodwake_commands/tradeoff.py).
+constexpr ColumnInfo tradeoff_columns[] = {
+    {"method", "1", "rods_run.method"},
+    {"form", "1", "rods_run.form"},
+    {"field", "1", "medium.field"},
+    {"tolerance", "1", "rods_run.rtol; rods_run.atol is a hundredth of it"},
+    {"error", "1", "the kind of error that was asked for; inf: no result, or another outcome"},
+    {"seconds", "s", "CPU time of one run on one thread, the least of the repeats"},
+    {"rhs_evaluations", "1", "right-hand sides of all rods"},
+    {"table_tolerance", "1", "medium.table.tolerance; empty: no table"},
+    {"precision", "1", "rods_run.precision"},
+    {"final_state", "1", "largest difference at the end, f/mu and rad"},
+    {"contact_time", "f/(mu v0)", "difference of the times of contact; empty: there is none"},
+    {"outcome", "1", "share of runs whose outcome differs"},
+    {"path", "1", "largest difference at the output times, f/mu and rad; empty: a scan"},
+    {"repeats", "1", "how often it was timed"},
+    {"status", "1", "ok, or why there is no result"}};
+constexpr ColumnInfo candidate_columns[] = {
+    {"way", "1", "number of the candidate, from 0, which is the reference where there is one among them"},
+    {"keys", "1", "its keys"},
+    {"seconds", "s", "CPU time of one run"},
+    {"runs", "1", "runs it was measured with"},
+    {"quantity", "1", "what was computed; empty: the candidate gave nothing"},
+    {"unit", "1", "of this and the numbers that follow"},
+    {"value", "{unit}", "what was found"},
+    {"error", "{unit}", "standard error of the value"},
+    {"scatter", "{unit}", "standard deviation of one run; 0: all runs give the same"},
+    {"bias", "{unit}", "difference from the reference"},
+    {"bias_error", "{unit}", "standard error of the bias"},
+    {"scale", "{unit}", "what 100 % is"},
+    {"status", "1", "ok, or why there is no result"}};
+
 /// Of the run as a whole.
 std::vector<FileKind> general_files() {
     return {
@@ -25,7 +57,11 @@ std::vector<FileKind> general_files() {
         {"film_<k>.h5md", record, "the film of [tracks], made once of a file in another format"},
         {"result.h5", result, "field and trajectories as datasets with units"},
         {"report.html", result, "figures and numbers of the run on one page"},
-        {explorer_file, result, "the two rods of the run, to be dragged in a browser"}};
+        {explorer_file, result, "the two rods of the run, to be dragged in a browser"},
+        {"tradeoff.json", kept, "the reference, and the settings that rodwake tradeoff tried"},
+        {"tradeoff.csv", kept, "a row a setting: its error and its cost", tradeoff_columns},
+        {"ways.json", kept, "the candidates to compute a part of a scene that rodwake tradeoff tried"},
+        {"ways.csv", kept, "a row a candidate and quantity: value, bias, scatter, cost", candidate_columns}};
 }
 
 std::vector<FileKind> all_kinds() {

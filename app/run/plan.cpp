@@ -64,7 +64,7 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
     if (plan.fit_plan)
         for (const scene::FitModel& model : scene.fit->models)
             model_plan(scene, model, *plan.fit_plan, *plan.fit); // refuses what cannot be weighed
-    if (plan.has(Stage::scan) || (plan.has(Stage::tradeoff) && scene.scan))
+    if (plan.has(Stage::scan))
         plan.scan = plan_scan(scene, inputs.list);
     return plan;
 }

@@ -8,7 +8,6 @@
 #include "fit/fit_stage.hpp"
 #include "rodwake/app/run_context.hpp"
 #include "rodwake/app/run_folder.hpp"
-#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/core/error.hpp"
 #include "scan/scan_parts.hpp"
 #include "stage_kind.hpp"
@@ -63,18 +62,14 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
     if (context.seed)
         apply_seed(scene, *context.seed);
     const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
-    if (has(Stage::field) || has(Stage::rods) || has(Stage::tradeoff))
+    if (has(Stage::field) || has(Stage::rods))
         require_measured(scene, folder, has(Stage::granular) || has(Stage::measure));
     PlanInputs inputs;
     if (has(Stage::fit))
         inputs.fit = read_fit_inputs(scene, folder,
                                      has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
                                                                                  : OwnFiles::required);
-    if (has(Stage::tradeoff) && (noisy(scene) || (scene.noise && scene.scan)))
-        throw InputError("tradeoff compares methods that take no noise: leave [noise] out (-s noise=)");
-    if (has(Stage::tradeoff))
-        settings_of(scene); // refuses what it does not know
-    if (has(Stage::scan) || (has(Stage::tradeoff) && scene.scan))
+    if (has(Stage::scan))
         inputs.list = read_scan_list(scene);
     return make_plan(scene, stages, std::move(inputs));
 }

@@ -20,10 +20,12 @@ namespace fs = std::filesystem;
 namespace {
 
 /// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
-/// what ways to compute a part of the scene cost.
+/// what rodwake tradeoff measured.
 bool is_no_run(const fs::path& file) {
     const std::string name = file.filename().string();
-    return name.starts_with("part-") || name.starts_with("tradeoff_") ||
+    const bool measured = fs::exists(file.parent_path() / "tradeoff.json") &&
+                          (name == "manifest.json" || name == "log.txt" || name == "figures");
+    return name.starts_with("part-") || name.starts_with("tradeoff") || measured ||
            (name.starts_with("provenance.json.") && is_temporary(name)) || name == "rodwake.lock";
 }
 

@@ -58,7 +58,6 @@ StageKind field_stage();
 StageKind rods_stage();
 StageKind order_stage();
 StageKind scan_stage();
-StageKind tradeoff_stage();
 
 // What several stages depend on. `add` takes along what is the stage's own.
 

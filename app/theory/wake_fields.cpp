@@ -57,6 +57,12 @@ std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const 
     return fitted;
 }
 
+std::shared_ptr<const elastic::WakeField> wake_field(const scene::Scene& scene,
+                                                     const std::filesystem::path& folder) {
+    const RunContext context;
+    return WakeFields(context, folder, make_silent_logger()).of(scene);
+}
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -16,7 +16,7 @@ from .words import Units
 
 
 class RunDir:
-    """Opens result.h5, unless the run is a granular one, a fit, a scan or a tradeoff alone, for as long as the `with` block lasts."""
+    """Opens result.h5, unless the run is a granular one, a fit or a scan alone, for as long as the `with` block lasts."""
 
     def __init__(self, path, output=None):
         self.path = Path(path)
@@ -33,10 +33,9 @@ class RunDir:
         self._posterior = PosteriorResult(self.path) if (self.path / POSTERIOR).is_file() else None
         self._scan = ScanRun(self.path) if (self.path / SCAN).is_file() else None
         self.medium = self._json("medium.json")  # of the rods, where it was fitted
-        self.tradeoff = self._json("tradeoff.json")
         self.rods_order = self._json("rods_order.json")
         self.tracks = self._json("tracks.json")
-        alone = (self._granular or self.tracks or self._fit or self._scan or self.tradeoff) and not (self.path / "result.h5").is_file()
+        alone = (self._granular or self.tracks or self._fit or self._scan) and not (self.path / "result.h5").is_file()
         self._result = None if alone else Result(self.path / "result.h5")
         if self.has_result and self.result.has("/rods") and self.outcome is None:
             self.result.close()
@@ -101,14 +100,6 @@ class RunDir:
         if found is None:
             raise MissingError(self.path / name, f"no such file: {why}")
         return found
-
-    @property
-    def has_tradeoff(self):
-        return self.tradeoff is not None
-
-    @property
-    def holds_tradeoff_alone(self):
-        return set((self.provenance or {}).get("stages", ())) == {"tradeoff"}
 
     @property
     def units(self):

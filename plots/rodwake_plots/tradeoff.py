@@ -19,20 +19,25 @@ ERRORS = {"final_state": "error of the last state", "contact_time": "error of th
           "path": "error of the whole path"}
 
 
-def write(run):
+def has_rods(folder):
+    return (Path(folder) / TOLD).is_file()
+
+
+def write(folder, output=None):
     """Paths of the figures made."""
-    path = run.figures_dir / "tradeoff.png"
-    canvas.save(draw(run), path)
+    path = Path(output or folder) / "figures" / "tradeoff.png"
+    canvas.save(draw(Path(folder)), path)
     return [path]
 
 
-def draw(run):
-    rows, told = table(run)
+def draw(folder):
+    rows = files.read_csv(folder / FILE, text=WORDS)
+    told = files.Record(folder / TOLD)
     figure = canvas.figure(style.WIDE, 3.9)
     axes = figure.subplots(1, 2, sharey=True)
     error = np.where(np.isfinite(rows["error"]) & (np.array(rows["status"]) == "ok"), rows["error"], np.nan)
     if not np.isfinite(error).any():
-        raise PlotError(f"{run.path / FILE}: no setting has a {told['error']}")
+        raise PlotError(f"{folder / FILE}: no setting has a {told['error']}")
     floor = lowest(told, error)
     shown = np.maximum(error, floor)
     ways = sorted(set(zip(rows["field"], rows["table_tolerance"].astype(str), rows["precision"])), key=way_order)
@@ -46,10 +51,6 @@ def draw(run):
     axes[1].set(xlabel=f"right-hand sides ({work})")
     axes[1].legend(handles=legend(rows, ways), loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False, fontsize=8, handlelength=2.2)
     return figure
-
-
-def table(run):
-    return files.read_csv(run.path / FILE, text=WORDS), run.tradeoff
 
 
 def lowest(told, error):

@@ -20,5 +20,6 @@ void bind_posterior(py::module_& module);
 void bind_granular(py::module_& module);
 void bind_run(py::module_& module);
 void bind_scan(py::module_& module);
+void bind_tradeoff(py::module_& module);
 
 } // namespace rodwake::python

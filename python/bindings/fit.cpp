@@ -5,9 +5,12 @@
 #include "bind.hpp"
 #include "callbacks.hpp"
 #include "rodwake/app/fit_results.hpp"
+#include "rodwake/app/run.hpp"
+#include "rodwake/core/stopwatch.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <atomic>
@@ -121,35 +124,55 @@ namespace {
 struct FitResult {
     app::FitPlan plan;
     app::FitResults results;
+    double seconds = 0.0; ///< CPU time of the search and of profile likelihoods on this thread
 };
 
 /// The search, and what the program makes of its end; of one that failed the report alone.
 void search(FitResult& result, const fitting::Method& method) {
     const fitting::Problem& problem = result.plan.problem;
+    const Stopwatch watch;
     fitting::Fit fit = fitting::fit(problem, method);
+    result.seconds = watch.seconds();
     if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2)) {
         result.results.report = fitting::report(problem, fit);
         result.results.fit = std::move(fit);
         return;
     }
     result.results = app::fit_results(result.plan, std::move(fit));
+    const Stopwatch more;
     for (const std::string& name : result.plan.keys.likelihood) {
         const auto at = std::ranges::find(problem.parameters, name, &fitting::Parameter::name);
         result.results.likelihood.emplace(
             name, fitting::profile_likelihood(problem, method, result.results.fit,
                                               static_cast<std::size_t>(at - problem.parameters.begin())));
     }
+    result.seconds += more.seconds();
 }
 
-FitResult fit(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
-              const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps, std::size_t threads) {
-    FitResult result{fit_plan(scene, profiles, tracks, maps), {}};
+FitResult fit(app::FitPlan plan, std::size_t threads, double limit) {
+    FitResult result{std::move(plan), {}};
     std::atomic<bool> stopped = false;
+    const auto start = std::chrono::steady_clock::now();
+    const auto elapsed = [&] { return std::chrono::steady_clock::now() - start; };
     fitting::Method method = result.plan.method;
     method.threads = std::max<std::size_t>(threads, 1);
-    method.stop_requested = [&] { return stopped.load(); };
+    method.stop_requested = [&] { return stopped || elapsed() > std::chrono::duration<double>(limit); };
     attended([&] { search(result, method); }, [] {}, [&] { stopped = true; });
     return result;
+}
+
+FitResult fit_arrays(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
+                     const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps,
+                     std::size_t threads) {
+    return fit(fit_plan(scene, profiles, tracks, maps), threads, HUGE_VAL);
+}
+
+/// The fit of a scene, its data read from `folder` or beside the scene; interrupted after `limit` seconds.
+FitResult fit_scene(const scene::Scene& scene, const std::filesystem::path& folder, std::size_t threads,
+                    double limit) {
+    const auto required = app::OwnFiles::required;
+    return fit(app::fit_plan(scene.fit.value(), app::read_fit_inputs(scene, folder, required)), threads,
+               limit);
 }
 
 py::list estimates_of(const FitResult& result, const py::object& make) {
@@ -258,6 +281,8 @@ void bind_fit(py::module_& module) {
         .def("likelihood", &likelihood_of)
         .def("covariance", [](const FitResult& r) { return rows_of(r.results.report.covariance); })
         .def("correlation", [](const FitResult& r) { return rows_of(r.results.report.correlation); })
+        .def_readonly("seconds", &FitResult::seconds)
+        .def_property_readonly("objective", [](const FitResult& r) { return r.results.fit.objective; })
         .def_property_readonly("chi2", [](const FitResult& r) { return r.results.report.chi2; })
         .def_property_readonly("dof", [](const FitResult& r) { return r.results.report.dof; })
         .def_property_readonly("probability", [](const FitResult& r) { return r.results.report.probability; })
@@ -269,7 +294,8 @@ void bind_fit(py::module_& module) {
         .def("text", [](const FitResult& r) {
             return fitting::to_text(r.plan.problem, r.results.fit, r.results.report);
         });
-    module.def("fit", &fit);
+    module.def("fit", &fit_arrays);
+    module.def("fit_scene", &fit_scene);
 }
 
 } // namespace rodwake::python

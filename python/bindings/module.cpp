@@ -20,4 +20,5 @@ PYBIND11_MODULE(_core, module) {
     bind_posterior(module);
     bind_granular(module);
     bind_scan(module);
+    bind_tradeoff(module);
 }

@@ -214,6 +214,6 @@ TEST_CASE("every stage has a name of its own, a key, and files that are none of 
         }
         CHECK_FALSE(kind.files().empty());
     }
-    CHECK(names == std::set<std::string>{"granular", "measure", "fit", "field", "rods", "order", "scan",
-                                         "tradeoff"}); // folders of earlier runs have these
+    CHECK(names == std::set<std::string>{"granular", "measure", "fit", "field", "rods", "order",
+                                         "scan"}); // folders of earlier runs have these
 }

@@ -45,9 +45,8 @@ QUOTED = {
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
     "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
     "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
-    "cpu_seconds": {"app/scan/scan_results.cpp", "app/tradeoff/beds.cpp"},  # of the scan; how long a run takes
+    "cpu_seconds": {"app/scan/scan_results.cpp"},  # of the scan
     "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
-    "final_separation": {"app/tradeoff/rods.cpp"},
     "last_change": {PAIRS},
     "leader": {PAIRS},
     "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
@@ -56,9 +55,8 @@ QUOTED = {
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
-    "rhs_evaluations": {"app/tradeoff/rods.cpp"},
+    "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "separation": {PAIRS},
-    "separation_change": {"app/tradeoff/beds.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},

@@ -24,17 +24,13 @@ class TradeoffFigureTest(PlotCase):
         (self.folder / "tradeoff.csv").write_text("\n".join([HEAD, *(row(*one) for one in rows)]) + "\n")
         told = {"unit": "a run", "error": kind, "reference": {"least_error_quoted": least}}
         (self.folder / "tradeoff.json").write_text(json.dumps(told))
-        (self.folder / "scene.toml").write_text("schema = 1\n")
-        (self.folder / "provenance.json").write_text(json.dumps({"status": "finished", "stages": {"tradeoff": "finished"}}))
 
     def test_drawn_alone(self):
         self.assert_drawn("tradeoff")
 
     def test_front_is_what_no_other_setting_beats(self):
         from rodwake_plots import tradeoff  # found by plot_case
-        from rodwake_plots.run_dir import RunDir
-        with RunDir(self.folder) as run:
-            axes = tradeoff.draw(run).axes[0]
+        axes = tradeoff.draw(self.folder).axes[0]
         front = max(axes.lines, key=lambda line: line.get_linewidth())
         self.assertEqual(list(front.get_xdata()), [1e-4, 2e-4, 8e-4])
         self.assertEqual(list(front.get_ydata())[:2], [1e-4, 1e-7])

@@ -48,7 +48,7 @@ VERBS = {
     "dem": (SHORT_BED, {}, [], "rodwake"),
     "measure": (SHORT_BED + MEASURE, {}, ["dem"], "rodwake"),
     "fit": (FIT.replace("[[fit", "starts = 2\n[[fit"), {"ux.csv": profile()}, [], "rodwake"),
-    "tradeoff": (SHORT_PAIR, {}, [], "rodwake"),
+    "tradeoff": (SHORT_PAIR, {}, [], "python3"),
     "plot": (SHORT_PAIR, {}, ["rods"], "python3"),
 }
 
@@ -150,6 +150,8 @@ class Bench:
     def status(self, place):
         """Of the verb's own stage."""
         try:
+            if self.verb == "tradeoff":
+                return "finished" if json.loads((place / "out/tradeoff.json").read_text())["finished"] else ""
             return json.loads((place / "out/provenance.json").read_text())["stages"].get(STAGES.get(self.verb, self.verb), "")
         except (OSError, ValueError):
             return ""

@@ -38,8 +38,8 @@ std::vector<Case> bed_cases(const scene::Scene& scene);
 const char* to_string(scene::FieldBackend backend);
 
 /// What a run can consist of, in the order in which it is done.
-/// `tradeoff` only where a command asks for it. `end` is none.
-enum class Stage { granular, measure, fit, field, rods, order, scan, tradeoff, end };
+/// `end` is none.
+enum class Stage { granular, measure, fit, field, rods, order, scan, end };
 const char* to_string(Stage stage);
 
 /// Whether the scene has the table that the stage works on: [granular], [measure], ...

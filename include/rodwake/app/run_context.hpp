@@ -1,7 +1,6 @@
 #pragma once
 // What a stage needs of the outside, and all it gets: a terminal, a script and a test give each their own.
 
-#include "rodwake/app/tradeoff.hpp"
 #include "rodwake/scan/run.hpp"
 
 #include <cstddef>
@@ -45,7 +44,6 @@ struct RunContext {
     /// The command that reads and writes films of other programs (convert.hpp): an interpreter and its file.
     std::vector<std::string> converter;
     ScanRequest scan;
-    TradeoffRequest tradeoff;
     /// Who evaluates the points of a scan, and runs the beds; empty: threads of this process.
     std::function<scan::Execute(scan::Evaluate, std::function<bool()> stop)> executor;
 

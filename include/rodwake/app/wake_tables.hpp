@@ -8,6 +8,8 @@
 #include "rodwake/app/run_context.hpp"
 #include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
+#include "rodwake/elastic/wake_field.hpp"
+#include "rodwake/scene/scene.hpp"
 
 #include <array>
 #include <filesystem>
@@ -47,5 +49,10 @@ private:
     std::map<std::pair<double, double>, std::shared_ptr<const elastic::PlaneTable>> planes_;
     std::map<std::array<double, 4>, elastic::PeriodicTable> boxes_; ///< by eta, xi, box, tolerance
 };
+
+/// The wake that the scene asks for by medium.field: exact, from a table, or measured (its file is also
+/// looked for in `folder`).
+std::shared_ptr<const elastic::WakeField> wake_field(const scene::Scene& scene,
+                                                     const std::filesystem::path& folder);
 
 } // namespace rodwake::app
