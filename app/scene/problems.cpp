@@ -81,9 +81,10 @@ std::string one_of_text(Names legal, std::string_view found) {
 std::string unknown_key_text(const std::string& title, const std::string& name, Names known) {
     for (const char* gone : {"speed_deviations", "deviation_lag"})
         if (name == gone)
-            return fmt::format("{} {}: large deviations of a rod's speed were measured up to version 0.3 only, which "
-                               "is tag v0.3.0; leave the key out",
-                               title, name);
+            return fmt::format(
+                "{} {}: large deviations of a rod's speed were measured up to version 0.3 only, which "
+                "is tag v0.3.0; leave the key out",
+                title, name);
     const std::string near = did_you_mean(name, known);
     return fmt::format(
         "{} {}{}. Known keys: {}", title.empty() ? "unknown table or key" : title + " unknown key",

@@ -65,8 +65,8 @@ struct MeasuredMedium {
 /// [medium]: the elastic continuum. eta = (lambda_L + mu)/mu = K/mu, coefficient of grad div over mu; xi =
 /// mu/(zeta v0).
 struct Medium {
-    double eta = 1.0;                         ///< > -1
-    double xi = 1.0;                          ///< > 0, in f/mu; alpha = 1/xi
+    double eta = 1.0; ///< > -1
+    double xi = 1.0;  ///< > 0, in f/mu; alpha = 1/xi
     FieldBackend field = FieldBackend::exact;
     std::optional<FieldTable> table;
     std::optional<MeasuredMedium> measured;
