@@ -2,10 +2,11 @@
 # they use: headers are compiled alone (target headers_alone, test "compile"), and clang-tidy reads sources without these.
 option(RODWAKE_PCH "Precompile the headers of libraries" ON)
 
-# Parts that read, write and report compile in two thirds of the time at -O1 and run as fast; numerics keep the level of the build type.
+# Parts that read, write and report, and tests, compile in two thirds of the time at -O1 and run as fast; numerics keep the level of the
+# build type.
 # With sanitisers even that takes longer than it spares. A precompiled header serves one level: those of RODWAKE_LIGHT share one, tests go
 # by the name of theirs, and unoptimised parts use none.
-set(RODWAKE_LIGHT scene app cli python rodwake_front)
+set(RODWAKE_LIGHT scene app cli python rodwake_front rodwake_checks rodwake_exact_checks)
 set(RODWAKE_UNOPTIMISED "" CACHE STRING "Parts, and precompiled headers of tests, that are compiled with -O0")
 
 function(rodwake_optimise target name)

@@ -48,16 +48,19 @@ install_packages() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq -o DPkg::Lock::Timeout=300 --no-install-recommends $missing >/dev/null
 }
 
-# build_preset PRESET [ARGS of cmake --build]...
+# build_preset PRESET [-D...] [ARGS of cmake --build]...; counts what is compiled.
 build_preset() {
     say "build: preset $*"
-    (cd "$rodwake_root" && cmake --preset "$1" >/dev/null && cmake --build --preset "$@")
+    local preset=$1 settings=()
+    shift
+    while [[ ${1:-} == -D* ]]; do settings+=("$1"); shift; done
+    (cd "$rodwake_root" && cmake --preset "$preset" "${settings[@]}" >/dev/null &&
+        NINJA_STATUS="[compiling %f of %t, %es] " cmake --build --preset "$preset" "$@")
 }
 
 # The program and the benchmarks, in build/release.
 build_benchmarks() {
-    say "build: preset release with benchmarks"
-    (cd "$rodwake_root" && cmake --preset release -DRODWAKE_BENCH=ON >/dev/null && cmake --build --preset release --target rodwake benchmarks)
+    build_preset release -DRODWAKE_BENCH=ON --target rodwake benchmarks
 }
 
 # Where CMake, shells and Python look without being told.

@@ -96,7 +96,7 @@ class InstallTest(unittest.TestCase):
     def test_a_version_that_is_not_there_is_refused(self):
         for version in ("0.2", "99"):
             with self.subTest(version):
-                done = self.find("another", f"rodwake {version} REQUIRED")
+                done = self.find(f"version_{int(float(version))}", f"rodwake {version} REQUIRED", "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF")
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn(version, done.stderr)
 
