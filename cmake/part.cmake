@@ -15,9 +15,9 @@ set(RODWAKE_FLAGS -fno-semantic-interposition -Wall -Wextra -Wpedantic -Wshadow 
 # What a part's sources read most: numbers or text. Reading a precompiled header costs too, so each is small.
 rodwake_precompile(rodwake_numbers PIC LINK fmt::fmt Eigen3::Eigen
                    HEADERS algorithm array cmath functional limits optional span string vector fmt/format.h Eigen/Core)
-rodwake_precompile(rodwake_front PIC LINK fmt::fmt Eigen3::Eigen nlohmann_json::nlohmann_json
+rodwake_precompile(rodwake_front PIC LINK fmt::fmt Eigen3::Eigen
                    HEADERS algorithm array cmath filesystem fstream functional map memory optional set span string vector fmt/format.h
-                   Eigen/Core nlohmann/json.hpp)
+                   Eigen/Core)
 rodwake_precompile(rodwake_text PIC LINK fmt::fmt
                    HEADERS algorithm array cmath functional map memory optional set span string vector fmt/format.h)
 

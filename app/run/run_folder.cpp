@@ -130,12 +130,6 @@ std::string run_status(const fs::path& folder) {
     return json["status"];
 }
 
-bool holds_finished(const fs::path& folder, const scene::Scene& scene, Stage stage) {
-    const std::optional<scene::Scene> old = scene_of(folder);
-    return stage_status(folder, stage) == "finished" && old &&
-           stage_key(*old, stage) == stage_key(scene, stage);
-}
-
 RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const Stage> stages, bool force,
                      bool reopen_scan, bool draws)
     : path_(std::move(path)), lock_([&] {

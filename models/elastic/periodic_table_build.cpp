@@ -172,10 +172,6 @@ double PeriodicTable::Impl::measured_error() const {
     return worst;
 }
 
-std::size_t PeriodicTable::expected_bytes(const Medium& medium, double box, double tolerance) {
-    return first_pieces(medium, box, tolerance).cells() * cell_bytes;
-}
-
 PeriodicTable::PeriodicTable(const Medium& medium, double box, double tolerance, std::size_t threads) {
     const PeriodicField checked(medium, box); // throws for an illegal medium or box
     if (!(tolerance >= smallest_tolerance && tolerance <= largest_tolerance))

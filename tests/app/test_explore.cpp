@@ -201,7 +201,6 @@ TEST_CASE("whatever key a scene has, the page starts from it or is not made and 
             ++legal;
             CAPTURE(line);
             const std::vector<std::string> left = app::left_out_by_explorer(*scene);
-            CHECK(left.empty() == app::shown_by_explorer(*scene));
             if (!left.empty()) {
                 ++refused;
                 CHECK(left.front().starts_with(key.table + "." + key.name));

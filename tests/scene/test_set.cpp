@@ -101,7 +101,7 @@ TEST_CASE("a wrong value is told and leaves the scene as it was") {
         {"granular.phi_b", 0.91, "granular.phi_b = 0.91: must be > 0 and <= 0.9069: a layer of equal discs"},
         {"rods_run.method", "rk4", "rods_run.method = \"rk4\": must be one of auto, bdf, adams, erk"},
         {"medium.field", "dynamics",
-         "medium.field = \"dynamics\": must be one of exact, table, measured, dynamic, auto (did you mean"},
+         "medium.field = \"dynamics\": must be one of exact, table, measured, dynamic (did you mean"},
         {"rods_run.output_interval", 31.0,
          "rods_run.output_interval is 31 f/(mu v0): must be between t_end/1000000"},
         {"medium.fitted", true, "medium.eta is given beside medium.fitted = true"},

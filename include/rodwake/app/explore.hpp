@@ -23,7 +23,6 @@ std::string explorer_page(const std::filesystem::path& folder, const std::option
 
 /// Why the page cannot show the scene's run as it is, a line each; empty: it can.
 std::vector<std::string> left_out_by_explorer(const scene::Scene& scene);
-inline bool shown_by_explorer(const scene::Scene& scene) { return left_out_by_explorer(scene).empty(); }
 
 /// The page beside the report of a run that it shows.
 inline constexpr const char* explorer_file = "explore.html";

@@ -43,9 +43,6 @@ std::string stage_status(const std::filesystem::path& folder, Stage stage);
 /// What the results of a stage depend on, as text: scenes of the same text have the same results of it.
 std::string stage_key(const scene::Scene& scene, Stage stage);
 
-/// Whether the folder holds this stage of this scene, finished.
-bool holds_finished(const std::filesystem::path& folder, const scene::Scene& scene, Stage stage);
-
 /// Throws InputError for a link: what it leads to is not the run's, so nothing is written through it.
 void refuse_link(const std::filesystem::path& path);
 

@@ -53,9 +53,6 @@ public:
     static constexpr std::size_t memory_limit = 128'000'000; ///< bytes
     static constexpr double smallest_tolerance = 1e-10, largest_tolerance = 1e-3;
 
-    /// Of the first try of a table; where it misses the tolerance the next takes up to twice as much.
-    static std::size_t expected_bytes(const Medium& medium, double box, double tolerance);
-
     /// `box` = L in the unit of medium.xi; `tolerance` as above; built on up to `threads` threads,
     /// the same to the bit for any number. Throws InputError, also if the tolerance is out of reach.
     PeriodicTable(const Medium& medium, double box, double tolerance = 1e-8, std::size_t threads = 1);
