@@ -1,15 +1,18 @@
 """Making and saving a figure."""
 
+import functools
 import io
 import math
 
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends import backend_agg
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.markers import MarkerStyle
+from matplotlib.mathtext import MathTextParser
 from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, MaxNLocator, NullFormatter
@@ -17,6 +20,9 @@ from matplotlib.transforms import Affine2D, Bbox
 
 from . import files, style, words
 from .errors import PlotError
+
+# A figure is drawn by several renderers, and to parse its mathematical texts for each of them took a third of the time: they share a parser.
+backend_agg.MathTextParser = functools.cache(MathTextParser)
 
 
 class ShownFigure(Figure):

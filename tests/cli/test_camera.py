@@ -33,7 +33,7 @@ class CameraTest(ProgramTest):
     def setUp(self):
         super().setUp()
         self.write("bed.toml", BED)
-        self.expect(0, "dem", "bed.toml", "-o", "bed", "--quiet")
+        self.made_once("bed", "dem", "bed.toml", "--quiet")
 
     def measured(self, folder):
         return json.loads((self.folder / folder / "measure.json").read_text())

@@ -81,8 +81,7 @@ class DesignTest(ProgramTest):
         self.assertNotEqual(told["designs"], self.weigh("--list", "designs.csv", "--seed", "5")[0]["designs"])
 
     def test_rods_that_diffuse_tell_less(self):
-        keys = ("-s", "fit.fixed.D_r=0.0"), ("-s", "fit.fixed.D_r=0.3")
-        still, wandering = (self.weigh(*one)[0]["designs"][0] for one in keys)
+        still, wandering = self.weigh("--vary", "fit.fixed.D_r=0.0,0.3")[0]["designs"]
         self.assertGreater(still["information"], wandering["information"] + 0.2)
 
     def test_what_cannot_be_weighed_is_refused(self):

@@ -6,7 +6,7 @@ import math
 import signal
 
 import rodwake
-from fits import FIT, FitTest
+from fits import FIT, PRIORS, FitTest
 from rodwake import wait_until
 
 PAIR = """schema = 1
@@ -45,14 +45,7 @@ name = "none"
 set = { "fit.parameters" = [] }
 """
 SIGMA = 0.01
-PRIORS = """[fit.posterior]
-evidence = true
-samples = 4000
-[fit.posterior.priors]
-f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }
-eta = { kind = "log_uniform", low = 0.05, high = 50.0 }
-xi = { kind = "uniform", low = 1.0, high = 200.0 }
-[[fit.models]]
+NESTED = PRIORS + """[[fit.models]]
 name = "first"
 set = { "fit.parameters" = ["f_over_mu", "xi"], "fit.fixed.eta" = 1.3 }
 [[fit.models]]
@@ -150,7 +143,7 @@ class ModelsTest(FitTest):
 
     def test_a_killed_one_goes_on_to_the_same_bytes_and_samples_no_rival_twice(self):
         self.make_profile()
-        self.write("fit.toml", FIT + PRIORS)
+        self.write("fit.toml", FIT + NESTED)
         command = ("fit", "fit.toml", "-o", "out", "--quiet")
         with self.started(*command) as process:
             ledger = self.folder / "out/models/second/posterior_blocks.log"
@@ -169,7 +162,7 @@ class ModelsTest(FitTest):
 
     def test_rivals_are_sampled_for_their_evidence_alone(self):
         self.make_profile()
-        self.write("fit.toml", FIT + PRIORS.replace("samples = 4000", "samples = 40").replace("evidence = true\n", ""))
+        self.write("fit.toml", FIT + NESTED.replace("samples = 4000", "samples = 40").replace("evidence = true\n", ""))
         for evidence, count in (("true", 3), ("default", 1)):
             keys = ("-s", "fit.posterior.evidence=true") if evidence == "true" else ()
             self.assertEqual("of each of 3 models" in self.expect(0, "check", "fit.toml", *keys).stdout, evidence == "true")
@@ -203,7 +196,7 @@ class ModelsTest(FitTest):
 
     def test_without_the_evidence_of_one_the_weights_are_those_of_aic(self):
         self.make_profile()
-        text = PRIORS.replace("samples = 4000", "samples = 32").replace('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.evidence" = false')
+        text = NESTED.replace("samples = 4000", "samples = 32").replace('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.evidence" = false')
         _, done = self.fit(FIT + text)
         told = json.loads((self.folder / "out/models.json").read_text())
         self.assertEqual(told["weight_from"], "aic")
@@ -220,7 +213,7 @@ class ModelsTest(FitTest):
             ('set = { "fit.parameters" = ["f_over_mu", "eta"], "fit.fixed.xi" = 40.0 }', 'set = { "fit.posterior.samples" = 400 }', "leaves the same model"),
         ):
             with self.subTest(new=new):
-                self.write("fit.toml", FIT + PRIORS.replace(old, new))
+                self.write("fit.toml", FIT + NESTED.replace(old, new))
                 self.assertRegex(self.expect(2, "fit", "fit.toml", "-o", "out").stderr, message)
 
     def test_rivals_that_cannot_be_weighed_are_refused_before_anything_runs(self):

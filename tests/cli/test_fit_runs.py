@@ -29,7 +29,7 @@ class FittedMediumTest(FitTest):
         self.make_profile()
         for name, periodic in (("plane", ""), ("box", "periodic = 30.0\n"), ("rectangle", "periodic = [30.0, 20.0]\n")):
             self.write("fitted.toml", FIT + FIELD + RODS + FIGURE + FITTED + periodic)
-            self.expect(0, "run", "fitted.toml", "-o", name, "--quiet")
+            self.expect(0, "run", "fitted.toml", "-o", name, "--quiet", "--no-figures")
             medium = json.loads((self.folder / name / "medium.json").read_text())
             found = {key: one["value"] for key, one in json.loads((self.folder / name / "fit.json").read_text())["parameters"].items()}
             self.assertEqual(medium["eta"], found["eta"])
@@ -52,7 +52,7 @@ class FittedMediumTest(FitTest):
         self.make_profile(sigma=SIGMA / 8)  # so that eta = 0.6 is seen to be wrong
         text = FIT.replace("[[fit.prof", "bounds = { eta = [0.05, 0.6] }\n[[fit.prof").replace("eta = 2.0", "eta = 0.5")
         self.write("fitted.toml", text + FIELD + FIGURE + FITTED)
-        done = self.expect(0, "run", "fitted.toml", "-o", "out")
+        done = self.expect(0, "run", "fitted.toml", "-o", "out", "--no-figures")
         medium = json.loads((self.folder / "out/medium.json").read_text())
         self.assertEqual((medium["eta"], medium["eta_stderr"]), (0.6, None))
         self.assertGreater(medium["xi_stderr"], 0.0)
@@ -65,7 +65,7 @@ class FittedMediumTest(FitTest):
         self.make_profile()
         text = FIT.replace('"eta", ', "").replace("[[fit.prof", "fixed = { eta = 1.3 }\n[[fit.prof").replace("eta = 2.0, ", "")
         self.write("fitted.toml", text + FIELD + FIGURE + FITTED)
-        done = self.expect(0, "run", "fitted.toml", "-o", "out")
+        done = self.expect(0, "run", "fitted.toml", "-o", "out", "--no-figures")
         medium = json.loads((self.folder / "out/medium.json").read_text())
         self.assertEqual((medium["eta"], medium["eta_stderr"]), (1.3, None))
         self.assertGreater(medium["xi_stderr"], 0.0)
@@ -305,7 +305,7 @@ class OfARunTest(FitTest):
         self.expect(0, "fit", "bed.toml", "-o", "run", "--force", "-s", "fit.core=5.0", "--quiet")
         self.assertIn("core = 5.0", (self.folder / "run/scene.toml").read_text())
         (self.folder / "profile_Ux_x.csv").unlink()
-        self.expect(0, "run", "bed.toml", "-o", "whole", "--quiet")
+        self.expect(0, "run", "bed.toml", "-o", "whole", "--quiet", "--no-figures")
         whole = json.loads((self.folder / "whole/fit.json").read_text())
         self.assertEqual(whole["parameters"], found["parameters"])
 

@@ -71,8 +71,7 @@ class MeasureTest(ProgramTest):
         self.write("bed.toml", BED)
 
     def made(self, run="run", *arguments):
-        self.expect(0, "dem", "bed.toml", "-o", run, "--quiet", *arguments)
-        return self.folder / run
+        return self.made_once(run, "dem", "bed.toml", "--quiet", *arguments)
 
     def measured(self, run="run", *arguments):
         self.expect(0, "measure", "bed.toml", "-o", run, "--quiet", *arguments)
@@ -106,20 +105,20 @@ class SameBitsTest(MeasureTest):
             self.assert_same("run", "offline")
 
     def test_interrupted_run(self):
-        long = ("-s", "granular.duration=6 s", "-s", "granular.output.checkpoint=0.05")
+        long = ("-s", "granular.duration=2 s", "-s", "granular.output.checkpoint=0.05")
         self.made("whole", *long)
         self.measured("whole", *long)
         with self.started("dem", "bed.toml", "-o", "cut", "--quiet", *long) as process:
             self.assertTrue(wait_until((self.folder / "cut/checkpoint.rwc").exists, 30))
             self.stop(process, signal.SIGTERM, 5.0)
-        self.made("cut", *long)
+        self.expect(0, "dem", "bed.toml", "-o", "cut", "--quiet", *long)
         self.measured("cut", *long)
         self.assert_same("whole", "cut")
 
     def test_run_is_dem_and_measure(self):
         self.made()
         self.measured()
-        self.expect(0, "run", "bed.toml", "-o", "all", "--quiet")
+        self.expect(0, "run", "bed.toml", "-o", "all", "--quiet", "--no-figures")
         self.assert_same("run", "all")
         self.assertEqual(self.status("all"), "finished")
 
@@ -256,13 +255,12 @@ class ManyCasesTest(MeasureTest):
         change = abs(last["y0"][-1] - last["y1"][-1]) - abs(last["y0"][0] - last["y1"][0])
         self.assertAlmostEqual(rows["last_change"][0], change / A, places=6)
 
-
     def test_pairs_as_the_run_sees_them(self):
         """The run follows a pair every 7 steps, the tracks have a row every 0.01 s: half a box apart by one row at most. The rods
         stand beside each other across the edge of the box."""
-        self.write("bed.toml", BED.replace('position = ["16 a", "16 a"]', 'position = ["8 a", "28 a"]\n'
-                   '[[granular.rods]]\nposition = ["8 a", "4 a"]'))
-        keys = ("-s", "measure.displacement=none", "-s", "measure.pairs=true", "-s", "granular.runs=2", "-s", "granular.duration=9 s", "-s", "granular.stop_at_travel=16 a",
+        self.write("bed.toml", BED.replace("32 a", "24 a").replace('position = ["16 a", "16 a"]', 'position = ["8 a", "22 a"]\n'
+                   '[[granular.rods]]\nposition = ["8 a", "6 a"]'))
+        keys = ("-s", "measure.displacement=none", "-s", "measure.pairs=true", "-s", "granular.runs=2", "-s", "granular.duration=9 s", "-s", "granular.stop_at_travel=12 a",
                 "-s", "granular.output.formats=[]")
         run = self.made("run", *keys, "-j", 2)
         self.measured("run", *keys)
@@ -367,7 +365,7 @@ class RefusalTest(MeasureTest):
 
     def test_no_crystal(self):
         keys = ("-s", "granular.phi_b=0.4")
-        done = self.expect(1, "run", "bed.toml", "-o", "run", "--quiet", *keys)
+        done = self.expect(1, "run", "bed.toml", "-o", "run", "--quiet", "--no-figures", *keys)
         self.assertRegex(done.stderr, "measure: displacement: .*crystal")
         found = json.loads((self.folder / "run/measure.json").read_text())
         self.assertEqual(set(found["not_measured"]), {"displacement"})

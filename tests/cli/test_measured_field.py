@@ -121,7 +121,7 @@ class MeasuredFieldTest(ProgramTest):
         self.assertIn("field measured in measure.h5", text)
         self.expect(0, "rods", "scene.toml", "--dry-run")
         self.assertEqual(snapshot(self.folder), before)
-        self.expect(0, "run", "scene.toml", "-o", "out", "--quiet")
+        self.expect(0, "run", "scene.toml", "-o", "out", "--quiet", "--no-figures")
         self.assertFalse((self.folder / "out/variants/theory/ensemble.csv").exists())
         self.assertTrue((self.folder / "out/ensemble.csv").exists())
         self.expect(0, "field", "scene.toml", "-o", "exact", "-s", "medium.field=exact", "-s", f"medium.eta={ETA}",

@@ -228,7 +228,7 @@ class PlotTest(ProgramTest):
         self.assertTrue((self.folder / "out/report.html").is_file())
 
     def test_a_folder_named_as_an_option(self):
-        self.expect(0, "run", "pair.toml", "-o", "-x")
+        self.expect(0, "run", "pair.toml", "-o", "-x", "--no-figures")
         self.expect(0, "plot", "--width", "column", "--", "-x")
         self.assertTrue((self.folder / "-x/report.html").is_file())
         self.write("-x.xyz", "1\na comment\nA 1 2 0\n")

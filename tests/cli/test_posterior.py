@@ -7,17 +7,8 @@ import unittest
 import h5py
 import numpy as np
 import xarray
-from fits import FIT, TRUE, FitTest, columns
+from fits import FIT, PRIORS, TRUE, FitTest, columns
 from rodwake import wait_until
-
-PRIORS = """[fit.posterior]
-evidence = true
-samples = 4000
-[fit.posterior.priors]
-f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }
-eta = { kind = "log_uniform", low = 0.05, high = 50.0 }
-xi = { kind = "uniform", low = 1.0, high = 200.0 }
-"""
 
 
 class PosteriorTest(FitTest):

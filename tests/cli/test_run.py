@@ -149,7 +149,7 @@ class RunTest(ProgramTest):
     def test_stages_of_a_scene_add_up(self):
         self.expect(0, "rods", THEORY_PAIR, "-o", "out")
         self.expect(0, "field", THEORY_PAIR, "-o", "out")
-        self.expect(0, "run", THEORY_PAIR, "-o", "whole")
+        self.expect(0, "run", THEORY_PAIR, "-o", "whole", "--no-figures")
         for name in ("rods.csv", "outcome.json", "field_cut_0.csv"):
             self.assertEqual((self.folder / "out" / name).read_bytes(), (self.folder / "whole" / name).read_bytes())
         with h5py.File(self.folder / "out/result.h5") as parts, h5py.File(self.folder / "whole/result.h5") as whole:

@@ -167,7 +167,7 @@ class TableTest(BedScanTest):
             self.assertTrue((self.folder / "out" / name).exists(), name)
 
     def test_run_scans_instead_of_the_bed_as_written(self):
-        self.expect(0, "run", "beds.toml", "-o", "out", "--quiet")
+        self.expect(0, "run", "beds.toml", "-o", "out", "--quiet", "--no-figures")
         self.assertEqual(self.status("out"), "finished")
         self.assertFalse((self.folder / "out/runs").exists())
         self.assertEqual(len(rows_of(self.folder / "out/scan.csv")), 6)

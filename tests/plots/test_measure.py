@@ -213,7 +213,12 @@ class SeveralRunsTest(MeasureCase):
     KEYS = dict(phis=(0.70, 0.735, 0.8), runs=3, labels=["hexatic one", r"$\phi_b = 0.8$"])
 
     def test_every_kind_by_default(self):
-        self.assert_drawn(*GRANULAR, *ORDER, *SEEN_FROM_A_ROD, "pair_tracks", *SERIES)
+        with run_dir.RunDir(self.folder) as run:
+            self.assertEqual({one.name for one in draw.figures_of(run)}, {*GRANULAR, *ORDER, *SEEN_FROM_A_ROD, "pair_tracks", *SERIES})
+        kinds = (*GRANULAR, *ORDER, "flow", "dragged", "displacement_map", "heading_diffusion", "profile", "series")
+        with (self.folder / "scene.toml").open("a") as scene:
+            scene.writelines(figure(kind, kind) for kind in kinds)
+        self.assert_drawn(*kinds)
         page = re.sub("<[^>]*>", "", (self.folder / "report.html").read_text())
         for part in ("φb = 0.7:", "φb = 0.8", "hexatic one: hexatic", "(a)", "(c)"):
             self.assertIn(part, page)

@@ -14,6 +14,15 @@ start = { f_over_mu = 1.5, eta = 2.0, xi = 15.0 }
 file = "ux.csv"
 """
 
+PRIORS = """[fit.posterior]
+evidence = true
+samples = 4000
+[fit.posterior.priors]
+f_over_mu = { kind = "normal", mean = 2.0, sd = 1.0 }
+eta = { kind = "log_uniform", low = 0.05, high = 50.0 }
+xi = { kind = "uniform", low = 1.0, high = 200.0 }
+"""
+
 TRUE = {"f_over_mu": 2.2, "eta": 1.3, "xi": 22.0}
 SIGMA = 0.004
 X = np.concatenate([np.arange(-39.5, -3.0), np.arange(4.0, 20.0)])

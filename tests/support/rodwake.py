@@ -1,8 +1,10 @@
 """Runs the program as a user does: in a fresh folder, with what it prints and leaves to look at."""
 
+import atexit
 import contextlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -67,6 +69,9 @@ def wait_until(condition, seconds):
     return bool(condition())
 
 
+FINISHED = {}  # of made_once(), removed when the process ends
+
+
 class ProgramTest(unittest.TestCase):
     """Each test has a fresh current folder, self.folder."""
 
@@ -83,7 +88,7 @@ class ProgramTest(unittest.TestCase):
 
     def run_program(self, *arguments, env=None, **options):
         """The finished process; never raises for an exit code."""
-        return subprocess.run(command(*arguments), cwd=self.folder, text=True, capture_output=True, timeout=120,
+        return subprocess.run(command(*arguments), cwd=self.folder, text=True, capture_output=True, timeout=600,
                               env={**os.environ, **(env or {})}, **options)
 
     def expect(self, code, *arguments, **options):
@@ -94,6 +99,19 @@ class ProgramTest(unittest.TestCase):
             self.assertEqual(done.stdout, "", arguments)
             self.assertNotEqual(done.stderr, "", arguments)
         return done
+
+    def made_once(self, run, *arguments):
+        """The folder of a finished run: the program makes it for the first test that asks for these scenes and arguments, the others
+        get a copy."""
+        key = (arguments, *(path.read_text() for path in sorted(self.folder.glob("*.toml"))))
+        if key in FINISHED:
+            shutil.copytree(Path(FINISHED[key].name) / "run", self.folder / run)
+        else:
+            self.expect(0, *arguments, "-o", run)
+            FINISHED[key] = tempfile.TemporaryDirectory(prefix="rodwake-finished-")
+            atexit.register(FINISHED[key].cleanup)
+            shutil.copytree(self.folder / run, Path(FINISHED[key].name) / "run")
+        return self.folder / run
 
     def refuse(self, code, pattern, *arguments, **options):
         """An error with this text that leaves no file behind or changed."""

@@ -38,6 +38,8 @@ class BlocksTest(ProgramTest):
     def test_scenes_are_shortened(self):
         self.assertIn("scan.resolution=16", extra_arguments(["scan", "scenes/phase_alpha.toml", "-j", "2"]))
         self.assertEqual(extra_arguments(["dem", "scenes/pair_crystal.toml"]), ["--dry-run"])
+        self.assertEqual(extra_arguments(["run", "scenes/pair.toml"]), ["--no-figures"])
+        self.assertEqual(extra_arguments(["run", "scenes/pair.toml", "-s", "figures.0.name=a"]), [])
         self.assertEqual(extra_arguments(["check", "scenes/phase_alpha.toml"]), [])
         self.assertEqual(extra_arguments(["rods", "mine.toml", "-s", "a.b=scenes/wake.toml"]), [])
 
