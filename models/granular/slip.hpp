@@ -79,7 +79,7 @@ void slide_curved(const ContactTerms& contact, ImpactProgress& at);
 /// Most Taylor steps of one impact. A step covers a fixed part of the convergence radius, which is at least
 /// about 1/scale and grows as the path slows down; in it r changes by a factor of e or more, or phi turns on,
 /// which it does at most once around. From a slip of 1e24 down to the tolerance r falls by some 120 factors
-/// of e. Some 70 steps are the most of a million hard cases (tests/granular/test_impact_bounds.cpp).
+/// of e. Some 70 steps are the most of a million hard cases (tests/granular/test_impact_closed.cpp).
 inline constexpr int most_slip_steps = 1000;
 
 /// Slip along a root of h, until it stops or the impact ends. Throws RunError if K is not positive definite.

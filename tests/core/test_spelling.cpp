@@ -1,7 +1,10 @@
 #include "rodwake/core/spelling.hpp"
 
 #include <catch2/catch.hpp>
+
 #include <vector>
+
+using rodwake::first_difference;
 
 TEST_CASE("edit distance and the nearest name") {
     using namespace rodwake;
@@ -33,4 +36,12 @@ TEST_CASE("words of others are shown without what a terminal would obey, and cut
     CHECK(shown("a\nb") == "a\\x0ab");
     CHECK(shown(std::string(5'000'000, '9')) == std::string(60, '9') + "...");
     CHECK(shown(std::string(59, 'x') + "ä") == std::string(59, 'x') + "..."); // not within a character
+}
+
+TEST_CASE("The first line that differs is told with both its forms") {
+    CHECK(first_difference("a = 1\nb = 2\nc = 3\n", "a = 1\nb = 4\nc = 5\n") == "b = 2 there, b = 4 here");
+    CHECK(first_difference("a = 1\n", "a = 1\nb = 2\n") == "nothing there, b = 2 here");
+    CHECK(first_difference("a = 1\n\nb = 2", "a = 1\n") == "b = 2 there, nothing here");
+    CHECK(first_difference("", "a") == "nothing there, a here");
+    CHECK(first_difference("a\n", "a") == "no line");
 }

@@ -4,6 +4,7 @@
 #include "periodic_oracle.hpp"
 #include "stencil.hpp"
 
+#include "rodwake/core/rng.hpp"
 #include "rodwake/elastic/periodic.hpp"
 
 #include <algorithm>
@@ -12,7 +13,17 @@
 
 namespace rodwake::oracle {
 
+inline constexpr double pi = std::numbers::pi;
+inline constexpr double headings[] = {0.0, 0.3, pi / 4, 1.2, pi / 2, 3.0, -2.2};
 inline constexpr elastic::FieldRequest plain{true, true, true, true, false};
+inline constexpr elastic::FieldRequest with_gradients{.strain = true, .polar = true, .gradients = true};
+
+/// A random case: a square for every other k, else sides up to 4 times each other; boxes from 1e-3 to
+/// `largest_ratio` screening lengths, soft and stiff media, places near the rod and up to the far end.
+BoxPoint sample(RandomStream& random, int k, double largest_ratio);
+inline elastic::PeriodicField field_of(const BoxPoint& p) {
+    return {{.eta = p.eta, .xi = p.xi}, p.sides(), p.heading};
+}
 
 /// Norms of the five plain quantities: displacement, strain, laplacian, gradient_of_trace, dipole.
 using Norms = std::array<double, 5>;
@@ -35,6 +46,12 @@ Norms largest_on_circle(double r, NormsAt norms_at) {
 }
 /// The largest of distances/scale.
 double worst(const Norms& distances, const Norms& scale);
+/// a + times b.
+Norms sum(Norms a, const Norms& b, double times = 1.0);
+/// The gradients by x or by y in place of the quantities that they are gradients of; the rest is 0.
+elastic::FieldValues by_place(const elastic::FieldValues& f, bool by_x);
+/// The angle over which the field changes: a wave of the box over 2 pi xi/L, an image by its distance.
+double angle_of_change(const BoxPoint& p);
 
 /// d/dh at h = 0 of each plain quantity of field_at(h), by difference quotients of that step.
 template<class FieldAt>

@@ -1,7 +1,11 @@
 // The wake on the plane as a table: its error against the exact field, what is exact in it, symmetry.
 
+#include "periodic_cases.hpp"
+#include "stencil.hpp"
+
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/rng.hpp"
+#include "rodwake/elastic/periodic_table.hpp"
 #include "rodwake/elastic/plane_table.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,6 +15,14 @@
 
 using namespace rodwake;
 using namespace rodwake::elastic;
+using namespace rodwake::oracle;
+using elastic::FieldRequest;
+using elastic::FieldValues;
+using elastic::Medium;
+using elastic::PeriodicField;
+using elastic::PeriodicTable;
+using elastic::Source;
+using elastic::Vector;
 
 namespace {
 
@@ -51,7 +63,7 @@ TEST_CASE("polar vectors and gradients follow from the table, in any unit and on
     const Medium medium{.eta = 1.7, .xi = 3.0};
     const auto field = table_field(table_of(medium.eta, tolerance), medium);
     const auto wake = field->wake(0.4);
-    const Field exact(medium);
+    const elastic::Field exact(medium);
     constexpr FieldRequest all{
         .displacement = true, .strain = true, .polar = true, .dipole = true, .gradients = true};
     RandomStream random(3);
@@ -77,7 +89,7 @@ TEST_CASE("polar vectors and gradients follow from the table, in any unit and on
 TEST_CASE("the core and the far field are exact") {
     const Medium medium{.eta = 1.0, .xi = 2.0};
     const auto wake = table_field(table_of(1.0, 1e-2), medium)->wake(0.0);
-    const Field exact(medium);
+    const elastic::Field exact(medium);
     for (const auto& [x, y] : {std::pair{1e-5, 2e-5}, {-1e-9, 0.0}, {-700.0, 3.0}, {1e6, -1.0}}) {
         const FieldValues a = wake->at(x, y, {.strain = true, .polar = true}),
                           b = exact.at(x, y, {.strain = true, .polar = true});
@@ -94,4 +106,189 @@ TEST_CASE("a table is the same whatever the threads, and is made for one eta", "
     CHECK_THROWS_WITH(table_field(table_of(0.5, 1e-2), {.eta = 0.6, .xi = 1.0}), Catch::Contains("eta"));
     CHECK_THROWS_WITH(make_plane_table(1.0, 0.0), Catch::Contains("tolerance"));
     CHECK_THROWS_AS(make_plane_table(-2.0, 1e-3), InputError);
+}
+
+// --- The table of the periodic field against the field itself
+
+namespace {
+
+constexpr double box = 3.0;
+
+Medium medium_of(double ratio, double eta) { return {.eta = eta, .xi = box / ratio}; }
+
+/// Components and place from the rod's frame to the lab's; plain quantities.
+FieldValues to_lab(const FieldValues& f, double heading) {
+    const double c = std::cos(heading), s = std::sin(heading);
+    FieldValues g = f;
+    g.displacement = turned(f.displacement, c, s);
+    g.strain = turned(f.strain, c, s);
+    g.laplacian = turned(f.laplacian, c, s);
+    g.gradient_of_trace = turned(f.gradient_of_trace, c, s);
+    g.dipole = turned(f.dipole, c, s);
+    return g;
+}
+
+/// A place within two cells about a source somewhere, and any heading.
+struct Case {
+    Source source;
+    double x, y;
+
+    explicit Case(RandomStream& random)
+        : source{random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0), random.uniform(-20.0, 20.0)},
+          x(source.x + random.uniform(-4.0, 4.0)), y(source.y + random.uniform(-4.0, 4.0)) {}
+
+    Vector from_rod() const { return to_rod(source.heading, x - source.x, y - source.y); }
+    double distance() const { // from the nearest image
+        return std::hypot(std::remainder(x - source.x, box), std::remainder(y - source.y, box));
+    }
+};
+
+} // namespace
+
+TEST_CASE("the table of the periodic field is the field within its tolerance") {
+    for (const auto& [ratio, eta, tolerance] : {std::array{1e-3, 1.3, 1e-8},
+                                                {0.02, 30.0, 1e-8},
+                                                {3.0, 1.3, 1e-10},
+                                                {8.0, 0.01, 1e-8},
+                                                {12.0, -0.3, 1e-6},
+                                                {20.0, 1.3, 1e-5}}) {
+        const PeriodicTable table(medium_of(ratio, eta), box, tolerance, 2);
+        CAPTURE(ratio, eta, tolerance, table.error());
+        CHECK(table.error() <= tolerance);
+        CHECK(table.error() > 1e-4 * tolerance); // measured at all
+        CHECK(table.bytes() < PeriodicTable::memory_limit);
+        RandomStream random(121);
+        double largest = 0.0;
+        for (int k = 0; k < 200; ++k) {
+            const Case at(random);
+            const PeriodicField field(table.medium(), box, at.source.heading);
+            const Vector place = at.from_rod();
+            const FieldValues exact = to_lab(field.at(place.x, place.y, plain), at.source.heading);
+            const Norms scale = largest_at(field, at.distance());
+            largest =
+                std::max(largest, worst(distances(table.at(at.source, at.x, at.y, plain), exact), scale));
+        }
+        CHECK(largest < 3.0 * tolerance); // a sample of 640 places may miss the worst
+    }
+}
+
+TEST_CASE("gradients of the table are those of the field") {
+    for (const auto& [ratio, eta] : {std::pair{0.01, 1.3}, {4.0, 10.0}, {15.0, 0.5}}) {
+        const PeriodicTable table(medium_of(ratio, eta), box);
+        RandomStream random(122);
+        for (int k = 0; k < 60; ++k) {
+            const Case at(random);
+            const Vector place = at.from_rod();
+            const double c = std::cos(at.source.heading), s = std::sin(at.source.heading);
+            const FieldRequest request{.strain = true, .polar = true, .gradients = true};
+            const PeriodicField field(table.medium(), box, at.source.heading);
+            const FieldValues got = table.at(at.source, at.x, at.y, request),
+                              own = field.at(place.x, place.y, request);
+            const auto strain_x = turned(own.strain_x, c, s), strain_y = turned(own.strain_y, c, s);
+            const auto lap_x = turned(own.laplacian_x, c, s), lap_y = turned(own.laplacian_y, c, s);
+            const Norms scale = largest_at(field, at.distance());
+            CAPTURE(ratio, eta, k, place.x, place.y);
+            // 1e-8 of the strain over pieces of L/6, times the square of the degree, 64, at their ends
+            const double strain = 1e-6 * scale[1] / box, lap = 1e-6 * scale[2] / box;
+            CHECK(std::abs(got.strain_x.xy - (c * strain_x.xy - s * strain_y.xy)) < strain);
+            CHECK(std::abs(got.strain_y.xx - (s * strain_x.xx + c * strain_y.xx)) < strain);
+            CHECK(std::abs(got.laplacian_x.y - (c * lap_x.y - s * lap_y.y)) < lap);
+            CHECK(std::abs(got.laplacian_y.x - (s * lap_x.x + c * lap_y.x)) < lap);
+            CHECK(got.strain.xy == table.at(at.source, at.x, at.y, {.strain = true}).strain.xy);
+        }
+    }
+}
+
+TEST_CASE("the derivative of the table by heading is that of the field") {
+    for (const auto& [ratio, eta] : {std::pair{0.01, 1.3}, {4.0, 10.0}, {15.0, 0.5}}) {
+        const PeriodicTable table(medium_of(ratio, eta), box);
+        RandomStream random(123);
+        for (int k = 0; k < 60; ++k) {
+            const Case at(random);
+            const auto field_at = [&](double h) {
+                Case changed = at;
+                changed.source.heading += h;
+                const Vector place = changed.from_rod();
+                return to_lab(
+                    PeriodicField(table.medium(), box, changed.source.heading).at(place.x, place.y, plain),
+                    changed.source.heading);
+            };
+            const FieldValues got = table.by_heading(at.source, at.x, at.y, plain);
+            const PeriodicField field(table.medium(), box, at.source.heading);
+            const double rate = std::max(1.0, ratio / pi); // of the field's change by heading
+            Norms scale = largest_at(field, at.distance());
+            for (double& one : scale)
+                one *= rate;
+            CAPTURE(ratio, eta, k, at.source.heading);
+            // 1e-8 over pieces of an eighth turn and less, times the square of the degree, 121, at their ends
+            CHECK(worst(distances(got, field_difference(field_at, 0.01 / rate)), scale) < 1e-6);
+            CHECK(norms(got)[1] > 0.0);
+        }
+    }
+}
+
+TEST_CASE("the table knows what the images do to their own rod") {
+    for (const double ratio : {0.01, 5.0, 15.0}) {
+        const PeriodicTable table(medium_of(ratio, 2.0), box);
+        for (const double heading : {0.0, 0.3, pi / 4, -0.2, 1.2, 3.0, -2.2, 40.0}) {
+            const PeriodicField field(table.medium(), box, heading);
+            const FieldValues own = table.at_own_place(heading, plain);
+            const Norms scale = largest_at(field, 0.5 * box);
+            CAPTURE(ratio, heading);
+            CHECK(worst(distances(own, to_lab(field.at_own_place(plain), heading)), scale) < 1e-8);
+            const FieldValues f = field.at_own_place(plain), turn = field.own_place_by_heading(plain);
+            // in the lab's components the field turns too
+            FieldValues sum = turn;
+            sum.strain.xx -= 2.0 * f.strain.xy;
+            sum.strain.xy += f.strain.xx - f.strain.yy;
+            sum.strain.yy += 2.0 * f.strain.xy;
+            const FieldValues exact = to_lab(sum, heading), got = table.own_place_by_heading(heading, plain);
+            CHECK(distances(got, exact)[1] < 1e-6 * scale[1] * std::max(1.0, ratio / pi));
+            const FieldValues gradients = table.at_own_place(heading, {.strain = true, .gradients = true});
+            CHECK(gradients.strain.xy == Approx(own.strain.xy).epsilon(0).margin(1e-13 * scale[1]));
+            const auto along = field.at_own_place({.strain = true, .gradients = true});
+            const double c = std::cos(heading), s = std::sin(heading);
+            CHECK(std::abs(gradients.strain_x.xy -
+                           (c * turned(along.strain_x, c, s).xy - s * turned(along.strain_y, c, s).xy)) <
+                  1e-6 * scale[1] / box);
+        }
+    }
+}
+
+TEST_CASE("the table is the same for any number of threads", "[threads]") {
+    const PeriodicTable one(medium_of(10.0, 1.3), box, 1e-6, 1), two(medium_of(10.0, 1.3), box, 1e-6, 2);
+    RandomStream random(124);
+    for (int k = 0; k < 50; ++k) {
+        const Case at(random);
+        CHECK(one.at(at.source, at.x, at.y, plain).strain.xy ==
+              two.at(at.source, at.x, at.y, plain).strain.xy);
+    }
+    CHECK(one.error() == two.error());
+}
+
+TEST_CASE("only what is asked of a table is evaluated") {
+    const PeriodicTable table(medium_of(2.0, 1.3), box, 1e-6);
+    const FieldValues all = table.at({}, 0.4, 0.3, plain), one = table.at({}, 0.4, 0.3, {.polar = true});
+    CHECK(one.laplacian.x == all.laplacian.x);
+    CHECK(std::isnan(one.strain.xx));
+    CHECK(std::isnan(one.strain_x.xx));
+    CHECK(std::isnan(table.by_heading({}, 0.4, 0.3, {.strain = true}).displacement.x));
+    CHECK(std::isnan(table.at_own_place(0.3, {.strain = true}).dipole.y));
+}
+
+TEST_CASE("bad tables and places are errors") {
+    const double nan = std::nan("");
+    CHECK_THROWS_WITH(PeriodicTable({}, 1000.0), Catch::Contains("MB"));
+    CHECK_THROWS_WITH(PeriodicTable({}, 1.0, 1e-12), Catch::Contains("tolerance"));
+    CHECK_THROWS_WITH(PeriodicTable({}, 1.0, nan), Catch::Contains("tolerance"));
+    CHECK_THROWS_WITH(PeriodicTable({}, -1.0), Catch::Contains("box ="));
+    CHECK_THROWS_AS(PeriodicTable({.eta = -2.0, .xi = 1.0}, 1.0), InputError);
+    const PeriodicTable table(medium_of(2.0, 1.3), box, 1e-6);
+    CHECK_THROWS_AS(table.at({0.5, 0.5, 0.1}, 0.5, 0.5, {.strain = true}), InputError);
+    CHECK_THROWS_AS(table.at({0.0, 0.0, 0.1}, box, -2.0 * box, {.strain = true}), InputError);
+    CHECK_THROWS_WITH(table.at({0.0, 0.0, nan}, 1.0, 1.0, {.strain = true}), Catch::Contains("finite"));
+    CHECK_THROWS_WITH(table.at({}, nan, 1.0, {.strain = true}), Catch::Contains("finite"));
+    CHECK_THROWS_WITH(table.at_own_place(nan, {.strain = true}), Catch::Contains("finite"));
+    CHECK_THROWS_WITH(table.by_heading({}, 0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(table.own_place_by_heading(0.1, {.gradients = true}), Catch::Contains("gradients"));
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Beds to start from, and whether anything in them overlaps: every pair is looked at.
 
+#include "beds.hpp"
 #include "rodwake/granular/start.hpp"
 
 #include <catch2/catch.hpp>
@@ -29,10 +30,7 @@ inline GranularProblem bed(double phi, Start start, double box_in_a = 78.0) {
 }
 
 inline void add_rod(GranularProblem& problem, double x, double y, double heading) {
-    granular::RodSpec rod;
-    rod.position = {x * a, y * a};
-    rod.heading = heading;
-    problem.rods.push_back(rod);
+    problem.rods.push_back(granular::beds::long_rod(x * a, y * a, heading));
 }
 
 inline double floor_height(const GranularProblem& problem) {

@@ -4,9 +4,9 @@
 
 #include "granular/kernels.hpp"
 #include "granular/pair_finder.hpp"
+#include "support/instruction_sets.hpp"
 
 #include <catch2/catch.hpp>
-#include <hwy/highway.h>
 
 #include <bit>
 #include <cmath>
@@ -22,16 +22,10 @@ namespace {
 template<class Test>
 std::set<std::string> on_every_target(const Test& test) {
     std::set<std::string> names;
-    const auto all = hwy::SupportedTargets();
-    for (auto left = all; left != 0; left &= left - 1) {
-        const auto target = left & -left;
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(target);
+    for_each_instruction_set([&] {
         names.insert(vector_target());
         test();
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    });
     return names;
 }
 

@@ -1,5 +1,7 @@
 // What a granular run refuses, and with which words; what is legal at the edge of the domain.
 
+#include "beds.hpp"
+
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/problem.hpp"
 
@@ -22,12 +24,7 @@ GranularProblem bed(std::size_t beads = 1549) {
     return problem;
 }
 
-RodSpec rod_at(double x, double y, double heading = 0.0) {
-    RodSpec rod;
-    rod.position = {x, y};
-    rod.heading = heading;
-    return rod;
-}
+RodSpec rod_at(double x, double y, double heading = 0.0) { return granular::beds::long_rod(x, y, heading); }
 
 GranularProblem with_rods(std::initializer_list<RodSpec> rods, std::size_t beads = 0) {
     auto problem = bed(beads);

@@ -1,24 +1,21 @@
 #pragma once
 // Beds made of known motion, for tests of accumulators.
 
-#include "rodwake/core/rng.hpp"
 #include "rodwake/measure/frame.hpp"
 #include "rodwake/measure/state_io.hpp"
+#include "support/normal.hpp"
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
+#include <span>
 
 namespace rodwake::measure::synthetic {
 
-/// Standard normal numbers (Box-Muller).
+/// Standard normal numbers.
 struct Normal {
     RandomStream random;
     explicit Normal(std::uint64_t seed) : random(seed) {}
-    double operator()() {
-        const double radius = std::sqrt(-2.0 * std::log(random.uniform()));
-        return radius * std::cos(2.0 * std::numbers::pi * random.uniform());
-    }
+    double operator()() { return normal(random); }
 };
 
 inline Layout layout(std::size_t beads, std::size_t rods = 0, double box_in_radii = 78.0) {
@@ -46,6 +43,12 @@ inline Frame frame_of(const Layout& layout, double time, std::vector<double> x, 
     frame.vy = frame.vx;
     frame.rods = std::move(rods);
     return frame;
+}
+
+/// Results of a single run.
+template<class Accumulator>
+auto reduced(const Accumulator& run) {
+    return reduce(std::span(&run, 1));
 }
 
 template<class Accumulator>

@@ -2,6 +2,7 @@
 
 #include "order_beds.hpp"
 #include "rodwake/core/error.hpp"
+#include "synthetic.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -11,6 +12,8 @@
 using namespace rodwake;
 using namespace rodwake::measure;
 using namespace order_beds;
+using synthetic::reduced;
+using synthetic::saved;
 
 namespace {
 
@@ -21,19 +24,9 @@ OrderAccumulator accumulator_of(const std::vector<Bed>& beds, const OrderOptions
     return accumulator;
 }
 
-std::vector<double> saved(const OrderAccumulator& accumulator) {
-    StateWriter out;
-    accumulator.save(out);
-    return out.take();
-}
-
 OrderAccumulator copy_of(const OrderAccumulator& accumulator) {
-    OrderAccumulator copy(accumulator.layout(), accumulator.options());
-    const std::vector<double> row = saved(accumulator);
-    StateReader in(row, "copy");
-    copy.load(in);
-    in.finish();
-    return copy;
+    return synthetic::through_packing(accumulator,
+                                      OrderAccumulator(accumulator.layout(), accumulator.options()));
 }
 
 /// g, g_B and psi_6 by definition.
@@ -129,8 +122,7 @@ TEST_CASE("g, g_B and psi_6 equal direct sums", "[order]") {
         std::vector<Bed> beds = gas(3, 150, box, 8);
         k.cutoff = 4.0 * radius;
         // sums of 1e4 terms of size 1, roundings 1e-16 each: 1e-14 of g_B; the definition's angles cost more
-        const std::vector<OrderAccumulator> runs = {accumulator_of(beds, k)};
-        const OrderResult result = reduce(runs);
+        const OrderResult result = reduced(accumulator_of(beds, k));
         CHECK(largest_difference(result, plain(beds, k, *k.cutoff)) < 1e-12);
         beds[1].x[7] = into_box(beds[1].x[7] + 2.0 * radius, box);
         CHECK(largest_difference(result, plain(beds, k, *k.cutoff)) > 1e-6);
@@ -144,8 +136,7 @@ TEST_CASE("an ideal gas has g = 1 within three sigma in each bin", "[order]") {
     k.cutoff = 3.0 * radius;
     k.block = 1.0;
     const std::size_t frames = 40, beads = 300;
-    const std::vector<OrderAccumulator> runs = {accumulator_of(gas(frames, beads, box, 1000), k)};
-    const OrderResult result = reduce(runs);
+    const OrderResult result = reduced(accumulator_of(gas(frames, beads, box, 1000), k));
     double chi2 = 0.0, error_ratio = 0.0;
     for (std::size_t b = 0; b < result.g.size(); ++b) {
         // distances of different pairs are independent two by two, so the number of pairs is as if binomial
@@ -166,8 +157,7 @@ TEST_CASE("an ideal gas has g = 1 within three sigma in each bin", "[order]") {
 }
 
 TEST_CASE("beads that repel are no ideal gas", "[order]") {
-    const std::vector<OrderAccumulator> runs = {accumulator_of(crystals(4), options())};
-    const OrderResult result = reduce(runs);
+    const OrderResult result = reduced(accumulator_of(crystals(4), options()));
     CHECK(result.g[20] == 0.0);      // 1 a apart
     CHECK(result.g_error[20] > 0.0); // as much as one pair
     CHECK(*std::ranges::max_element(result.g) > 3.0);
@@ -179,8 +169,7 @@ TEST_CASE("g_B of a perfect lattice is 1 at all distances", "[order]") {
     const Bed bed = hexagon(6, 2.2 * radius, 0.2, 78.0 * radius);
     OrderOptions k = options();
     k.cutoff = 3.0 * radius;
-    const std::vector<OrderAccumulator> runs = {accumulator_of({bed, bed}, k)};
-    const OrderResult result = reduce(runs);
+    const OrderResult result = reduced(accumulator_of({bed, bed}, k));
     CHECK(result.g_B.size() > 15);
     for (const double g_B : result.g_B)
         CHECK(std::abs(g_B - 1.0) < 1e-12); // angles of single bonds, 6 * 1e-14
@@ -195,8 +184,8 @@ TEST_CASE("moving all beads together changes nothing beyond rounding", "[order]"
     for (const Neighbours rule : {Neighbours::cutoff, Neighbours::delaunay}) {
         OrderOptions k = options();
         k.neighbours = rule;
-        const std::vector<OrderAccumulator> a = {accumulator_of(beds, k)}, b = {accumulator_of(there, k)};
-        const OrderResult first = reduce(a), second = reduce(b);
+        const OrderResult first = reduced(accumulator_of(beds, k)),
+                          second = reduced(accumulator_of(there, k));
         CHECK(first.g == second.g); // no pair of these lies within rounding of a bin's edge
         CHECK(first.cutoff == second.cutoff);
         CHECK(std::abs(first.psi6.value - second.psi6.value) < 1e-12);
@@ -217,9 +206,9 @@ TEST_CASE("order in a dish: beads at the wall are left out of psi6, and sums go 
     accumulator.add(frame_of(bed, 0.0));
     accumulator.add(frame_of(bed, 0.5));
     CHECK(saved(copy_of(accumulator)) == saved(accumulator));
-    const OrderResult result = reduce(std::span(&accumulator, 1));
+    const OrderResult result = reduced(accumulator);
     CHECK(result.at_border.value() > 0.0); // the hexagon's corners
-    const OrderResult again = reduce(std::vector{copy_of(accumulator)});
+    const OrderResult again = reduced(copy_of(accumulator));
     CHECK(again.g == result.g);
     CHECK(again.at_border == result.at_border);
 }
@@ -236,20 +225,16 @@ TEST_CASE("what a camera's errors take from psi6 and g_B is given back", "[order
         }
     layout.beads = bed.x.size();
     RandomStream random(4);
-    const auto normal = [&] {
-        return sigma * std::sqrt(-2.0 * std::log(random.uniform())) *
-               std::cos(6.283185307 * random.uniform());
-    };
     for (auto* row : {&bed.x, &bed.y})
         for (double& place : *row)
-            place += normal();
+            place += sigma * normal(random);
     OrderOptions k = options();
     k.cutoff = 2.9 * radius;
     const auto result_of = [&](double localisation) {
         k.localisation = localisation;
         OrderAccumulator accumulator(layout, k);
         accumulator.add(frame_of(bed, 0.0));
-        return reduce(std::span(&accumulator, 1));
+        return reduced(accumulator);
     };
     const OrderResult seen = result_of(0.0), given_back = result_of(sigma);
     CHECK(seen.psi6.value < 0.96); // exp(-36 sigma^2/r^2) = 0.951
@@ -291,12 +276,7 @@ TEST_CASE("a state that belongs to something else is refused", "[order]") {
     row.pop_back();
     OrderAccumulator same(accumulator.layout(), options());
     StateReader truncated(row, "test");
-    CHECK_THROWS_AS(
-        [&] {
-            same.load(truncated);
-            truncated.finish();
-        }(),
-        RunError);
+    CHECK_THROWS_AS((same.load(truncated), truncated.finish()), RunError);
 }
 
 TEST_CASE("the cut-off is settled by the first frames, or by all if they are fewer", "[order]") {
@@ -324,8 +304,7 @@ TEST_CASE("the cut-off is settled by the first frames, or by all if they are few
 }
 
 TEST_CASE("without a minimum of g(r) the cut-off comes from the density, and the result says so", "[order]") {
-    const std::vector<OrderAccumulator> runs = {accumulator_of(gas(20, 500, 78.0 * radius, 4), options())};
-    const OrderResult result = reduce(runs);
+    const OrderResult result = reduced(accumulator_of(gas(20, 500, 78.0 * radius, 4), options()));
     CHECK(result.cutoffs_by_spacing == 1);
     CHECK_FALSE(result.g_minimum.has_value());
     const double phi = 500.0 * M_PI / (78.0 * 78.0);
@@ -335,17 +314,14 @@ TEST_CASE("without a minimum of g(r) the cut-off comes from the density, and the
 }
 
 TEST_CASE("one frame, two beads and empty bins give numbers with unknown errors", "[order]") {
-    const std::vector<OrderAccumulator> one = {accumulator_of(crystals(1), options())};
-    const OrderResult single = reduce(one);
+    const OrderResult single = reduced(accumulator_of(crystals(1), options()));
     CHECK(finite(single));
     CHECK(single.blocks == 1);
     CHECK_FALSE(single.psi6.known());
     CHECK(single.decay.decay == Decay::undetermined);
     CHECK(std::ranges::all_of(single.g_B_error, [](double e) { return std::isnan(e); }));
-    const std::vector<OrderAccumulator> two = {accumulator_of(gas(5, 2, 30.0 * radius, 6), options())};
-    CHECK(finite(reduce(two)));
-    const std::vector<OrderAccumulator> tiny = {accumulator_of(gas(5, 9, 8.0 * radius, 6), options())};
-    CHECK(finite(reduce(tiny)));
+    CHECK(finite(reduced(accumulator_of(gas(5, 2, 30.0 * radius, 6), options()))));
+    CHECK(finite(reduced(accumulator_of(gas(5, 9, 8.0 * radius, 6), options()))));
 }
 
 TEST_CASE("blocks are counted by time and told apart", "[order]") {
@@ -356,9 +332,8 @@ TEST_CASE("blocks are counted by time and told apart", "[order]") {
     REQUIRE(blocks.size() == 3);
     CHECK(blocks[0].frames == 4.0);
     CHECK(blocks[2].frames == 1.0);
-    const std::vector<OrderAccumulator> runs = {accumulator_of(crystals(9), k),
-                                                accumulator_of(crystals(4), k)};
-    const OrderResult result = reduce(runs);
+    const OrderResult result =
+        reduce(std::vector{accumulator_of(crystals(9), k), accumulator_of(crystals(4), k)});
     CHECK(result.frames == 13);
     CHECK(result.blocks == 4);
     CHECK(result.psi6.known());

@@ -128,8 +128,6 @@ void check_close(const Estimate& found, double truth, double part) {
     CHECK(std::abs(found.value - truth) < 3.0 * found.error);
 }
 
-PhononResult reduced(const PhononAccumulator& sums) { return measure::reduce(std::span(&sums, 1)); }
-
 } // namespace
 
 TEST_CASE("phonons: the correlation of an oscillator is fitted exactly, damped little or much") {

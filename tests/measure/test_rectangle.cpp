@@ -168,7 +168,7 @@ TEST_CASE("fields around a rod turn with the bed and its box", "[rectangle]") {
         moved_one.add(one[k]);
         moved_other.add(other[k]);
     }
-    const FlowField f = reduce(std::span(&flow_one, 1)), g = reduce(std::span(&flow_other, 1));
+    const FlowField f = reduced(flow_one), g = reduced(flow_other);
     REQUIRE(f.grid == g.grid);
     CHECK(f.grid.columns == 40);
     CHECK(f.grid.rows == 28);
@@ -176,7 +176,7 @@ TEST_CASE("fields around a rod turn with the bed and its box", "[rectangle]") {
     CHECK(furthest(f.vx, g.vx) < 1e-9 * a); // rounding of places of 80 a over 0.1 s
     CHECK(furthest(f.vy, g.vy) < 1e-9 * a);
     CHECK(*std::ranges::max_element(f.vx) > a);
-    const DisplacementField u = reduce(std::span(&moved_one, 1)), w = reduce(std::span(&moved_other, 1));
+    const DisplacementField u = reduced(moved_one), w = reduced(moved_other);
     REQUIRE(u.grid == w.grid);
     CHECK(furthest(u.count, w.count) < 1e-9 * *std::ranges::max_element(u.count));
     CHECK(furthest(u.Ux, w.Ux) < 1e-9 * a);

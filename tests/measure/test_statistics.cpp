@@ -3,8 +3,8 @@
 
 #include "catch2/catch.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/rng.hpp"
 #include "rodwake/measure/statistics.hpp"
+#include "support/normal.hpp"
 
 #include <cmath>
 #include <limits>
@@ -18,15 +18,6 @@ namespace {
 using Row = std::vector<double>;
 
 const double nan_value = std::numeric_limits<double>::quiet_NaN();
-
-/// Standard normal numbers (Box-Muller).
-struct Normal {
-    RandomStream random;
-    double operator()() {
-        const double u = random.uniform(1e-300, 1.0), angle = random.uniform(0.0, 6.283185307179586);
-        return std::sqrt(-2.0 * std::log(u)) * std::cos(angle);
-    }
-};
 
 } // namespace
 
@@ -64,14 +55,14 @@ TEST_CASE("an error that is not known is said to be unknown", "[statistics]") {
 }
 
 TEST_CASE("the error of a weighted mean is the scatter of the mean over many sets", "[statistics]") {
-    Normal normal{RandomStream(11)};
+    RandomStream random(11);
     const Row weights = {1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0};
     const int sets = 4000;
     double squares = 0.0, errors = 0.0;
     for (int set = 0; set < sets; ++set) {
         Row values;
         for (const double w : weights) // a block of w samples scatters by 1/sqrt(w)
-            values.push_back(normal() / std::sqrt(w));
+            values.push_back(normal(random) / std::sqrt(w));
         const Estimate mean = mean_of_blocks(values, weights);
         squares += mean.value * mean.value;
         errors += mean.error * mean.error;
@@ -88,11 +79,11 @@ TEST_CASE("means refuse values, weights and lengths they cannot use", "[statisti
 }
 
 TEST_CASE("successive values correlate as they were made to", "[statistics]") {
-    Normal normal{RandomStream(12)};
+    RandomStream random(12);
     for (const double r : {0.0, 0.5, 0.8}) {
-        Row values = {normal()};
+        Row values = {normal(random)};
         while (values.size() < 20000)
-            values.push_back(r * values.back() + std::sqrt(1.0 - r * r) * normal());
+            values.push_back(r * values.back() + std::sqrt(1.0 - r * r) * normal(random));
         // scatter of a correlation from n values: sqrt((1 - r^2)/n) <= 0.0071; 4 of them
         CHECK(successive_correlation(values) == Approx(r).margin(0.03));
     }
@@ -149,7 +140,7 @@ TEST_CASE("a line fit agrees with the normal equations", "[statistics]") {
 }
 
 TEST_CASE("errors and chi2 of a line fit are those of many synthetic sets", "[statistics]") {
-    Normal normal{RandomStream(13)};
+    RandomStream random(13);
     const Row x = {1.0, 2.0, 3.0, 5.0, 8.0}, error = {0.3, 0.1, 0.2, 0.5, 0.4};
     const int sets = 4000;
     double slope2 = 0.0, intercept2 = 0.0, both = 0.0, chi2 = 0.0;
@@ -158,7 +149,7 @@ TEST_CASE("errors and chi2 of a line fit are those of many synthetic sets", "[st
     for (int set = 0; set < sets; ++set) {
         Row y;
         for (std::size_t i = 0; i < x.size(); ++i)
-            y.push_back(0.7 + 0.2 * x[i] + error[i] * normal());
+            y.push_back(0.7 + 0.2 * x[i] + error[i] * normal(random));
         fit = fit_line(x, y, error);
         const double ds = fit.slope.value - 0.2, di = fit.intercept.value - 0.7;
         slope2 += ds * ds, intercept2 += di * di, both += ds * di, chi2 += fit.chi2;

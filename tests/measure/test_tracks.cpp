@@ -227,7 +227,7 @@ TEST_CASE("Frames without rows do not exist, and any rising steps or times are t
                 CHECK(found.msd_error[k] > 0.0);
             }
     }
-    CHECK(msd_of(log_spaced).no_stiffness.find("needs at least 32") != std::string::npos);
+    CHECK_THAT(msd_of(log_spaced).no_stiffness, Catch::Contains("needs at least 32"));
     CHECK(msd_of(log_spaced).stiffness_zero.count == 0);
     CHECK(msd_of(of([](std::int64_t f) { return f % 13 < 5 && f % 11 > 3; })).stiffness_zero.value ==
           Approx(whole.stiffness_zero.value).epsilon(0.25));

@@ -234,7 +234,7 @@ TEST_CASE("of many rods pairs are not followed one by one") {
     RodProblem problem = crowd(most_followed_rods + 1, 500.0, {});
     RodResult result = simulate(problem, {});
     CHECK(result.outcome.ending == Ending::undecided);
-    CHECK(result.outcome.reason.find("more than 100 rods") != std::string::npos);
+    CHECK_THAT(result.outcome.reason, Catch::Contains("more than 100 rods"));
     CHECK(std::isfinite(result.outcome.min_separation));
     problem.couplings.kappa = 1e5; // stiff, were it a pair
     CHECK(suitable_method(problem) == integrate::Method::erk);

@@ -7,7 +7,7 @@
 // F = int [lambda_L (tr eps)^2 / 2 + mu tr(eps^2)] (paper Eq. free) it is lambda = lambda_L + mu, which in
 // two dimensions is the bulk modulus K. The paper writes lambda for both.
 //
-// Degenerate input (tests/elastic/test_medium.cpp):
+// Degenerate input (tests/elastic/test_robustness.cpp):
 //   eta <= -1, eta > 1e12, xi outside [1e-30, 1e30], NaN   InputError, by validate
 //   mu <= 0 or NaN; moduli, a Poisson ratio out of range   InputError
 //   alpha <= 0, infinite or NaN                            InputError

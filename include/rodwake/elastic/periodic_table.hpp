@@ -17,7 +17,7 @@
 //   tolerance 1e-8, L/xi 0.01 to 50     all quantities 4e-9; gradients of strain 9e-8; strain by heading 3e-7
 //   (build/dev/tests/test_elastic "*table*")
 //
-// Degenerate input, InputError always (tests/elastic/test_periodic_table.cpp): an illegal medium; a box <= 0,
+// Degenerate input, InputError always (tests/elastic/test_plane_table.cpp): an illegal medium; a box <= 0,
 // infinite or out of reach; a tolerance outside [1e-10, 1e-3] or NaN; the source or an image; a place, source
 // or heading that is not finite; gradients of derivatives by heading; data that are no table's.
 //
