@@ -34,7 +34,7 @@ SHORTER = {"dish": bed(0.3, 0.1), "rod_in_bed": settings(granular__duration=0.5,
            "pair_unstrained_0": bed(0.3, 0.1, 2), "pair_unstrained_90": bed(0.3, 0.1, 2), "pursuit_near": bed(0.3, 0.1, 2),
            "wake_scaling": bed(0.2, 0.02, measure__from=0, measure__block=0.1, granular__box="fit 78 a"),
            "tail": bed(0.5, 0.05, measure__from=0, measure__interval=0.05, measure__block=0.1, granular__box="78 a"), "drag": bed(0.5, 0.037, measure__block=0.2, measure__from=0), "noise": settings(noise__runs=50), "pair_dynamic": settings(rods_run__t_end=2),
-           "pair_density_quick": settings(scan__axes__0__values=[0.66, 0.70], granular__runs=1, granular__duration=0.5)}
+           "pair_density_quick": settings(scan__axes__0__values=[0.66, 0.70], granular__runs=1)}
 COARSE = settings(scan__resolution=16, scan__axes__0__count=8, scan__axes__1__count=8, scan__audit=10)  # of scans
 
 
