@@ -39,7 +39,8 @@ class QuickstartTest(ProgramTest):
         prefix = self.folder / "home/.local"
         self.assertEqual([step.split()[:3] for step in steps], [
             ["cmake", "--preset", "release"], ["cmake", "--build", "--preset"],
-            ["cmake", "--install", str(self.folder / "tree/build/release")], ["rodwake", "run", str(self.folder / "tree/scenes/quickstart.toml")]])
+            ["cmake", "--install", str(self.folder / "tree/build/release")],
+            *(["rodwake", "run", str(self.folder / f"tree/scenes/{name}.toml")] for name in ("attraction", "quickstart"))])
         self.assertIn(f'export PATH="{prefix}/bin:$PATH"', done.stdout)
         done, _ = self.quickstart(path=prefix / "bin")
         self.assertNotIn("export PATH", done.stdout)

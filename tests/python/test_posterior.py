@@ -60,6 +60,7 @@ bounds = { xi = [5.0, 40.0] }
 file = "p.csv"
 at = 1.0
 [fit.posterior]
+evidence = true
 samples = 400
 [fit.posterior.priors]
 f_over_mu = { kind = "normal", mean = 2.0, sd = 0.5, low = 0.0, high = 5.0 }
