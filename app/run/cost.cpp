@@ -1,4 +1,4 @@
-// What a plan will cost: the stages' own counts and timings, put together.
+// Puts together the counts and timings of the stages, which say how long a plan will take.
 
 #include "cost_parts.hpp"
 #include "rodwake/app/run.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// What `rodwake check` says of the cost of a stage: how many evaluations, steps or points it takes, where
+// `rodwake check` says what a stage costs: how many evaluations, steps or points it takes, where
 // that is known beforehand, and the CPU time of one, which is measured on this machine on one thread. `cost`
 // of StageKind returns such lines.
 

@@ -145,7 +145,7 @@ void bind_granular(py::module_& module) {
         .def("psi6", [](const Bed& b) { return b.simulation().psi6(b.plan().schedule.order_cutoff); })
         .def("state_hash", [](const Bed& b) { return granular::state_hash(b.simulation().state()); });
 
-    // Of stored orientations: the bits that the measures of a bed have.
+    // The heading follows from stored orientations, so it has the bits that the measures of a bed have.
     module.def("rod_heading", py::vectorize([](double w, double x, double y, double z) {
                    granular::RodBody rod;
                    rod.orientation = {w, x, y, z};

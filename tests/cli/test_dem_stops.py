@@ -22,11 +22,11 @@ ENDLESS = setting(duration=5000.0, output__frames=1.0, output__table=1.0)
 class RestartTest(InterruptionTest):
     def test_kills(self):
         stopped = went_on = 0
-        for k in range(4):
+        for k in range(8):
             stopped += self.finish_after(f"run{k}", 1, ((signal.SIGKILL, signal.SIGTERM)[k % 2],), self.seconds)
             went_on += any(step > 0 for step in self.steps_gone_on_from(f"run{k}"))
-        self.assertGreaterEqual(stopped, 2)
-        self.assertGreaterEqual(went_on, 1)
+        self.assertGreaterEqual(stopped, 4)
+        self.assertGreaterEqual(went_on, 2)
 
     def test_killed_before_the_first_file(self):
         self.write("run/provenance.json.tmp123", "")
@@ -68,7 +68,7 @@ class SignalTest(BedTest):
 
     def test_rows_go_on_as_if_it_had_not_stopped(self):
         """Twenty rows over the run are told, whenever it was stopped."""
-        keys = setting(duration=15.0, equilibrate=0, output__table=0.05, output__frames=1.0)
+        keys = setting(duration=60.0, equilibrate=0, output__table=0.05, output__frames=1.0)
         told = lambda: [float(row) for row in re.findall(r" (\d+\.\d{3}) +\d\.\d{4}e", self.out("out", "log.txt").read_text())]
         with self.started("dem", "bed.toml", "-o", "out", *keys) as process:
             self.assertTrue(wait_until(lambda: self.out("out", "log.txt").exists() and len(told()) > 7, 30))
@@ -77,7 +77,7 @@ class SignalTest(BedTest):
         self.dem("out", *keys)
         self.assertLess(before, 20)
         self.assertGreater(len(told()), before)
-        self.assertGreater(min(one - other for one, other in zip(told()[1:], told())), 0.75 - 0.1)  # 15 s/20, a row late at most
+        self.assertGreater(min(one - other for one, other in zip(told()[1:], told())), 3.0 - 0.1)  # 60 s/20, a row late at most
 
     def test_checkpoint_on_demand(self):
         with self.started("dem", "bed.toml", "-o", "out", *setting(duration=6.0)) as process:

@@ -17,8 +17,8 @@ namespace rodwake::app {
 
 class DesignModels {
 public:
-    /// Of the scene with the settings "key=value". Throws InputError for a scene without rods, rivals or
-    /// priors, or whose fit cannot be made; SceneError for settings that make no scene.
+    /// Takes the models of the scene with the settings "key=value". Throws InputError for a scene without
+    /// rods, rivals or priors, or whose fit cannot be made; SceneError for settings that make no scene.
     DesignModels(const scene::Scene& scene, const std::vector<std::string>& settings, long runs);
 
     /// The fit as written and its rivals.
