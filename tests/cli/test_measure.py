@@ -105,7 +105,7 @@ class SameBitsTest(MeasureTest):
             self.assert_same("run", "offline")
 
     def test_interrupted_run(self):
-        long = ("-s", "granular.duration=2 s", "-s", "granular.output.checkpoint=0.05")
+        long = ("-s", "granular.duration=6 s", "-s", "granular.output.checkpoint=0.05")
         self.made("whole", *long)
         self.measured("whole", *long)
         with self.started("dem", "bed.toml", "-o", "cut", "--quiet", *long) as process:
