@@ -79,7 +79,7 @@ void ledger_and_dispatch(benchmark::State& state, std::size_t threads) {
         std::filesystem::create_directory(folder);
         scan::Ledger ledger(folder / "ledger.sqlite", {scan.description, scan.design.axes, scan.columns});
         scan::run(scan.design, ledger, scan::on_threads(pretend, threads, nullptr), {});
-        ledger.settle();
+        ledger.sync();
     }
     std::filesystem::remove_all(folder);
     per_point(state, static_cast<double>(scan::size(scan.design)));

@@ -16,10 +16,9 @@ set(RODWAKE_FIND_fmt fmt)
 set(RODWAKE_FIND_spdlog spdlog)
 set(RODWAKE_FIND_nlohmann_json nlohmann_json)
 set(RODWAKE_FIND_HDF5C HDF5C)
-set(RODWAKE_FIND_SQLite SQLite3 3.40)
 set(RODWAKE_FIND_hwy hwy) # its run-time part links with the vector kernels
 set(RODWAKE_FIND_ZLIB ZLIB)
-foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C SQLite hwy ZLIB)
+foreach(package Threads Eigen3 Boost SUNDIALS NLopt tomlplusplus CLI11 fmt spdlog nlohmann_json HDF5C hwy ZLIB)
     find_package(${RODWAKE_FIND_${package}} REQUIRED)
 endforeach()
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lab import SOURCE, markdown
 
-SUBJECTS = ("src/store/", "src/scan/ledger", "src/scan/sqlite")
+SUBJECTS = ("src/store/", "src/scan/ledger")
 
 
 def counts_of(build):

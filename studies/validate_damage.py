@@ -48,8 +48,8 @@ KINDS = {
     "rwt": ({"scene.toml": TABLE}, [["field", "scene.toml", "-o", "out"]], "cache/rodwake/*.rwt", [["field", "scene.toml", "-o", "read"]]),
     "json": ({"scene.toml": faults.FIELD}, [["field", "scene.toml", "-o", "out"]], "out/provenance.json",
              [["info", "out"], ["field", "scene.toml", "-o", "out", "--force"]]),
-    "sqlite": ({"scene.toml": SCAN}, [["scan", "scene.toml", "-o", "out"]], "out/ledger.sqlite",
-               [["info", "out/ledger.sqlite"], ["scan", "scene.toml", "-o", "out"]]),
+    "log": ({"scene.toml": SCAN}, [["scan", "scene.toml", "-o", "out"]], "out/points.log",
+               [["info", "out/points.log"], ["scan", "scene.toml", "-o", "out"]]),
 }
 WORDS = [b"nan", b"-inf", b"1e400", b"-1", b"", b'"', b"[", b"\x00", b"9" * 400, b"\xff\xfe", b"0x", b"1e-400"]
 
@@ -96,7 +96,7 @@ def ready(kind, folder):
     for arguments in makers:
         must(kind, arguments, folder)
     record = folder / "out/provenance.json"
-    if kind == "sqlite":  # a scan that is to go on
+    if kind == "log":  # a scan that is to go on
         record.write_text(record.read_text().replace("finished", "interrupted"))
     for arguments in readers:
         sound = shutil.copytree(folder, folder.parent / "sound")

@@ -103,13 +103,19 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
       frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
       row_doubles_(field_count<granular::TableRow> + field_count<granular::TrackPoint> * layout_.rods()) {
     std::filesystem::create_directories(folder_);
-    rows_.emplace(folder_ / "rows.log", row_doubles_ * sizeof(double), kept.rows);
+    const auto open = [&](std::optional<store::Journal>& log, const char* name, std::size_t size,
+                          std::size_t records) {
+        using enum store::Journal::OfAnother;
+        log.emplace(folder_ / name, fmt::format("{}, {} bytes", name, size), records > 0 ? refuse : replace);
+        log->keep(records);
+    };
+    open(rows_, "rows.log", row_doubles_ * sizeof(double), kept.rows);
     if (schedule_.h5md || schedule_.xyz)
-        frames_.emplace(folder_ / "frames.log", frame_doubles_ * sizeof(double), kept.frames);
+        open(frames_, "frames.log", frame_doubles_ * sizeof(double), kept.frames);
     if (schedule_.last_period)
-        period_.emplace(folder_ / "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
+        open(period_, "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
     if (schedule_.archive_every > 0)
-        states_.emplace(folder_ / "archive.log", state_bytes(empty_state(problem)).size(), states);
+        open(states_, "archive.log", state_bytes(empty_state(problem)).size(), states);
 }
 
 void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granular::TrackPoint>& track) {
@@ -120,7 +126,7 @@ void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granu
     append(record, field_values(r));
     for (const granular::TrackPoint& p : track)
         append(record, field_values(p));
-    rows_->append(bytes(record));
+    rows_->append(0, bytes(record));
 }
 
 std::vector<double> GranularFiles::frame_record(const State& state, double time) const {
@@ -144,33 +150,33 @@ std::vector<double> GranularFiles::frame_record(const State& state, double time)
 
 void GranularFiles::add_frame(const State& state, double time) {
     if (frames_)
-        frames_->append(bytes(frame_record(state, time)));
+        frames_->append(0, bytes(frame_record(state, time)));
 }
 
 void GranularFiles::add_period_frame(const State& state, double time) {
     if (period_)
-        period_->append(bytes(frame_record(state, time)));
+        period_->append(0, bytes(frame_record(state, time)));
 }
 
 void GranularFiles::keep(const State& state) {
     if (states_)
-        states_->append(state_bytes(state));
+        states_->append(0, state_bytes(state));
 }
 
 std::vector<State> GranularFiles::kept_states() {
     std::vector<State> states;
-    for (std::size_t i = 0; states_ && i < states_->records(); ++i)
+    for (std::size_t i = 0; states_ && i < states_->size(); ++i)
         states.push_back(state_of(states_->read(i), "archive.log"));
     return states;
 }
 
 LogLengths GranularFiles::sync() {
     LogLengths lengths;
-    const auto synced = [](std::optional<store::AppendLog>& log) {
+    const auto synced = [](std::optional<store::Journal>& log) {
         if (!log)
             return std::uint64_t{0};
         log->sync();
-        return std::uint64_t{log->records()};
+        return std::uint64_t{log->size()};
     };
     lengths.rows = synced(rows_);
     lengths.frames = synced(frames_);
@@ -188,7 +194,7 @@ void GranularFiles::write_tables() {
         for (const std::string_view name : field_names<granular::TrackPoint>())
             names.push_back(fmt::format("{}{}", name, r));
     std::vector<std::vector<double>> columns(names.size());
-    for (std::size_t i = 0; i < rows_->records(); ++i) {
+    for (std::size_t i = 0; i < rows_->size(); ++i) {
         const std::vector<double> record = doubles(rows_->read(i));
         for (std::size_t k = 0; k < record.size(); ++k)
             columns[k].push_back(record[k]);
@@ -207,7 +213,7 @@ void GranularFiles::write_tables() {
     store::write_atomically(folder_ / "tracks.csv", store::to_csv(track_names, track));
 }
 
-void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& log,
+void GranularFiles::write_trajectory(const std::string& name, store::Journal& log,
                                      const store::H5mdInfo& info, bool for_viewers) {
     std::optional<store::H5mdWriter> h5md;
     std::optional<store::ExtendedXyzWriter> text;
@@ -215,7 +221,7 @@ void GranularFiles::write_trajectory(const std::string& name, store::AppendLog& 
         h5md.emplace(folder_ / (name + ".h5md"), layout_, info);
     if (for_viewers && schedule_.xyz)
         text.emplace(folder_ / (name + ".xyz"), layout_, problem_.bead_radius);
-    for (std::size_t i = 0; i < log.records(); ++i) {
+    for (std::size_t i = 0; i < log.size(); ++i) {
         const std::vector<double> record = doubles(log.read(i));
         const store::Frame frame = frame_of(record, layout_.particles(), layout_.rods());
         if (h5md)
@@ -237,7 +243,7 @@ void GranularFiles::finish(const store::H5mdInfo& info) {
 void GranularFiles::finish_frames(const store::H5mdInfo& info) {
     if (frames_)
         write_trajectory("trajectory", *frames_, info, true);
-    if (period_ && period_->records() > 0)
+    if (period_ && period_->size() > 0)
         write_trajectory("last_period", *period_, info, false);
 }
 

@@ -5,8 +5,8 @@
 
 #include "rodwake/app/granular.hpp"
 #include "rodwake/granular/record.hpp"
-#include "rodwake/store/append_log.hpp"
 #include "rodwake/store/h5md.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace rodwake::app {
 
-/// How much of each log counts.
+/// Records of each log that count.
 struct LogLengths {
     std::uint64_t rows = 0, frames = 0, period_frames = 0;
 };
@@ -44,7 +44,7 @@ public:
 
 private:
     std::vector<double> frame_record(const granular::State& state, double time) const;
-    void write_trajectory(const std::string& name, store::AppendLog& log, const store::H5mdInfo& info,
+    void write_trajectory(const std::string& name, store::Journal& log, const store::H5mdInfo& info,
                           bool for_viewers);
 
     std::filesystem::path folder_;
@@ -53,7 +53,7 @@ private:
     std::vector<granular::Clump> clumps_;
     store::FrameLayout layout_;
     std::size_t frame_doubles_, row_doubles_;
-    std::optional<store::AppendLog> rows_, frames_, period_, states_;
+    std::optional<store::Journal> rows_, frames_, period_, states_;
 };
 
 /// Removes what an unfinished run goes on from: the checkpoints and then, once these are surely gone, the

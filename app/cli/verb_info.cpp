@@ -178,7 +178,7 @@ std::string hdf5_text(const fs::path& file) {
         return store::list_hdf5(file);
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}, and nothing else that info knows: CSV, JSON, TOML and text, "
-                                     "checkpoints (.rwc), ledger.sqlite, figures, a run folder",
+                                     "checkpoints (.rwc), points.log, figures, a run folder",
                                      error.what()));
     }
 }
@@ -203,8 +203,11 @@ std::string file_text(const fs::path& file) {
     start.resize(static_cast<std::size_t>(in.gcount()));
     if (start.empty())
         throw InputError(file.string() + ": is empty");
-    if (start.starts_with("SQLite format 3"))
+    if (file.filename() == scan::ledger_file)
         return ledger_text(file);
+    if (start.starts_with("SQLite format 3"))
+        throw InputError(file.string() +
+                         ": is the ledger of a scan of rodwake 0.3; its points are in scan.csv and scan.h5");
     if (start.starts_with("\x89PNG") || ends_in(ending, {".pdf", ".html", ".gif", ".mp4", ".webm", ".svg"}))
         return picture_text(file);
     if (ending == ".rwc")
@@ -249,8 +252,8 @@ int describe_run(const fs::path& folder) {
             fmt::print("\n{}\n", file.name);
             fmt::print("{}", printable(file_text(folder / file.name)));
         }
-    if (fs::exists(folder / "ledger.sqlite") && !fs::exists(folder / "scan.json"))
-        fmt::print("\nledger.sqlite\n{}", file_text(folder / "ledger.sqlite"));
+    if (fs::exists(folder / scan::ledger_file) && !fs::exists(folder / "scan.json"))
+        fmt::print("\n{}\n{}", scan::ledger_file, file_text(folder / scan::ledger_file));
     if (fs::exists(folder / "result.h5"))
         fmt::print("\nresult.h5\n{}", store::list_hdf5(folder / "result.h5"));
     return 0;

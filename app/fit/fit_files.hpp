@@ -5,7 +5,7 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/fitting/method.hpp"
 #include "rodwake/fitting/posterior.hpp"
-#include "rodwake/store/append_log.hpp"
+#include "rodwake/store/journal.hpp"
 #include "run/log.hpp"
 
 #include <nlohmann/json_fwd.hpp>
@@ -38,10 +38,8 @@ void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const F
 /// As fit.posterior asks for it.
 fitting::PosteriorMethod posterior_method(const FitPlan& plan);
 
-inline constexpr const char* posterior_ledger_file = "posterior_blocks.log";
-
-/// Its files; blocks of chains that are done are kept in the folder. False if a signal stopped it.
-bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
+/// Its files; blocks of chains that are done are kept in the journal. False if a signal stopped it.
+bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, store::Journal& journal,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log);
 
 /// posterior.csv, posterior.nc, what the samples predict, and last posterior.json.
@@ -63,25 +61,5 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
 
 /// Member `misfit` of fit.json and of models.json.
 nlohmann::ordered_json misfit_json(const fitting::Misfit& misfit);
-
-// Starts of a fit that are done, one record each, so that an interrupted fit goes on with the others.
-
-class FitLedger {
-public:
-    /// `key`: everything the ends depend on; records of another key are dropped. `free`: number of free
-    /// parameters.
-    FitLedger(std::filesystem::path file, const std::string& key, std::size_t free);
-
-    const std::vector<fitting::StartResult>& done() const { return done_; }
-    /// In the file before it returns: what is killed afterwards keeps it.
-    void add(const fitting::StartResult& end);
-
-private:
-    std::filesystem::path file_;
-    std::uint64_t key_;
-    std::size_t free_;
-    std::vector<fitting::StartResult> done_;
-    std::unique_ptr<store::AppendLog> log_;
-};
 
 } // namespace rodwake::app

@@ -1,85 +1,25 @@
 #include "fit_files.hpp"
 
-#include "rodwake/core/error.hpp"
-#include "rodwake/store/bytes.hpp"
-
-#include <algorithm>
 #include <cmath>
-#include <functional>
+
+namespace rodwake::store {
+
+using fitting::ChainBlock;
+
+template<>
+inline constexpr auto
+    parts<ChainBlock> = parts_of("chain index log_density log_scale accepted z kept kept_density",
+                                 &ChainBlock::chain, &ChainBlock::index, &ChainBlock::log_density,
+                                 &ChainBlock::log_scale, &ChainBlock::accepted, &ChainBlock::z,
+                                 &ChainBlock::kept, &ChainBlock::kept_density);
+
+} // namespace rodwake::store
 
 namespace rodwake::app {
 
 namespace {
 
 using fitting::ChainBlock;
-
-/// Blocks that are done, as FitLedger keeps starts.
-class BlockLedger {
-public:
-    BlockLedger(std::filesystem::path file, const std::string& key, std::size_t free)
-        : file_(std::move(file)), key_(std::hash<std::string>{}(key)), free_(free),
-          bytes_(8 * (10 + fitting::most_numbers_of_block(free))) {
-        try {
-            read();
-        } catch (const InputError&) { // a damaged one is of no use, and no harm: what was read so far holds
-        }
-        if (done_.empty())
-            std::filesystem::remove(file_);
-        log_ = std::make_unique<store::AppendLog>(file_, bytes_, done_.size());
-    }
-
-    const std::vector<ChainBlock>& done() const { return done_; }
-
-    void add(const ChainBlock& block) {
-        store::ByteWriter out;
-        out.put(key_);
-        out.put(std::uint64_t{block.chain});
-        out.put(std::uint64_t{block.index});
-        for (const double one : {block.log_density, block.log_scale, block.accepted})
-            out.put(one);
-        for (const auto* list : {&block.z, &block.kept, &block.kept_density})
-            out.put_array(*list);
-        std::vector<std::byte> record = out.take();
-        record.resize(bytes_);
-        log_->append(record);
-        log_->flush();
-    }
-
-private:
-    void read() {
-        constexpr std::size_t header = 32, check = 8; // of store::AppendLog
-        std::error_code error;
-        const auto size = std::filesystem::file_size(file_, error);
-        const std::size_t count = error || size < header ? 0 : (size - header) / (bytes_ + check);
-        if (count == 0)
-            return;
-        store::AppendLog log(file_, bytes_, count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::vector<std::byte> record = log.read(i);
-            store::ByteReader in(record, file_.string());
-            if (in.get<std::uint64_t>() != key_)
-                return done_.clear();
-            ChainBlock block;
-            block.chain = in.get<std::uint64_t>();
-            block.index = in.get<std::uint64_t>();
-            for (double* one : {&block.log_density, &block.log_scale, &block.accepted})
-                *one = in.get<double>();
-            for (auto* list : {&block.z, &block.kept, &block.kept_density})
-                *list = in.get_array<double>();
-            const std::size_t kept = block.kept_density.size();
-            if (block.z.size() != free_ || block.kept.size() % std::max<std::size_t>(free_, 1) != 0 ||
-                (kept > 0 && block.kept.size() != kept * free_))
-                throw InputError(file_.string() + ": is damaged");
-            done_.push_back(std::move(block));
-        }
-    }
-
-    std::filesystem::path file_;
-    std::uint64_t key_;
-    std::size_t free_, bytes_;
-    std::vector<ChainBlock> done_;
-    std::unique_ptr<store::AppendLog> log_;
-};
 
 fitting::Prior prior_of(const FitPlan& plan, const fitting::Parameter& p) {
     double low = p.lower, high = p.upper;
@@ -127,21 +67,20 @@ fitting::PosteriorMethod posterior_method(const FitPlan& plan) {
     return method;
 }
 
-bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, const std::string& key,
+bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, store::Journal& journal,
                    const RunContext& context, const std::filesystem::path& folder, const Logger& log) {
     if (!plan.keys.posterior)
         return true;
     const std::vector<fitting::Prior> priors = fit_priors(plan);
-    BlockLedger ledger(folder / posterior_ledger_file, key, priors.size());
     fitting::PosteriorMethod method = posterior_method(plan);
     method.threads = context.thread_count();
-    method.done = ledger.done();
+    method.done = journal.all<ChainBlock>();
     std::size_t count = method.done.size();
     if (count > 0)
         log->info("posterior: going on after {} of {} blocks", count, fitting::block_count(method));
     Progress progress(context, "posterior", static_cast<double>(fitting::block_count(method)), "blocks");
     method.on_block_done = [&](const ChainBlock& block) {
-        ledger.add(block);
+        journal.add(block);
         progress.update(static_cast<double>(++count));
     };
     method.stop_requested = [&] { return context.stopped(); };

@@ -21,13 +21,25 @@
 #include <cmath>
 #include <fstream>
 
+namespace rodwake::store {
+
+using fitting::StartResult;
+
+template<>
+inline constexpr auto parts<StartResult> =
+    parts_of("index start end objective termination evaluations", &StartResult::index, &StartResult::start,
+             &StartResult::end, &StartResult::objective, &StartResult::termination,
+             &StartResult::evaluations);
+
+} // namespace rodwake::store
+
 namespace rodwake::app {
 
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* ledger_file = "fit_starts.log";
+constexpr const char* journal_file = "fit.log";
 
 void log_data(const FitPlan& plan, const Logger& log) {
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
@@ -149,15 +161,15 @@ bool add_systematics(const FitPlan& plan, const fitting::Method& method, FitResu
     return true;
 }
 
-fitting::Fit solve(const FitPlan& plan, fitting::Method& method, FitLedger& ledger, const RunContext& context,
-                   const Logger& log) {
-    method.done = ledger.done();
+fitting::Fit solve(const FitPlan& plan, fitting::Method& method, store::Journal& journal,
+                   const RunContext& context, const Logger& log) {
+    method.done = journal.all<fitting::StartResult>();
     if (!method.done.empty())
         log->info("fit: going on after {} of {} starts", method.done.size(), method.starts);
     Progress progress(context, "fit", static_cast<double>(method.starts), "starts");
     std::size_t count = method.done.size();
     method.on_start_done = [&](const fitting::StartResult& end) {
-        ledger.add(end);
+        journal.add(end);
         progress.update(static_cast<double>(++count));
     };
     method.stop_requested = [&] { return context.stopped(); };
@@ -190,21 +202,16 @@ std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
     return key;
 }
 
-void forget_progress(const fs::path& folder) {
-    for (const char* name : {ledger_file, posterior_ledger_file})
-        fs::remove(folder / name);
-}
-
-bool fit_was_stopped(const fs::path& folder) { return fs::exists(folder / ledger_file); }
+void forget_progress(const fs::path& folder) { fs::remove(folder / journal_file); }
 
 FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, const RunContext& context,
                              const fs::path& folder, const Logger& log) {
     log_data(plan, log);
-    FitLedger ledger(folder / ledger_file, fit_key(scene, plan),
-                     fitting::free_parameters(plan.problem).size());
+    const std::string key = fmt::format("fit {}", std::hash<std::string>{}(fit_key(scene, plan)));
+    store::Journal journal(folder / journal_file, key, store::Journal::OfAnother::replace);
     fitting::Method method = plan.method;
     method.threads = context.thread_count();
-    fitting::Fit fit = solve(plan, method, ledger, context, log);
+    fitting::Fit fit = solve(plan, method, journal, context, log);
     const bool failed = fit.termination == fitting::Termination::failed, usable = std::isfinite(fit.chi2);
     bool stopped = fit.termination == fitting::Termination::interrupted || context.stopped();
     if (!usable || failed) {
@@ -217,7 +224,7 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
               !add_systematics(plan, method, results, log);
     write_fit(folder, plan, results, {context.command});
     log_results(plan, results, log);
-    stopped = stopped || !add_posterior(plan, results.fit, fit_key(scene, plan), context, folder, log);
+    stopped = stopped || !add_posterior(plan, results.fit, journal, context, folder, log);
     stopped = stopped || !add_models(scene, plan, results, context, folder, log);
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
 }
@@ -439,8 +446,7 @@ std::vector<FileKind> fit_files() {
             {"models.csv", result, "the same as a table", model_columns()},
             {"design.json", kept, "experiments that would tell rivals apart, weighed by rodwake design"},
             {"design.csv", kept, "the same as a table, behind what was varied", design_columns()},
-            {posterior_ledger_file, progress, "stretches of the chains that are done"},
-            {ledger_file, progress, "starts that are done"}};
+            {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
 }
 
 /// A fit beside the beds of its scene: of these.

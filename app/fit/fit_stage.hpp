@@ -24,9 +24,6 @@ void forget_progress(const std::filesystem::path& folder);
 /// What a fit depends on, as text: version, search, model and data.
 std::string fit_key(const scene::Scene& scene, const FitPlan& plan);
 
-/// Whether a fit was stopped in this folder and can go on.
-bool fit_was_stopped(const std::filesystem::path& folder);
-
 /// Writes medium.json and makes the medium that of the later stages. Throws RunError if the fit does not fix
 /// it.
 void take_fitted_medium(Session& session, const FitResults& results, const FitPlan& plan);

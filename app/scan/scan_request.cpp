@@ -23,8 +23,7 @@ void require_ledger(const fs::path& file, const ScanPlan& plan) {
 scan::LedgerHead ledger_head(const ScanPlan& plan) {
     scan::Axis row;
     row.name = "row";
-    return {plan.description, is_long_list(plan.design) ? std::vector{row} : plan.design.axes, plan.columns,
-            plan.design.runs > 0};
+    return {plan.description, is_long_list(plan.design) ? std::vector{row} : plan.design.axes, plan.columns};
 }
 
 std::vector<fs::path> shares_in(const fs::path& folder) {
@@ -32,7 +31,7 @@ std::vector<fs::path> shares_in(const fs::path& folder) {
     std::error_code none;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, none))
         if (entry.path().filename().string().starts_with("part-") && entry.is_directory())
-            shares.push_back(entry.path() / "ledger.sqlite");
+            shares.push_back(entry.path() / scan::ledger_file);
     std::ranges::sort(shares);
     return shares;
 }
@@ -40,7 +39,11 @@ std::vector<fs::path> shares_in(const fs::path& folder) {
 void require_scan(const ScanPlan& plan, const fs::path& folder, const RunContext& context) {
     scan::require_part(plan.design, context.scan.part);
     if (!context.force && fs::exists(folder / "ledger.sqlite"))
-        require_ledger(folder / "ledger.sqlite", plan);
+        throw InputError((folder / "ledger.sqlite").string() +
+                         ": is the ledger of a scan of rodwake 0.3, which cannot be resumed; choose another "
+                         "folder with -o, or --force to start anew");
+    if (!context.force && fs::exists(folder / scan::ledger_file))
+        require_ledger(folder / scan::ledger_file, plan);
     if (!context.scan.merge)
         return;
     const std::vector<fs::path> shares = shares_in(folder);

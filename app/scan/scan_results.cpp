@@ -190,6 +190,21 @@ void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan
         write_boundary(folder / "boundary.csv", plan, summary);
 }
 
+/// failures.csv: the points that failed, and why.
+void write_failures(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
+    std::string text = axis_names(plan) + ",status,retries,cause\n";
+    ledger.for_each([&](const scan::Result& one) {
+        if (one.ok())
+            return;
+        std::string cause; // quoted, as CSV does it
+        for (const char c : one.cause_text())
+            cause += c == '"' ? "\"\"" : std::string(1, c);
+        text += fmt::format("{}{},{},\"{}\"\n", place_text(plan, one.point),
+                            scan::status_names[static_cast<std::size_t>(one.status)], one.retries, cause);
+    });
+    store::write_atomically(file, text);
+}
+
 } // namespace
 
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
@@ -199,6 +214,10 @@ void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const
         write_bed_results(folder, plan, ledger);
     else
         write_rod_results(folder, plan, keys, ledger, summary, certificates.cells, threads);
+    if (counts.failed > 0)
+        write_failures(folder / "failures.csv", plan, ledger);
+    else
+        std::filesystem::remove(folder / "failures.csv"); // of points that succeeded since
     // last: whoever finds it finds everything
     store::write_atomically(folder / "scan.json",
                             scan_json(plan, counts, summary, certificates, wall_seconds));

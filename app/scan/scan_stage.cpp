@@ -59,6 +59,9 @@ void prepare(const Session& session, scan::Ledger& ledger) {
         merge_shares(session, ledger);
     if (session.context.scan.rerun_failed)
         session.log->info("scan: {} points that failed are evaluated again", ledger.forget_failed());
+    if (ledger.damaged() > 0)
+        session.log->warn("scan: {} records of the ledger are damaged; their points are evaluated again",
+                          ledger.damaged());
     if (const std::int64_t done = ledger.points(); done > 0)
         session.log->info("scan: {} points are in the ledger already", done);
 }
@@ -146,7 +149,7 @@ namespace {
 StageEnd run_scan(Session& session) {
     const auto start = std::chrono::steady_clock::now();
     const ScanPlan& plan = *session.plan.scan;
-    scan::Ledger ledger(session.directory.file("ledger.sqlite"), ledger_head(plan));
+    scan::Ledger ledger(session.directory.file(scan::ledger_file), ledger_head(plan));
     prepare(session, ledger);
     Progress progress(session.context, "scan", 0.0, of_beds(plan) ? "runs" : "points");
     scan::RunOptions options;
@@ -158,7 +161,7 @@ StageEnd run_scan(Session& session) {
     design.side = side_of_pursuit(plan);
     const scan::Summary summary = scan::run(design, ledger, executor_of(session, plan), options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    ledger.settle();
+    ledger.sync();
     const scan::Counts counts = ledger.counts();
     // mpiexec kills its ranks a second after the signal, too soon for large tables; the ledger holds it all.
     if (!summary.complete && session.context.executor)
@@ -219,6 +222,9 @@ constexpr ColumnInfo cells_columns[] = {
     {"outcome", "1", "of all corners of the cell; mixed: they differ"},
     {"certificate", "1",
      "verified: no pair within the cell ends otherwise; checked: the corners are verified or checked; open"}};
+constexpr ColumnInfo failures_columns[] = {{"status", "1", "failed, time_limit, not_finite or exception"},
+                                           {"retries", "1", "attempts before the last"},
+                                           {"cause", "1", "why the last attempt failed"}};
 constexpr ColumnInfo boundary_columns[] = {
     {"curve", "1", "number of the curve; its rows are in order along it"},
     {"between", "1", "the two outcomes"},
@@ -226,17 +232,16 @@ constexpr ColumnInfo boundary_columns[] = {
 
 std::vector<FileKind> scan_files() {
     using enum Lifetime;
-    return {{"ledger.sqlite", kept,
-             "the points of the scan, of beds the runs, as it goes on: tables chunks and causes"},
-            {"ledger.sqlite-wal", progress, "the newest rows of the ledger while it is open"},
-            {"ledger.sqlite-shm", progress, "for who reads the ledger while it is open"},
-            {"scan.h5", result, "the points of the scan and a sample of trajectories as datasets"},
-            {"scan.json", result, "axes, counts, causes of failures, rate of what was missed"},
-            {"scan.html", result, "the scan to explore in a browser"},
-            {"cells.csv", result, "cells of the refinement that were not divided", cells_columns},
-            {"boundary.csv", result, "boundaries between outcomes as curves", boundary_columns},
-            {"scan.csv", result, "a row a point of the scan; of beds means over its runs", scan_columns()},
-            {"scan_runs.csv", result, "a row a run of a scan of beds", scan_columns()}};
+    return {
+        {scan::ledger_file, kept, "the points of the scan, of beds the runs: what the same command resumes"},
+        {"scan.h5", result, "the points of the scan and a sample of trajectories as datasets"},
+        {"scan.json", result, "axes, counts, causes of failures, rate of what was missed"},
+        {"scan.html", result, "the scan to explore in a browser"},
+        {"cells.csv", result, "cells of the refinement that were not divided", cells_columns},
+        {"boundary.csv", result, "boundaries between outcomes as curves", boundary_columns},
+        {"scan.csv", result, "a row a point of the scan; of beds means over its runs", scan_columns()},
+        {"failures.csv", result, "the points that failed, with their causes", failures_columns},
+        {"scan_runs.csv", result, "a row a run of a scan of beds", scan_columns()}};
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/json_text.hpp"
+#include "rodwake/store/journal.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
@@ -12,13 +13,30 @@
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
+
+namespace rodwake::store {
+
+using rods::NoiseSums;
+using rods::NoisyEnd;
+
+template<>
+inline constexpr auto parts<NoisyEnd> = parts_of("failed ending time min_separation first second",
+                                                 &NoisyEnd::failed, &NoisyEnd::ending, &NoisyEnd::time,
+                                                 &NoisyEnd::min_separation, &NoisyEnd::first,
+                                                 &NoisyEnd::second);
+template<>
+inline constexpr auto
+    parts<NoiseSums> = parts_of("ends failure reached square square_squares cosine cosine_squares",
+                                &NoiseSums::ends, &NoiseSums::failure, &NoiseSums::reached,
+                                &NoiseSums::square, &NoiseSums::square_squares, &NoiseSums::cosine,
+                                &NoiseSums::cosine_squares);
+
+} // namespace rodwake::store
 
 namespace rodwake::app {
 
 namespace {
 
-using nlohmann::json;
 using rods::NoiseSums;
 
 /// What must be the same for the runs so far to count.
@@ -29,112 +47,70 @@ std::string runs_key_of(const scene::Scene& scene, const std::string& field) {
            fmt::format("\nmax_steps {}", scene.rods_run->max_steps);
 }
 
-json to_json(const NoiseSums& sums) {
-    json ends = json::array();
-    for (const rods::NoisyEnd& end : sums.ends)
-        ends.push_back({end.failed, static_cast<int>(end.ending), end.time,
-                        finite_or_null(end.min_separation), end.first, end.second});
-    return {{"ends", ends},
-            {"failure", sums.failure},
-            {"reached", sums.reached},
-            {"square", sums.square},
-            {"square_squares", sums.square_squares},
-            {"cosine", sums.cosine},
-            {"cosine_squares", sums.cosine_squares}};
-}
-
-NoiseSums sums_of(const json& value) {
-    NoiseSums sums;
-    for (const json& end : value.at("ends"))
-        sums.ends.push_back({end.at(0).get<bool>(), static_cast<Ending>(end.at(1).get<int>()),
-                             end.at(2).get<double>(),
-                             end.at(3).is_null() ? HUGE_VAL : end.at(3).get<double>(),
-                             end.at(4).get<std::size_t>(), end.at(5).get<std::size_t>()});
-    value.at("failure").get_to(sums.failure);
-    value.at("reached").get_to(sums.reached);
-    value.at("square").get_to(sums.square);
-    value.at("square_squares").get_to(sums.square_squares);
-    value.at("cosine").get_to(sums.cosine);
-    value.at("cosine_squares").get_to(sums.cosine_squares);
+/// What is in the journal of this problem: the sums of its last record, with the ends of all.
+NoiseSums sums_in(store::Journal& journal, const NoiseSums& none) {
+    NoiseSums sums = none;
+    std::size_t whole = 0;
+    for (; whole < journal.size(); ++whole) {
+        std::optional<NoiseSums> record = journal.get<NoiseSums>(whole);
+        if (!record)
+            break;
+        sums.ends.insert(sums.ends.end(), record->ends.begin(), record->ends.end());
+        record->ends = std::move(sums.ends);
+        sums = std::move(*record);
+    }
+    journal.keep(whole); // what follows counts on what is damaged
     return sums;
 }
-
-bool same_shape(const NoiseSums& one, const NoiseSums& other) {
-    return one.reached.size() == other.reached.size() && one.square.size() == other.square.size() &&
-           one.square_squares.size() == other.square_squares.size() &&
-           one.cosine.size() == other.cosine.size() &&
-           one.cosine_squares.size() == other.cosine_squares.size();
-}
-
-/// The sums in a file; nothing if there is none, it is damaged, or of something else.
-std::optional<NoiseSums> read(const std::filesystem::path& file, const std::string& key, std::size_t runs,
-                              const NoiseSums& none) try {
-    std::ifstream in(file);
-    if (!in)
-        return std::nullopt;
-    const json value = json::parse(in);
-    if (value.at("key") != key)
-        return std::nullopt;
-    NoiseSums sums = sums_of(value.at("sums"));
-    const bool fits = same_shape(sums, none) && sums.ends.size() <= runs;
-    return fits ? std::optional(std::move(sums)) : std::nullopt;
-} catch (const json::exception&) {
-    return std::nullopt;
-}
-
-/// Saves what is done so far: at first, then every few seconds, and seldom enough to cost little.
-class Saver {
-public:
-    Saver(const Session& session, std::string file, std::string key)
-        : session_(session), file_(std::move(file)), key_(std::move(key)) {}
-
-    void offer(const NoiseSums& sums) {
-        if (Clock::now() >= next_)
-            save(sums);
-    }
-    void save(const NoiseSums& sums) {
-        const auto start = Clock::now();
-        session_.directory.write(file_, json_text(json{{"key", key_}, {"sums", to_json(sums)}}));
-        constexpr int share = 20; // of the time between
-        next_ = Clock::now() + std::max<Clock::duration>(interval, share * (Clock::now() - start));
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    static constexpr std::chrono::seconds interval{3};
-    const Session& session_;
-    std::string file_, key_;
-    Clock::time_point next_ = Clock::now();
-};
 
 } // namespace
 
 bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProblem& problem,
                const std::string& field, NoiseSums& sums) {
-    const std::string name = plan.of.folder + "noise_progress.json", key = runs_key_of(plan.of.scene, field);
+    const std::filesystem::path file = session.directory.file(plan.of.folder + "noise.log");
     const NoisePlan& of = *plan.noise;
-    sums = rods::no_runs(problem);
-    const auto file = session.directory.file(name);
-    const std::uint32_t most = of.capture_error ? std::max(of.runs, of.most_runs) : of.runs;
-    if (auto found = session.context.force ? std::nullopt : read(file, key, most, sums)) {
-        sums = std::move(*found);
+    if (session.context.force)
+        std::filesystem::remove(file);
+    const bool begun = std::filesystem::exists(file);
+    store::Journal journal(file, runs_key_of(plan.of.scene, field), store::Journal::OfAnother::replace);
+    sums = sums_in(journal, rods::no_runs(problem));
+    if (!sums.ends.empty())
         session.log->info("noise{}: going on from run {}", plan.of.suffix(), sums.ends.size());
-    } else if (std::filesystem::exists(file))
+    else if (begun)
         session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
                           file.string());
+
+    // A record holds the ends since the last one, and the sums over all runs.
+    auto saved = static_cast<std::ptrdiff_t>(sums.ends.size());
+    const auto save = [&](const NoiseSums& now) {
+        NoiseSums record = {{now.ends.begin() + saved, now.ends.end()},
+                            now.failure,
+                            now.reached,
+                            now.square,
+                            now.square_squares,
+                            now.cosine,
+                            now.cosine_squares};
+        journal.add(record);
+        saved = static_cast<std::ptrdiff_t>(now.ends.size());
+    };
     rods::RodOptions options = plan.options;
     options.ode.stop_requested = [&] { return session.context.stopped(); };
-    Saver saver(session, name, key);
+    const std::uint32_t most = of.capture_error ? std::max(of.runs, of.most_runs) : of.runs;
     Progress progress(session.context, "noise", most, "runs");
+    using Clock = std::chrono::steady_clock;
+    auto next_save = Clock::now();
     const auto added = [&](const NoiseSums& now) {
         progress.update(static_cast<double>(now.ends.size()));
-        saver.offer(now);
+        if (Clock::now() >= next_save) {
+            save(now);
+            next_save = Clock::now() + std::chrono::seconds(3);
+        }
     };
     const bool all = run_wanted(problem, options, of, session.context.thread_count(), sums, added);
     if (all)
         std::filesystem::remove(file);
     else
-        saver.save(sums);
+        save(sums);
     return all;
 }
 

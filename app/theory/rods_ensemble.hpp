@@ -41,7 +41,7 @@ void store_ensemble(store::Hdf5Writer& results, const std::string& group,
 
 // Ensembles of rods that diffuse: done run by run, taken up again where they stopped, and their files.
 
-/// The runs of a case on all threads; goes on from noise_progress.json. False: stopped on the way, and what
+/// The runs of a case on all threads; goes on from noise.log. False: stopped on the way, and what
 /// was done is kept there. `field`: what tells the problem's field beside its scene.
 bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProblem& problem,
                const std::string& field, rods::NoiseSums& sums);

@@ -4,6 +4,8 @@
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -67,15 +69,17 @@ std::vector<double> coordinate(std::span<const double> poses, std::size_t first,
 RodsFilm::RodsFilm(std::filesystem::path folder, const RodsPlan& plan, double kept_until)
     : folder_(std::move(folder)), plan_(plan), medium_(plan.of.scene.medium->memory()),
       rods_(plan.problem.rods.size()), size_(medium::film_frame_size(medium_, rods_)),
-      log_(folder_ / log_name, size_ * sizeof(double),
-           frames_until(medium_, plan.problem.t_end, kept_until)) {}
+      log_(folder_ / log_name, fmt::format("film, {} numbers", size_),
+           kept_until < 0.0 ? store::Journal::OfAnother::replace : store::Journal::OfAnother::refuse) {
+    log_.keep(frames_until(medium_, plan.problem.t_end, kept_until));
+}
 
 void RodsFilm::add(const medium::FilmFrame& frame) {
     std::vector<double> record = {frame.time};
     record.reserve(size_);
     for (const std::span<const double> part : {frame.poses, frame.ux, frame.uy})
         record.insert(record.end(), part.begin(), part.end());
-    log_.append(std::as_bytes(std::span(record)));
+    log_.append(0, std::as_bytes(std::span(record)));
 }
 
 void RodsFilm::write(const OutputUnits& units, const std::string& command) {
@@ -84,7 +88,7 @@ void RodsFilm::write(const OutputUnits& units, const std::string& command) {
     const std::vector<double> places = grid_places(medium_, units.length);
     file.dataset("/x", places, {places.size()}, units.length_name);
     file.dataset("/y", places, {places.size()}, units.length_name);
-    const std::size_t frames = log_.records(), side = medium_.film_grid, points = side * side;
+    const std::size_t frames = log_.size(), side = medium_.film_grid, points = side * side;
     std::vector<double> values(size_);
     for (std::size_t k = 0; k < frames; ++k) {
         const std::vector<std::byte> record = log_.read(k);

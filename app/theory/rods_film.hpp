@@ -7,7 +7,7 @@
 
 #include "rodwake/app/plan.hpp"
 #include "rodwake/medium/film.hpp"
-#include "rodwake/store/append_log.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <filesystem>
 #include <string>
@@ -34,7 +34,7 @@ private:
     const RodsPlan& plan_;
     medium::DynamicMedium medium_;
     std::size_t rods_, size_;
-    store::AppendLog log_;
+    store::Journal log_;
 };
 
 } // namespace rodwake::app

@@ -426,7 +426,7 @@ std::vector<FileKind> rods_files() {
              "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
              "also where each rod feels those of the others alone; with the rods' places and headings"},
             {"medium_film.log", progress, "frames so far"},
-            {"noise_progress.json", progress, "runs with noise that are done, to go on from"},
+            {"noise.log", progress, "runs with noise that are done, to go on from"},
             {"checkpoint.json", progress, "state to go on from"}};
 }
 

@@ -32,7 +32,6 @@ BuildInfo build_info() {
              {"fmt", RODWAKE_FMT_VERSION},
              {"spdlog", RODWAKE_SPDLOG_VERSION},
              {"nlohmann-json", RODWAKE_JSON_VERSION},
-             {"SQLite", RODWAKE_SQLITE_VERSION},
              {"MPI", RODWAKE_MPI_VERSION}}};
 }
 

@@ -1,16 +1,17 @@
 #include "rodwake/scan/ledger.hpp"
 
-#include "id_set.hpp"
-#include "ledger_tables.hpp"
-#include "rodwake/core/build_info.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
 #include <unordered_set>
 
 namespace rodwake::scan {
@@ -18,248 +19,244 @@ namespace rodwake::scan {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
+using Bytes = std::vector<std::byte>;
 
-constexpr const char* create_crossings =
-    "CREATE TABLE crossings (id INTEGER PRIMARY KEY, outcome_low INTEGER NOT NULL, outcome_high INTEGER NOT "
-    "NULL, u_low REAL NOT NULL, u_high REAL NOT NULL)";
+/// Kinds of records, as the journal's layouts. Later records replace earlier ones.
+enum Record : std::uint32_t {
+    points_record = 1,    ///< packed points that simply succeeded
+    cause_record,         ///< one packed point that failed or was retried, its status, its cause
+    crossings_record,     ///< brackets as they are
+    forgotten_record,     ///< ids to be evaluated again
+    forgotten_all_record, ///< all that failed so far is to be evaluated again
+};
 
-bool has_table(const Connection& connection, std::string_view name) {
-    Statement found(connection, "SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?");
-    found.bind(1, name);
-    return found.step();
+// A packed point: id, axes, observables, seconds (8 bytes each), outcome and retries (4 bytes each).
+
+std::size_t packed_size(const LedgerHead& head) {
+    return 8 * (head.axes.size() + head.columns.observables.size()) + 24;
 }
 
-/// False: a ledger that was never begun. Throws InputError for a file of something else.
-bool is_begun(const Connection& connection) {
-    if (has_table(connection, "meta"))
-        return true;
-    if (Statement(connection, "SELECT 1 FROM sqlite_master").step())
-        throw InputError(connection.file().string() + ": is an SQLite file, but not a ledger of rodwake");
-    return false;
+void pack(store::ByteWriter& out, const LedgerHead& head, const Result& r) {
+    out.put(r.point.id);
+    for (std::size_t k = 0; k < head.axes.size(); ++k)
+        out.put(r.point.at[k]);
+    for (std::size_t k = 0; k < head.columns.observables.size(); ++k)
+        out.put(r.ok() ? r.values[k] : std::nan(""));
+    out.put(r.seconds);
+    out.put(r.ok() ? r.outcome : -1);
+    out.put(r.retries);
 }
 
-/// Results by increasing id; of those with one id the last.
-std::vector<const Result*> in_order(std::span<const Result> results) {
-    std::vector<const Result*> order(results.size());
-    std::ranges::transform(results, order.begin(), [](const Result& one) { return &one; });
-    const auto id = [](const Result* one) { return one->point.id; };
-    if (!std::ranges::is_sorted(order, std::ranges::less_equal(), id)) {
-        std::ranges::stable_sort(order, {}, id);
-        std::ranges::reverse(order);
-        const auto same = [&](const Result* a, const Result* b) { return id(a) == id(b); };
-        order.erase(std::unique(order.begin(), order.end(), same), order.end());
-        std::ranges::reverse(order);
-    }
-    return order;
+Result unpack(store::ByteReader& in, const LedgerHead& head) {
+    Result r;
+    r.point.id = in.get<std::int64_t>();
+    for (std::size_t k = 0; k < head.axes.size(); ++k)
+        r.point.at[k] = in.get<double>();
+    for (std::size_t k = 0; k < head.columns.observables.size(); ++k)
+        r.values[k] = in.get<double>();
+    r.seconds = in.get<double>();
+    r.outcome = in.get<std::int32_t>();
+    r.retries = in.get<std::int32_t>();
+    return r;
 }
 
-std::vector<std::int64_t> ids_of(std::span<const Result* const> results) {
-    std::vector<std::int64_t> ids(results.size());
-    std::ranges::transform(results, ids.begin(), [](const Result* one) { return one->point.id; });
-    return ids;
+/// The description, and in the last line the names that the records need, so that `rodwake info` reads a
+/// ledger without its scene.
+std::string key_of(const LedgerHead& head) {
+    json axes = json::array();
+    for (const Axis& axis : head.axes)
+        axes.push_back({axis.name, axis.words});
+    return head.description + "\n" +
+           json{
+               {"axes", axes}, {"outcomes", head.columns.outcomes}, {"observables", head.columns.observables}}
+               .dump();
 }
 
-/// Row by row: SQLite would sort the whole table to group it.
-Counts counts_in(const Connection& connection) {
-    Counts counts;
-    const Snapshot snapshot(connection);
-    ChunkTable::count(connection, counts);
-    std::map<std::string, std::string> by_pattern;
-    Statement rows(connection, "SELECT outcome, status, cause, seconds, id FROM causes ORDER BY id");
-    while (rows.step()) {
-        ++counts.points;
-        counts.seconds += rows.real(3);
-        if (rows.text(1) == "ok") {
-            ++counts.outcomes[std::string(rows.text(0))];
-            continue;
-        }
-        ++counts.failed;
-        const std::string_view cause = rows.text(2);
-        const std::string text = fmt::format("{}{}{}", rows.text(1), cause.empty() ? "" : ": ", cause);
-        const std::string& first = by_pattern.try_emplace(cause_pattern(text), text).first->second;
-        ++counts.causes[first];
-        counts.examples.try_emplace(first, rows.integer(4));
-    }
-    return counts;
-}
-
-std::string meta(const Connection& connection, std::string_view key) {
-    Statement found(connection, "SELECT value FROM meta WHERE key = ?");
-    found.bind(1, key);
-    return found.step() ? std::string(found.text(0)) : "";
-}
-
-void require_format(const Connection& connection) {
-    const std::string version = meta(connection, "format");
-    if (version != std::to_string(Ledger::format))
-        throw InputError(fmt::format("{}: is a ledger of format {}, and this version of rodwake knows {}; "
-                                     "rodwake {} made it",
-                                     connection.file().string(), version, Ledger::format,
-                                     meta(connection, "rodwake")));
+LedgerHead head_of(const std::string& key, const fs::path& file) try {
+    const std::size_t line = key.rfind('\n');
+    const json names = json::parse(key.begin() + static_cast<std::ptrdiff_t>(line + 1), key.end());
+    LedgerHead head;
+    head.description = key.substr(0, line);
+    for (const json& axis : names.at("axes"))
+        axis.at(0).get_to(head.axes.emplace_back().name), axis.at(1).get_to(head.axes.back().words);
+    names.at("outcomes").get_to(head.columns.outcomes);
+    names.at("observables").get_to(head.columns.observables);
+    return head;
+} catch (const json::exception&) {
+    throw InputError(file.string() + ": is a journal, but not the ledger of a scan");
 }
 
 } // namespace
 
-class Ledger::Database {
+/// The journal, and where in it each point stands.
+class Ledger::Book {
 public:
-    Database(const fs::path& file, const LedgerHead& head)
-        : connection(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX), head_(head) {
-        const bool begun = is_begun(connection); // before anything of a file that is not ours is changed
-        if (begun)
-            require_same();
-        if (!begun)
-            connection.run("PRAGMA page_size = 32768"); // long rows need few pages
-        connection.run("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA cache_size = -16000");
-        if (!begun)
-            create();
-        chunks_ = std::make_unique<ChunkTable>(connection, head);
-        causes_ = std::make_unique<CauseTable>(connection, head);
-        version_ = std::make_unique<Statement>(connection, "PRAGMA data_version");
+    Book(const fs::path& file, const LedgerHead& head) : head_(head) {
+        if (fs::exists(file) && !fs::is_empty(file)) {
+            const std::string there = store::Journal(file).key(), here = key_of(head);
+            head_of(there, file);
+            if (there != here)
+                throw InputError(
+                    fmt::format("{}: is the ledger of another scan ({}); choose another folder with "
+                                "-o, or --force to replace it",
+                                file.string(), first_difference(there, here)));
+        }
+        journal_.emplace(file, key_of(head), store::Journal::OfAnother::refuse);
+        replay();
     }
 
-    /// Within a transaction. Points that are there already are replaced.
-    void insert(std::span<const Result> results) {
-        const IdSet& there = known();
-        const std::vector<const Result*> order = in_order(results);
-        const std::vector<std::int64_t> ids = ids_of(order);
-        std::vector<std::int64_t> replaced;
-        std::ranges::copy_if(ids, std::back_inserter(replaced),
-                             [&](std::int64_t id) { return there.contains(id); });
-        known_at_.reset(); // unless all goes well
-        if (!replaced.empty())
-            remove(replaced);
-        std::vector<const Result*> packed;
-        for (const Result* one : order)
-            if (PackedRows::fits(*one))
-                packed.push_back(one);
-            else
-                causes_->insert(*one);
-        chunks_->insert(packed);
-        known_.insert(ids);
+    /// Reads what another process may go on writing.
+    explicit Book(const fs::path& file) {
+        journal_.emplace(file);
+        head_ = head_of(journal_->key(), file);
+        replay();
     }
 
-    /// After a commit of what was inserted: nobody else wrote meanwhile.
-    void keep_known() { known_at_ = version(); }
-    /// Before something is taken out.
-    void forget_known() { known_at_.reset(); }
-
-    /// Ids of all points. Read again if another connection wrote.
-    const IdSet& known() {
-        const std::int64_t now = version();
-        if (known_at_ == now)
-            return known_;
-        known_ = {};
-        chunks_->for_each_row_of_ids([&](std::span<const std::int64_t> ids) { known_.insert(ids); });
-        Statement rows(connection, "SELECT id FROM causes ORDER BY id");
-        while (rows.step())
-            known_.insert(std::array{rows.integer(0)});
-        known_at_ = now;
-        return known_;
-    }
-
-    void for_each(const std::function<void(const Result&)>& each) const {
-        const Snapshot snapshot(connection);
-        CauseTable::Rows rows(*causes_);
-        for (ChunkTable::Points points(*chunks_); points.current() || rows.current();) {
-            if (rows.current() &&
-                (!points.current() || rows.current()->point.id < PackedRows::id(points.current()))) {
-                each(*rows.current());
-                rows.next();
-            } else {
-                each(unpacked(points.current()));
-                points.next();
+    void add(std::span<const Result> results) {
+        // Points that simply succeeded make one record, in their order with the others: the last one counts.
+        store::ByteWriter packed;
+        std::vector<std::int64_t> ids;
+        const auto append_packed = [&] {
+            if (!ids.empty())
+                append(points_record, packed.take());
+            ids.clear();
+        };
+        for (const Result& one : results) {
+            if (one.ok() && one.cause.front() == '\0') {
+                pack(packed, head_, one);
+                ids.push_back(one.point.id);
+                continue;
             }
+            append_packed();
+            store::ByteWriter out;
+            pack(out, head_, one);
+            out.put(one.status);
+            out.put_text(one.cause_text());
+            append(cause_record, out.take());
+        }
+        append_packed();
+        journal_->flush();
+    }
+
+    void write(Record kind, const Bytes& content) {
+        append(kind, content);
+        journal_->flush();
+    }
+    void append(Record kind, const Bytes& content) {
+        journal_->append(kind, content);
+        take(journal_->size() - 1, kind, content);
+    }
+
+    /// What a record changes: points are found by record and number within it.
+    void take(std::size_t record, std::uint32_t kind, const Bytes& content) {
+        store::ByteReader in(content, "ledger");
+        const std::size_t size = packed_size(head_);
+        if (kind == points_record) {
+            for (std::size_t at = 0; at + size <= content.size(); at += size) {
+                std::int64_t id = 0;
+                std::memcpy(&id, content.data() + at, sizeof id);
+                places[id] = {static_cast<std::uint32_t>(record), static_cast<std::uint32_t>(at / size)};
+                failed.erase(id);
+            }
+        } else if (kind == cause_record) {
+            const std::int64_t id = unpack(in, head_).point.id;
+            places[id] = {static_cast<std::uint32_t>(record), 0};
+            if (in.get<Status>() != Status::ok)
+                failed.insert(id);
+            else
+                failed.erase(id);
+        } else if (kind == crossings_record) {
+            for (const Crossing& one : in.get_array<Crossing>())
+                brackets[one.id] = one;
+        } else if (kind == forgotten_record) {
+            for (const std::int64_t id : in.get_array<std::int64_t>())
+                places.erase(id), failed.erase(id);
+        } else if (kind == forgotten_all_record) {
+            for (const std::int64_t id : failed)
+                places.erase(id);
+            failed.clear();
+            std::erase_if(brackets, [](const auto& one) {
+                return one.second.outcome_low < 0 || one.second.outcome_high < 0;
+            });
         }
     }
 
-    void remove(std::span<const std::int64_t> ids) {
-        chunks_->remove(ids);
-        for (const std::int64_t id : ids)
-            causes_->remove(id);
+    std::vector<std::int64_t> ids() const {
+        std::vector<std::int64_t> all;
+        all.reserve(places.size());
+        for (const auto& [id, place] : places)
+            all.push_back(id);
+        std::ranges::sort(all);
+        return all;
     }
 
-    Connection connection;
+    /// Results of these points, in this order. Records stay in memory as long as they are not too many: those
+    /// of an adaptive scan overlap.
+    void read(std::span<const std::int64_t> ids, const std::function<void(const Result&)>& each) {
+        constexpr std::size_t most_bytes = std::size_t{1} << 28;
+        std::unordered_map<std::uint32_t, Bytes> records;
+        std::size_t bytes = 0;
+        for (const std::int64_t id : ids) {
+            const Place place = places.at(id);
+            auto found = records.find(place.record);
+            if (found == records.end()) {
+                if (bytes > most_bytes)
+                    records.clear(), bytes = 0;
+                found = records.emplace(place.record, journal_->read(place.record)).first;
+                bytes += found->second.size();
+            }
+            const std::size_t size = packed_size(head_);
+            store::ByteReader in(std::span(found->second).subspan(place.number * size), "ledger");
+            Result r = unpack(in, head_);
+            if (journal_->layout(place.record) == cause_record) {
+                r.status = in.get<Status>();
+                r.set_cause(in.get_text());
+            }
+            each(r);
+        }
+    }
+
+    void sync() { journal_->sync(); }
+
+    struct Place {
+        std::uint32_t record = 0, number = 0;
+    };
+    std::unordered_map<std::int64_t, Place> places;
+    std::unordered_set<std::int64_t> failed;
+    std::map<std::int64_t, Crossing> brackets;
+    std::int64_t damaged = 0;
+
+    const LedgerHead& head() const { return head_; }
 
 private:
-    Result unpacked(const char* record) const {
-        try {
-            return chunks_->records().result(record);
-        } catch (const InputError& error) {
-            throw InputError(connection.file().string() + ": " + error.what());
-        }
+    /// Points of a damaged record are evaluated again.
+    void replay() {
+        for (std::size_t i = 0; i < journal_->size(); ++i)
+            try {
+                take(i, journal_->layout(i), journal_->read(i));
+            } catch (const InputError&) {
+                ++damaged;
+            }
     }
 
-    std::int64_t version() {
-        version_->step();
-        const std::int64_t now = version_->integer(0);
-        version_->step();
-        return now;
-    }
-
-    void create() {
-        Transaction change(connection);
-        connection.run("CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)");
-        Statement meta(connection, "INSERT INTO meta VALUES (?, ?)");
-        const auto put = [&](std::string_view key, const std::string& value) {
-            meta.bind(1, key);
-            meta.bind(2, std::string_view(value));
-            meta.step();
-        };
-        put("format", std::to_string(format));
-        put("rodwake", build_info().version);
-        put("columns", CauseTable::columns(head_));
-        put("record", PackedRows(head_).layout());
-        put("outcomes", fmt::format("{}", fmt::join(head_.columns.outcomes, ",")));
-        put("scan", head_.description);
-        connection.run(ChunkTable::create);
-        connection.run(CauseTable::create(head_));
-        connection.run(create_crossings);
-        change.commit();
-    }
-
-    void require_same() const {
-        require_format(connection);
-        const std::string there = meta(connection, "scan") + meta(connection, "columns"),
-                          here = head_.description + CauseTable::columns(head_);
-        if (there != here)
-            throw InputError(fmt::format("{}: is the ledger of another scan ({}); choose another folder with "
-                                         "-o, or --force to replace it",
-                                         connection.file().string(), first_difference(there, here)));
-    }
-
-    const LedgerHead& head_;
-    std::unique_ptr<ChunkTable> chunks_;
-    std::unique_ptr<CauseTable> causes_;
-    std::unique_ptr<Statement> version_;
-    IdSet known_;
-    std::optional<std::int64_t> known_at_; ///< version of the file; none: not read
+    LedgerHead head_;
+    std::optional<store::Journal> journal_;
 };
 
-Ledger::Ledger(const fs::path& file, LedgerHead head) : head_(std::move(head)) {
-    database_ = std::make_unique<Database>(file, head_);
-}
+static_assert(sizeof(Crossing) == 32, "brackets are copied as they are, and have no padding");
+
+Ledger::Ledger(const fs::path& file, LedgerHead head)
+    : head_(std::move(head)), book_(std::make_unique<Book>(file, head_)) {}
 
 Ledger::~Ledger() = default;
 
-void Ledger::add(std::span<const Result> results) {
-    Transaction change(database_->connection);
-    database_->insert(results);
-    change.commit();
-    database_->keep_known();
-}
+void Ledger::add(std::span<const Result> results) { book_->add(results); }
 
 void Ledger::add(std::span<const Crossing> crossings) {
-    Transaction change(database_->connection);
-    Statement insert(database_->connection, "INSERT OR REPLACE INTO crossings VALUES (?,?,?,?,?)");
-    for (const Crossing& one : crossings) {
-        insert.bind(1, one.id);
-        insert.bind(2, std::int64_t{one.outcome_low});
-        insert.bind(3, std::int64_t{one.outcome_high});
-        insert.bind(4, one.u_low);
-        insert.bind(5, one.u_high);
-        insert.step();
-    }
-    change.commit();
+    store::ByteWriter out;
+    out.put_array(crossings);
+    book_->write(crossings_record, out.take());
 }
 
 void Ledger::merge(const fs::path& other) {
@@ -268,16 +265,12 @@ void Ledger::merge(const fs::path& other) {
     const Ledger theirs(other, head_); // refuses one of another scan
     constexpr std::size_t at_once = 1 << 12;
     std::vector<Result> fresh;
-    std::unordered_set<std::int64_t> failed;
-    Statement rows(database_->connection, "SELECT id FROM causes WHERE status <> 'ok'");
-    while (rows.step())
-        failed.insert(rows.integer(0));
     const auto flush = [&] {
         add(fresh);
         fresh.clear();
     };
     theirs.for_each([&](const Result& one) {
-        if (!failed.contains(one.point.id) && database_->known().contains(one.point.id))
+        if (book_->places.contains(one.point.id) && !book_->failed.contains(one.point.id))
             return;
         fresh.push_back(one);
         if (fresh.size() == at_once)
@@ -287,42 +280,35 @@ void Ledger::merge(const fs::path& other) {
 }
 
 std::int64_t Ledger::forget_failed() {
-    Transaction change(database_->connection);
-    database_->forget_known();
-    database_->connection.run("DELETE FROM causes WHERE status <> 'ok'");
-    const std::int64_t forgotten = sqlite3_changes(database_->connection.get());
-    database_->connection.run("DELETE FROM crossings WHERE outcome_low < 0 OR outcome_high < 0");
-    change.commit();
-    return forgotten;
+    const auto count = static_cast<std::int64_t>(book_->failed.size());
+    book_->write(forgotten_all_record, {});
+    return count;
 }
 
 void Ledger::forget(std::span<const std::int64_t> ids) {
     if (ids.empty())
         return;
-    Transaction change(database_->connection);
-    database_->forget_known();
-    database_->remove(ids);
-    change.commit();
+    store::ByteWriter out;
+    out.put_array(ids);
+    book_->write(forgotten_record, out.take());
 }
 
-void Ledger::for_each(const std::function<void(const Result&)>& each) const { database_->for_each(each); }
+void Ledger::for_each(const std::function<void(const Result&)>& each) const {
+    book_->read(book_->ids(), each);
+}
 
 void Ledger::for_each_id(const std::function<void(std::int64_t)>& each) const {
-    database_->known().for_each(each);
+    std::ranges::for_each(book_->ids(), each);
 }
 
 std::vector<Result> Ledger::find(std::span<const Point> points) const {
-    std::unordered_set<std::int64_t> wanted;
-    const IdSet& there = database_->known();
+    std::vector<std::int64_t> there;
     for (const Point& point : points)
-        if (there.contains(point.id))
-            wanted.insert(point.id);
+        if (book_->places.contains(point.id))
+            there.push_back(point.id);
+    std::ranges::sort(there);
     std::vector<Result> found;
-    if (!wanted.empty())
-        database_->for_each([&](const Result& one) {
-            if (wanted.contains(one.point.id))
-                found.push_back(one);
-        });
+    book_->read(there, [&](const Result& one) { found.push_back(one); });
     return found;
 }
 
@@ -333,28 +319,44 @@ std::optional<Result> Ledger::find(std::int64_t id) const {
 
 std::vector<Crossing> Ledger::crossings() const {
     std::vector<Crossing> all;
-    Statement rows(database_->connection,
-                   "SELECT id, outcome_low, outcome_high, u_low, u_high FROM crossings ORDER BY id");
-    while (rows.step())
-        all.push_back({rows.integer(0), static_cast<std::int32_t>(rows.integer(1)),
-                       static_cast<std::int32_t>(rows.integer(2)), rows.real(3), rows.real(4)});
+    for (const auto& [id, one] : book_->brackets)
+        all.push_back(one);
     return all;
 }
 
-std::int64_t Ledger::points() const { return database_->known().size(); }
+std::int64_t Ledger::points() const { return static_cast<std::int64_t>(book_->places.size()); }
 
-Counts Ledger::counts() const { return counts_in(database_->connection); }
+std::int64_t Ledger::damaged() const { return book_->damaged; }
 
-void Ledger::settle() { database_->connection.run("PRAGMA wal_checkpoint(TRUNCATE)"); }
+Counts Ledger::counts() const {
+    Counts counts;
+    std::map<std::string, std::string> by_pattern;
+    for_each([&](const Result& one) {
+        ++counts.points;
+        counts.seconds += one.seconds;
+        if (one.ok()) {
+            ++counts.outcomes[one.outcome < 0 ? "" : head_.columns.outcomes.at(std::size_t(one.outcome))];
+            return;
+        }
+        ++counts.failed;
+        std::string text = status_names[static_cast<std::size_t>(one.status)];
+        if (!one.cause_text().empty())
+            text += fmt::format(": {}", one.cause_text());
+        const std::string& first = by_pattern.try_emplace(cause_pattern(text), text).first->second;
+        ++counts.causes[first];
+        counts.examples.try_emplace(first, one.point.id);
+    });
+    return counts;
+}
+
+void Ledger::sync() { book_->sync(); }
 
 Counts counts_of(const fs::path& file) {
     if (!fs::exists(file))
         throw InputError(file.string() + ": no such ledger");
-    const Connection connection(file, SQLITE_OPEN_READWRITE); // a log left by a killed scan is folded in
-    if (!is_begun(connection))
-        return {};
-    require_format(connection);
-    return counts_in(connection);
+    return fs::is_empty(file) ? Counts{} : Ledger(file).counts();
 }
+
+Ledger::Ledger(const fs::path& file) : book_(std::make_unique<Book>(file)) { head_ = book_->head(); }
 
 } // namespace rodwake::scan

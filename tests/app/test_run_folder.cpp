@@ -258,7 +258,7 @@ TEST_CASE("A fit that is taken up keeps the starts that are done, one that is re
     scene.fit->profiles.emplace_back().file = "ux.csv";
     const Names results = {"fit.json", "fit_profile_0.csv", "fit_curve_0.csv", "fit_trajectory_0.csv",
                            "medium.json"};
-    const Names starts = {"fit_starts.log"}, others = {"fit_notes.csv", "my_fit.json"};
+    const Names starts = {"fit.log"}, others = {"fit_notes.csv", "my_fit.json"};
     const Scratch one, other;
     CHECK(left_by_begin(one, results + starts + others, scene, {{"fit", "interrupted"}}, {Stage::fit},
                         false) == starts + others);

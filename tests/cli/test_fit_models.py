@@ -146,7 +146,7 @@ class ModelsTest(FitTest):
         self.write("fit.toml", FIT + NESTED)
         command = ("fit", "fit.toml", "-o", "out", "--quiet")
         with self.started(*command) as process:
-            ledger = self.folder / "out/models/second/posterior_blocks.log"
+            ledger = self.folder / "out/models/second/fit.log"
             self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 5000, 60), "no block was done")
             self.assertIsNone(process.poll(), "it ended before it could be stopped: make it longer")
             self.stop(process, signal.SIGKILL, 5.0)
@@ -154,7 +154,7 @@ class ModelsTest(FitTest):
         self.expect(0, *command)
         for folder in ("", "models/first/"):
             self.assertRegex((self.folder / f"out/{folder}log.txt").read_text(), "going on after 160 of 160 blocks")
-        self.assertEqual(list((self.folder / "out").rglob("*_blocks.log")) + list((self.folder / "out").rglob("*_starts.log")), [])
+        self.assertEqual(list((self.folder / "out").rglob("fit.log")), [])
         resumed = self.files()
         self.expect(0, *command, "--force", "-j", "1")
         self.assertEqual(self.files(), resumed)

@@ -311,7 +311,7 @@ class OfARunTest(FitTest):
 
     def assert_goes_on_after_a_stop(self):
         command = ("fit", "bed.toml", "-o", "run", "--quiet", "-s", "fit.starts=5000", "-s", "fit.box=32.0")
-        ledger = self.folder / "run/fit_starts.log"
+        ledger = self.folder / "run/fit.log"
         with self.started(*command, "--force") as process:
             self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 5000, 30), "no start was done")
             code, _, err = self.stop(process, signal.SIGTERM, 5.0)

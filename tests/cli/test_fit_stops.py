@@ -22,7 +22,7 @@ class ResumeTest(FitTest):
 
     def stopped(self, number):
         with self.started(*self.command()) as process:
-            ledger = self.folder / "out/fit_starts.log"
+            ledger = self.folder / "out/fit.log"
             self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 5000, 30), "no start was done")
             self.assertIsNone(process.poll(), "the fit ended before it could be stopped: make it longer")
             return self.stop(process, number, 5.0)
@@ -37,7 +37,7 @@ class ResumeTest(FitTest):
             self.expect_stop(number, code)
             self.expect(0, *self.command())
             compare_fits(self, self.result(), whole)
-            self.assertFalse((self.folder / "out/fit_starts.log").exists())
+            self.assertFalse((self.folder / "out/fit.log").exists())
 
     def expect_stop(self, number, code):
         (self.folder / "out/provenance.json").write_text('{"status": "failed", "stages": {"fit": "failed"}}')
@@ -45,7 +45,7 @@ class ResumeTest(FitTest):
             file.unlink()
         returned, _, err = self.stopped(number)
         self.assertEqual(returned, code, err)
-        self.assertTrue((self.folder / "out/fit_starts.log").exists())
+        self.assertTrue((self.folder / "out/fit.log").exists())
         if number != signal.SIGKILL:
             best = self.result()
             self.assertEqual(best["termination"], "interrupted")
@@ -62,7 +62,7 @@ class ResumeTest(FitTest):
         again["provenance"]["command"] = other["provenance"]["command"]
         compare_fits(self, other, again)
         self.write("out/provenance.json", '{"status": "failed", "stages": {"fit": "failed"}}')
-        self.write("out/fit_starts.log", "nonsense" * 100)
+        self.write("out/fit.log", "nonsense" * 100)
         self.expect(0, *self.command())
         compare_fits(self, self.result(), other)
 

@@ -7,14 +7,13 @@ import os
 import shutil
 import signal
 import socket
-import sqlite3
 import subprocess
 import unittest
 
 from beds import BED
 from fits import FitTest
 from rodwake import PAIR, PROGRAM, SOURCE, ProgramTest, snapshot, wait_until
-from scans import GRID, rows_of
+from scans import GRID
 
 PLOTS = SOURCE / "plots/rodwake_plot.py"
 SHORT = PAIR.replace("output_interval = 10.0", "output_interval = 1.0").replace("t_end = 60.0", "t_end = 5.0")
@@ -115,37 +114,13 @@ class Limits(Surroundings):
         for verb, scene in (("rods", "pair.toml"), ("scan", "scan.toml")):
             done = self.shell(f"ulimit -f 8; $RODWAKE {verb} {scene} -o {verb}")
             self.assertEqual(done.returncode, 1, done.stderr)
-            self.assertRegex(done.stderr, "(?i)file too large|disk I/O error|disk is full")
+            self.assertRegex(done.stderr, "(?i)file too large")
             self.assertEqual(self.shell(f"$RODWAKE {verb} {scene} -o {verb}").returncode, 0, verb)
 
     def test_fewer_threads_than_asked_for(self):
         done = self.shell("ulimit -v 4000000; $RODWAKE rods pair.toml -o out -j 1000")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stderr, r"only \d+ of 1000 threads can be started")
-
-    def test_a_ledger_with_a_journal_is_taken_back(self):
-        self.write("scan.toml", GRID)
-        self.expect(0, "scan", "scan.toml", "-o", "whole")
-        self.expect(0, "scan", "scan.toml", "-o", "out")
-        ledger = self.folder / "out/ledger.sqlite"
-        with sqlite3.connect(ledger, isolation_level=None) as connection:
-            connection.execute("PRAGMA journal_mode = DELETE")
-            connection.execute("PRAGMA cache_size = 1")
-            connection.execute("BEGIN")
-            connection.execute("CREATE TABLE many (x BLOB)")
-            for _ in range(50):
-                connection.execute("INSERT INTO many VALUES (zeroblob(30000))")
-            journal = ledger.with_name("ledger.sqlite-journal")
-            self.assertGreater(journal.stat().st_size, 0)
-            torn = [(file, file.read_bytes()) for file in (ledger, journal)]
-            connection.execute("ROLLBACK")
-        for file, content in torn:
-            file.write_bytes(content)
-        with ledger.open("ab") as file:
-            file.write(b"half a page")
-        (self.folder / "out/scan.csv").unlink()
-        self.expect(0, "scan", "scan.toml", "-o", "out")
-        self.assertEqual(rows_of(self.folder / "out/scan.csv"), rows_of(self.folder / "whole/scan.csv"))
 
 
 class SmallStack(FitTest):

@@ -2,17 +2,12 @@
 
 import json
 import shutil
-import sqlite3
 
 import rodwake
-from scans import CROSSING, ScanTest, axis
+from scans import CROSSING, LedgerFile, ScanTest, axis
 
 # Steps that ten times as many do not make up for at the slow points.
 FAILING = ("-s", "rods_run.max_steps=3")
-
-
-def mark(records):
-    records["seconds"] = -1.0
 
 
 class ExtendTest(ScanTest):
@@ -48,12 +43,12 @@ class ExtendTest(ScanTest):
     def test_what_is_gone_of_a_finished_scan_is_made_again(self):
         self.scan("scan.toml", "out")
         shutil.copytree(self.folder / "out", self.folder / "whole")
-        for gone in (["scan.csv"], ["scan.h5", "cells.csv"], ["scan.json", "boundary.csv"], ["ledger.sqlite"]):
+        for gone in (["scan.csv"], ["scan.h5", "cells.csv"], ["scan.json", "boundary.csv"], ["points.log"]):
             for name in gone:
                 (self.folder / "out" / name).unlink()
             done = self.scan("scan.toml", "out")
             self.assertRegex(done.stderr, f"scan: {gone[-1]}.* gone; made again")
-            self.assertEqual("are in the ledger already" in done.stderr, "ledger.sqlite" not in gone)
+            self.assertEqual("are in the ledger already" in done.stderr, "points.log" not in gone)
             self.assert_same("out", "whole")
             self.refuse_scan("holds a finished run", "scan.toml", "out", code=0)
 
@@ -75,7 +70,7 @@ class ExtendTest(ScanTest):
         self.write("points.csv", "coupling.kappa\n0.5\n50\n")
         self.scan("list.toml", "out")
         self.write("points.csv", "coupling.kappa\n0.5\n60\n")
-        self.refuse_scan(r"ledger.sqlite: is the ledger of another scan \(list: 2 rows of coupling.kappa", "list.toml", "out",
+        self.refuse_scan(r"points.log: is the ledger of another scan \(list: 2 rows of coupling.kappa", "list.toml", "out",
                          "-s", "scan.trajectories=1")
 
     def test_another_seed_of_the_audit_goes_on(self):
@@ -116,10 +111,10 @@ class ShareTest(ScanTest):
         self.refuse_scan("an adaptive scan cannot be computed in parts", "scan.toml", "out", "--part", "1/2")
         self.refuse_scan("out: holds no shares", "grid.toml", "out", "--merge")
         self.shares((1,), 2)
-        self.refuse_scan(r"part-1-of-2/ledger.sqlite: is the ledger of another scan \(.*t_end", "grid.toml", "out", "--merge",
+        self.refuse_scan(r"part-1-of-2/points.log: is the ledger of another scan \(.*t_end", "grid.toml", "out", "--merge",
                          "-s", "rods_run.t_end=61")
         (self.folder / "out/part-2-of-2").mkdir()
-        self.refuse_scan("part-2-of-2/ledger.sqlite: no such ledger", "grid.toml", "out", "--merge")
+        self.refuse_scan("part-2-of-2/points.log: no such ledger", "grid.toml", "out", "--merge")
 
 
 class FailureTest(ScanTest):
@@ -162,11 +157,10 @@ class FailureTest(ScanTest):
     def again(self, before, failed):
         """With steps enough only these points are evaluated again, to what they are in the clean scan."""
         kept = dict((row[0], row) for row in self.ledger("out")[0] if row[0] not in failed)
-        self.change_records("out", mark)
-        self.change_ledger("out", "UPDATE causes SET seconds = -1")
+        records = len(LedgerFile(self.folder / "out/points.log").records)
         done = self.scan("grid.toml", "out", "--rerun-failed")
         self.assertIn(f"{len(failed)} points that failed are evaluated again", done.stderr)
-        evaluated = {point for point, took in self.seconds("out").items() if took >= 0.0}
+        evaluated = {row[0] for added in LedgerFile(self.folder / "out/points.log").records[records:] for row in added}
         self.assertEqual(evaluated, failed)
         clean = {row[0]: row for row in self.ledger("clean")[0]}
         for row in self.ledger("out")[0]:
@@ -201,31 +195,35 @@ class LedgerTest(ScanTest):
     def setUp(self):
         super().setUp()
         self.scan("grid.toml", "out", "--quiet")
-        self.file = self.folder / "out/ledger.sqlite"
+        self.file = self.folder / "out/points.log"
 
     def refuse_out(self, pattern):
         self.refuse_scan(pattern, "grid.toml", "out", "-s", "scan.trajectories=1")
 
-    def test_of_a_newer_version(self):
-        self.change_ledger("out", "UPDATE meta SET value = '3' WHERE key = 'format'")
-        self.change_ledger("out", "UPDATE meta SET value = '7.0' WHERE key = 'rodwake'")
-        self.refuse_out("ledger.sqlite: is a ledger of format 3, and this version of rodwake knows 2; rodwake 7.0 made it")
+    def test_of_another_version(self):
+        data = bytearray(self.file.read_bytes())
+        data[8] = 7
+        self.file.write_bytes(data)
+        self.refuse_out("points.log: is a journal of another version of rodwake")
+        self.file.rename(self.file.with_name("ledger.sqlite"))
+        self.refuse_out("ledger.sqlite: is the ledger of a scan of rodwake 0.3, which cannot be resumed; choose another folder")
 
-    def test_cut_short(self):
+    def test_cut_short_or_damaged(self):
+        """What is whole is kept; the rest is evaluated again, to the same results."""
+        self.scan("grid.toml", "whole", "--quiet")
         data = self.file.read_bytes()
-        for size in (len(data) // 2, len(data) - 10):
-            self.file.write_bytes(data[:size])
-            self.refuse_out("ledger.sqlite: is .*damaged")
+        flipped = bytearray(data)
+        flipped[len(data) // 2] ^= 1
+        for content in (data[:len(data) // 2], data[:-10], flipped):
+            self.file.write_bytes(content)
+            (self.folder / "out/scan.csv").unlink()
+            done = self.scan("grid.toml", "out")
+            self.assertEqual("records of the ledger are damaged; their points are evaluated again" in done.stderr, content is flipped)
+            self.assert_same("out", "whole")
 
     def test_of_something_else(self):
         self.file.write_text("nothing of the kind " * 100)
-        self.refuse_out("ledger.sqlite: is not a ledger, or damaged")
-        self.file.unlink()
-        connection = sqlite3.connect(self.file)
-        connection.execute("CREATE TABLE people (name)")
-        connection.commit()
-        connection.close()
-        self.refuse_out("ledger.sqlite: is an SQLite file, but not a ledger of rodwake")
+        self.refuse_out("points.log: is not a journal of rodwake")
 
     def test_lost(self):
         """Without its ledger a scan starts again."""
@@ -236,12 +234,12 @@ class LedgerTest(ScanTest):
 
     def test_of_another_folder(self):
         self.scan("scan.toml", "other", "--quiet")
-        shutil.copy(self.folder / "other/ledger.sqlite", self.file)
-        self.refuse_out(r"ledger.sqlite: is the ledger of another scan \(.* there, .* here\)")
+        shutil.copy(self.folder / "other/points.log", self.file)
+        self.refuse_out(r"points.log: is the ledger of another scan \(.* there, .* here\)")
 
     def test_two_scans_at_a_time(self):
         with self.started("scan", "scan.toml", "-o", "busy", "-s", "scan.resolution=4096", "--quiet") as process:
-            self.assertTrue(rodwake.wait_until(lambda: (self.folder / "busy/ledger.sqlite").exists(), 60))
+            self.assertTrue(rodwake.wait_until(lambda: (self.folder / "busy/points.log").exists(), 60))
             done = self.run_program("scan", "scan.toml", "-o", "busy", "-s", "scan.resolution=4096")
             self.assertEqual(done.returncode, 2)
             self.assertRegex(done.stderr, "busy.* (used|process)")

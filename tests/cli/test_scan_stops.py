@@ -31,7 +31,7 @@ class SignalTest(ScanTest):
     def stop_at_work(self, number, run, *arguments):
         """Once some hundred points are there."""
         with self.started("scan", "scan.toml", "-o", run, *ENDLESS, *arguments) as process:
-            at_work = wait_until(lambda: (self.folder / run / "ledger.sqlite").exists() and self.points(run) > 500
+            at_work = wait_until(lambda: (self.folder / run / "points.log").exists() and self.points(run) > 500
                                  or process.poll() is not None, 60)
             self.assertTrue(at_work and process.poll() is None, "the scan did not get to work, or ended")
             return self.stop(process, number, SECONDS)

@@ -88,7 +88,7 @@ class QuickstartTest(ProgramTest):
 
 RECIPES = {"conda": SOURCE / "tools/recipes/conda/meta.yaml", "spack": SOURCE / "tools/recipes/spack/package.py"}
 # What the build calls a package, as others do.
-OTHER_NAMES = {"eigen3": "eigen", "hdf5c": "hdf5", "sqlite": "sqlite", "hwy": "libhwy|highway", "nlohmann_json": "nlohmann[_-]json",
+OTHER_NAMES = {"eigen3": "eigen", "hdf5c": "hdf5", "hwy": "libhwy|highway", "nlohmann_json": "nlohmann[_-]json",
                "boost": "boost|libboost-headers", "xxhash": "xxhash"}
 
 
@@ -96,7 +96,7 @@ class RecipesTest(unittest.TestCase):
     def missing(self, recipe):
         """What the build asks for and the recipe does not name."""
         asked = re.findall(r"(?m)^set\(RODWAKE_FIND_\w+ (\w+)", (SOURCE / "cmake/dependencies.cmake").read_text())
-        named = [name.lower() for name in asked if name not in ("Threads", "MPI", "SQLite3")] + ["sqlite", "xxhash", "random123", "pybind11"]
+        named = [name.lower() for name in asked if name not in ("Threads", "MPI")] + ["xxhash", "random123", "pybind11"]
         return [name for name in named if not re.search(rf"[\s\"'-](py-)?({OTHER_NAMES.get(name, name)})[\s\"'@]", recipe)]
 
     def test_each_library_is_named(self):

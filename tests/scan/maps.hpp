@@ -128,7 +128,7 @@ struct Counter {
 };
 
 inline LedgerHead head_of(const Design& design, std::string description = "a scan") {
-    return {std::move(description), design.axes, columns, design.runs > 0};
+    return {std::move(description), design.axes, columns};
 }
 
 /// A scan in memory of its own: runs it to the end, or until its executor stops.

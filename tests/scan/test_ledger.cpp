@@ -2,7 +2,6 @@
 
 #include "ledger_rows.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/sqlite.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -66,16 +65,6 @@ TEST_CASE("The text of a row tells every bit") {
     CHECK(differs([](Result& r) { r.status = Status::failed; }));
 }
 
-TEST_CASE("Zero has no sign in a ledger") { // SQLite stores whole numbers as such
-    const Scratch scratch;
-    Ledger ledger(scratch / "l", ledger_head());
-    Result zero = succeeded(1, -0.0);
-    zero.values[0] = -0.0;
-    ledger.add(std::vector{zero});
-    CHECK_FALSE(std::signbit(ledger.find(1)->values[0]));
-    CHECK_FALSE(std::signbit(ledger.find(1)->point.at[0]));
-}
-
 TEST_CASE("Every status comes back, and values of failures do not count") {
     const Scratch scratch;
     Ledger ledger(scratch / "l", ledger_head());
@@ -126,44 +115,8 @@ TEST_CASE("Counts are by outcome, and by cause of failure") {
     CHECK(counts.causes ==
           std::map<std::string, std::int64_t>{{"failed: too many steps", 2}, {"exception", 1}});
     CHECK(counts.seconds == Approx(6e-4)); // six summands
-    ledger.settle();
+    ledger.sync();
     CHECK(counts_of(scratch / "l").points == 6);
-}
-
-TEST_CASE("Causes have columns with names, so that sqlite3 and pandas can ask") {
-    const Scratch scratch;
-    Ledger ledger(scratch / "l", ledger_head());
-    Result retried = succeeded(5, 0.25, 2.0);
-    retried.set_cause("retried");
-    ledger.add(std::vector{succeeded(4, 0.5), retried, failed(6)});
-    const Connection other(scratch / "l", SQLITE_OPEN_READWRITE);
-    Statement row(other, "SELECT \"coupling.kappa\", \"rods_run.method\", outcome, sum, id FROM causes WHERE "
-                         "status = 'ok'");
-    REQUIRE(row.step());
-    CHECK(row.real(0) == 0.25);
-    CHECK(row.text(1) == "it's \"erk\"");
-    CHECK(row.text(2) == "out");
-    CHECK(row.real(3) == 0.1);
-    CHECK(row.integer(4) == 5);
-    CHECK_FALSE(row.step());
-}
-
-TEST_CASE("The ledger tells the layout of its records") {
-    const Scratch scratch;
-    Ledger ledger(scratch / "l", ledger_head());
-    ledger.add(std::vector{succeeded(4, 0.5), succeeded(6, 0.75)});
-    const Connection other(scratch / "l", SQLITE_OPEN_READWRITE);
-    Statement layout(other, "SELECT value FROM meta WHERE key = 'record'");
-    REQUIRE(layout.step());
-    CHECK(layout.text(0) == R"([["id", "<i8"], ["coupling.kappa", "<f8"], ["rods_run.method", "<f8"], )"
-                            R"(["sum", "<f8"], ["product", "<f8"], ["seconds", "<f8"], )"
-                            R"(["outcome", "<i4"], ["retries", "<i4"]])");
-    Statement chunk(other, "SELECT first, last, points, length(data) FROM chunks");
-    REQUIRE(chunk.step());
-    CHECK(chunk.integer(0) == 4);
-    CHECK(chunk.integer(1) == 6);
-    CHECK(chunk.integer(2) == 2);
-    CHECK(chunk.integer(3) == 2 * 56);
 }
 
 TEST_CASE("Chunks that overlap come out in the order of the points") {

@@ -3,7 +3,6 @@
 #include "maps.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/proportion.hpp"
-#include "scan/sqlite.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -125,28 +124,6 @@ TEST_CASE("Shares of repeated points are all points together") {
         CHECK(run_runs(repeated(4), scratch / ("l" + std::to_string(i)), by_run(&tally), {i, 3}).complete);
     CHECK(tally.size() == 24);
     CHECK(tally.most() == 1);
-}
-
-TEST_CASE("The ledger tells point and run of each cause") {
-    const Scratch scratch;
-    run_runs(repeated(2), scratch / "l", by_run());
-    {
-        Ledger ledger(scratch / "l", head_of(repeated(2)));
-        std::vector<Result> told;
-        ledger.for_each([&](const Result& r) { told.push_back(r); });
-        for (Result& one : told)
-            one.set_cause("retried");
-        ledger.add(told);
-    }
-    const Connection connection(scratch / "l", SQLITE_OPEN_READWRITE);
-    Statement rows(connection, "SELECT point, run FROM causes ORDER BY id");
-    std::vector<std::pair<std::int64_t, std::int64_t>> found;
-    while (rows.step())
-        found.emplace_back(rows.integer(0), rows.integer(1));
-    REQUIRE(found.size() == 12);
-    CHECK(found[0] == std::pair<std::int64_t, std::int64_t>{1, 1});
-    CHECK(found[3] == std::pair<std::int64_t, std::int64_t>{2, 2});
-    CHECK(found.back() == std::pair<std::int64_t, std::int64_t>{6, 2});
 }
 
 TEST_CASE("The mean of runs leaves out what failed and what has no number") {

@@ -275,10 +275,10 @@ class Bench(faults.Bench):
         return recorder
 
     def check(self, tree, recorder):
-        """All operations together make what is on the disk, the shared memory of SQLite aside."""
+        """All operations together make what is on the disk."""
         whole = state_of(tree, recorder.ops, recorder.folders, len(recorder.ops), lambda op: 1)
         now = tree_of(self.place)
-        if different := [path for path in now.keys() | whole.keys() if now.get(path) != whole.get(path) and not path.endswith("-shm")]:
+        if different := [path for path in now.keys() | whole.keys() if now.get(path) != whole.get(path)]:
             raise RuntimeError(f"the record does not make what is there: {different}")
 
     def judge(self, tree):

@@ -27,7 +27,7 @@ ERRORS = {"write": (errno.EIO, errno.ENOSPC, HALF), "fsync": (errno.EIO,), "rena
 # clean-up lacks memory.)
 UNSEEMLY = re.compile(r"terminate called|(?<!_objects.ObjectID.__dealloc__'\n)Traceback \(most recent|core dumped|Segmentation|AddressSanitizer")
 # Written as the run goes, or with the time it took (resume points). A ledger is compared by scan.csv, which is made of it.
-PASSED_OVER = re.compile(r"log\.txt$|\.lock$|ledger\.sqlite|provenance\.json$|\.rwc")
+PASSED_OVER = re.compile(r"log\.txt$|\.lock$|points\.log|provenance\.json$|\.rwc")
 
 SHORT_PAIR = PAIR.replace("t_end = 60.0", "t_end = 8.0").replace("output_interval = 10.0", "output_interval = 1.0")
 SHORT_BED = BED.replace('duration = "0.2 s"', 'duration = "0.05 s"').replace('"0.005 s"', '"0.01 s"')

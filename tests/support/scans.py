@@ -7,10 +7,9 @@ import os
 import random
 import shutil
 import signal
-import sqlite3
+import struct
 import time
 
-import numpy as np
 from beds import content
 from rodwake import ProgramTest
 
@@ -54,24 +53,54 @@ def rows_of(file):
     return list(csv.DictReader(file.read_text().splitlines()))
 
 
-def records_of(connection):
-    """The layout of a ledger's records, and all of them."""
-    layout = np.dtype([tuple(field) for field in
-                       json.loads(connection.execute("SELECT value FROM meta WHERE key = 'record'").fetchone()[0])])
-    chunks = [row[0] for row in connection.execute("SELECT data FROM chunks ORDER BY number")]
-    return layout, np.frombuffer(b"".join(chunks), layout)
+STATUS = ["ok", "failed", "time_limit", "not_finite", "exception", "stopped"]
 
 
-def plain_rows(connection):
-    """The records as rows of the table of causes would be."""
-    outcomes = connection.execute("SELECT value FROM meta WHERE key = 'outcomes'").fetchone()[0].split(",")
-    axes = len([name for name in records_of(connection)[0].names if "." in name])
-    rows = []
-    for one in records_of(connection)[1].tolist():
-        numbers = [None if math.isnan(value) else value for value in one[1:-3]]
-        outcome = outcomes[one[-2]] if one[-2] >= 0 else None
-        rows.append((one[0], *numbers[:axes], outcome, "ok", *numbers[axes:], one[-1], None))
-    return rows
+def journal_of(file):
+    """The records of a journal (rodwake/store/journal.hpp), the key first: layout and content. The last may not be whole."""
+    data, at, records = file.read_bytes(), 16, []
+    while at + 24 <= len(data):
+        length, layout = struct.unpack_from("<QI", data, at)
+        if at + 24 + length > len(data):
+            break
+        records.append((layout, data[at + 16:at + 16 + length]))
+        at += 24 + length
+    return records
+
+
+class LedgerFile:
+    """`records`: the points of each record, as rows (id, axes, outcome, status, observables, retries, cause); `rows` and
+    `brackets` by id: the last of each."""
+
+    def __init__(self, file):
+        (_, key), *records = journal_of(file)
+        names = json.loads(key.decode().rpartition("\n")[2])
+        self.outcomes, axes, observables = names["outcomes"], len(names["axes"]), len(names["observables"])
+        point = struct.Struct(f"<q{axes + observables}ddii")
+        self.rows, self.brackets, self.records = {}, {}, []
+
+        def row(content, at, status="ok", cause=None):
+            number, *values, _, outcome, retries = point.unpack_from(content, at)
+            values = [None if math.isnan(value) else value for value in values]
+            return (number, *values[:axes], self.outcomes[outcome] if outcome >= 0 else None, status, *values[axes:], retries, cause)
+
+        for kind, content in records:
+            points = []
+            if kind == 1:
+                points = [row(content, at) for at in range(0, len(content), point.size)]
+            elif kind == 2:
+                status, = struct.unpack_from("<i", content, point.size)
+                points = [row(content, 0, STATUS[status], content[point.size + 20:].decode())]
+            elif kind == 3:
+                self.brackets |= {one[0]: one for one in struct.iter_unpack("<qiidd", content[16:])}
+            elif kind == 4:
+                for number, in struct.iter_unpack("<q", content[16:]):
+                    self.rows.pop(number, None)
+            elif kind == 5:
+                self.rows = {number: one for number, one in self.rows.items() if one[axes + 2] == "ok"}
+                self.brackets = {number: one for number, one in self.brackets.items() if min(one[1:3]) >= 0}
+            self.records.append(points)
+            self.rows |= {one[0]: one for one in points}
 
 
 class ScanTest(ProgramTest):
@@ -103,48 +132,13 @@ class ScanTest(ProgramTest):
 
     def ledger(self, run):
         """Rows of points and brackets in order; without the seconds they took."""
-        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
-        try:
-            names = [row[1] for row in connection.execute("PRAGMA table_info(causes)")]
-            kept = ", ".join(f'"{name}"' for name in names if name != "seconds")
-            rows = connection.execute(f"SELECT {kept} FROM causes").fetchall() + plain_rows(connection)
-            return sorted(rows, key=lambda row: row[0]), connection.execute("SELECT * FROM crossings ORDER BY id").fetchall()
-        finally:
-            connection.close()
-
-    def seconds(self, run):
-        """What each point took, by id."""
-        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
-        try:
-            found = dict(connection.execute("SELECT id, seconds FROM causes"))
-            _, records = records_of(connection)
-            return found | dict(zip(records["id"].tolist(), records["seconds"].tolist()))
-        finally:
-            connection.close()
-
-    def change_records(self, run, change):
-        """`change` gets the array of each chunk."""
-        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
-        layout, _ = records_of(connection)
-        for number, data in connection.execute("SELECT number, data FROM chunks").fetchall():
-            records = np.frombuffer(data, layout).copy()
-            change(records)
-            connection.execute("UPDATE chunks SET data = ? WHERE number = ?", (records.tobytes(), number))
-        connection.commit()
-        connection.close()
+        ledger = LedgerFile(self.folder / run / "points.log")
+        return [row for _, row in sorted(ledger.rows.items())], [one for _, one in sorted(ledger.brackets.items())]
 
     def points(self, run):
         """In the ledger; 0 before there is one."""
-        try:
-            return len(self.ledger(run)[0])
-        except sqlite3.Error:
-            return 0
-
-    def change_ledger(self, run, sql):
-        connection = sqlite3.connect(self.folder / run / "ledger.sqlite")
-        connection.execute(sql)
-        connection.commit()
-        connection.close()
+        file = self.folder / run / "points.log"
+        return len(self.ledger(run)[0]) if file.exists() and file.stat().st_size > 0 else 0
 
     def assert_same(self, one, other):
         """Tables to the byte, the ledger row by row, every dataset."""

@@ -1,15 +1,9 @@
 #pragma once
-// The ledger of a scan: an SQLite file written chunk by chunk while the scan goes on, and read by it when it
-// is taken up. One process writes; others may read meanwhile. Points that failed or were retried are rows:
+// The ledger of a scan: a journal (store/journal.hpp) of chunks of points, written while the scan goes on and
+// read when it is resumed. One process writes, others may read meanwhile. Later records replace earlier ones.
 //
-//   SELECT "coupling.kappa", status, cause FROM causes;
-//
-// The others are records of one length, a chunk of them a row of `chunks`; docs/scan.md reads them with
-// numpy.
-//
-// What was taken is committed before the call returns: a process that is killed loses the points in flight. A
-// machine that goes down may lose the last second, and never leaves half a row. On a network file system
-// SQLite needs working POSIX locks.
+// What was added is with the system before the call returns: a process that is killed loses the points in
+// flight. A machine that goes down may lose the last seconds; what is left is whole, by checksums.
 
 #include "rodwake/scan/design.hpp"
 
@@ -20,12 +14,14 @@
 
 namespace rodwake::scan {
 
+/// Its name in the folder of a scan.
+inline constexpr const char* ledger_file = "points.log";
+
 /// What a ledger is of. Two of the same text and columns can be one.
 struct LedgerHead {
     std::string description; ///< the scene as far as points depend on it
     std::vector<Axis> axes;
     Columns columns;
-    bool repeated = false; ///< points are runs (Design::runs): the table tells point and run of each, from 1
 };
 
 struct Counts {
@@ -46,18 +42,18 @@ struct Crossing {
 
 class Ledger {
 public:
-    static constexpr int format = 2; ///< 1 had a row a point
-
-    /// Makes the file or opens it. Throws InputError for one of another scan, of a newer version of rodwake,
+    /// Makes the file or opens it. Throws InputError for one of another scan, of another version of rodwake,
     /// or that is no ledger; RunError if it cannot be written.
     Ledger(const std::filesystem::path& file, LedgerHead head);
+    /// To read what a scan has so far. Throws InputError.
+    explicit Ledger(const std::filesystem::path& file);
     ~Ledger();
     Ledger(const Ledger&) = delete;
     Ledger& operator=(const Ledger&) = delete;
 
     const LedgerHead& head() const { return head_; }
 
-    /// In one transaction; a point that is there already is replaced. Throws RunError (disk full).
+    /// A point that is there already is replaced. Throws RunError (disk full).
     void add(std::span<const Result> results);
     void add(std::span<const Crossing> crossings);
     /// All that another ledger of the same scan holds and this one does not. Throws InputError.
@@ -71,24 +67,25 @@ public:
     /// In the order of the points. `each` must not write.
     void for_each(const std::function<void(const Result&)>& each) const;
     void for_each_id(const std::function<void(std::int64_t)>& each) const;
-    /// Those of these points that are there, in the order of all. Reads the whole ledger, unless none is
-    /// there.
+    /// The results of these points that are there, in the order of all.
     std::vector<Result> find(std::span<const Point> points) const;
     std::optional<Result> find(std::int64_t id) const;
     std::vector<Crossing> crossings() const;
     std::int64_t points() const;
     Counts counts() const;
+    /// Records that were damaged when the file was opened; their points are not there.
+    std::int64_t damaged() const;
 
-    /// Folds the write-ahead log into the file, so that it can be copied.
-    void settle();
+    /// All on the disk.
+    void sync();
 
 private:
-    class Database;
+    class Book;
     LedgerHead head_;
-    std::unique_ptr<Database> database_;
+    std::unique_ptr<Book> book_;
 };
 
-/// What stands in a ledger whatever it is of, for `rodwake info`. Throws InputError.
+/// What is in a ledger, without its scene, for `rodwake info`. Throws InputError.
 Counts counts_of(const std::filesystem::path& file);
 
 } // namespace rodwake::scan

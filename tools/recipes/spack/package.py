@@ -24,7 +24,6 @@ class Rodwake(CMakePackage):
     depends_on("spdlog +fmt_external")
     depends_on("nlohmann-json")
     depends_on("hdf5 ~mpi +hl")
-    depends_on("sqlite@3.40:")
     depends_on("highway")
     depends_on("xxhash")
     depends_on("zlib")
