@@ -1,5 +1,5 @@
 #pragma once
-// Pieces of a pair's solution: what is known of the rates of turn along and about them. docs/physics.md,
+// Pieces of a pair's solution: what is known of the rates of turn along and about them. docs/theory.md,
 // section 7. Reduced units, eta >= 0.
 
 #include "rodwake/elastic/medium.hpp"

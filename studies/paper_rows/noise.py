@@ -80,5 +80,5 @@ NOISE = Subject("Rotational noise", (
         "in the bed, φ_b = 0.78", captured_in_noise, (HEADING, CAPTURE), ("diffusion",),
         "Rods that walk abreast turn slowly at first: a small angle between them parts them before their wakes take hold."),
     Row("noise_average", "text at Fig. 1 trajectory", "50 runs average over the rotational noise, φ_b = 0.78 (to half of Δy)", averaged, (HEADING, CRYSTAL),
-        (), "Headings diffuse freely for some seconds only: the rows of the crystal hold them (docs/measures.md, section 9)."),
+        (), "Headings diffuse freely for some seconds only: the rows of the crystal hold them (docs/measure.md, section 9)."),
 ))

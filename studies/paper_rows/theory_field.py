@@ -110,7 +110,7 @@ def varies_faster(folder, _):
 FIELD = Subject("Theory: the field of one rod", (
     Row("uxuy", "Eq. uxuy", "U of one rod in closed form", solution, (UFIELD,)),
     Row("nu", "below the Fourier transform", "ν = 1 + η⁻¹", nu_as_printed,
-        why="A slip of print: only ν = 1/(1 + η) solves the paper's own Eq. ueqsimple (docs/physics.md, section 5)."),
+        why="A slip of print: only ν = 1/(1 + η) solves the paper's own Eq. ueqsimple (docs/theory.md, section 5)."),
     Row("tail", "abstract; text at Fig. 6 ufield", "U_x falls as |x|^(-1/2) behind the rod", behind, (TAIL,), ("tail",)),
     Row("screened", "text at Fig. 6 ufield", "exponential decay ahead of the rod", ahead, (TAIL,), ("ahead",)),
     Row("ufield_b", "Fig. 6 ufield (b)", "U_x(x, 0) decays rapidly for x > 0 compared to x < 0", fore_aft, (UFIELD,), ("ufield_b",)),

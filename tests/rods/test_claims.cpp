@@ -1,4 +1,4 @@
-// What the paper says of trajectories, and what solving adds to it (docs/validation_rods.md).
+// What the paper says of trajectories, and what solving adds to it (studies/reports/rods.md).
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/simulate.hpp"

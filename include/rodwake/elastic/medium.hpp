@@ -29,7 +29,7 @@ struct Medium {
     static constexpr double min_xi = 1e-30, max_xi = 1e30;
 
     /// nu = 1/(1 + eta), ratio of shear to longitudinal modulus. (The paper prints 1 + 1/eta, which does not
-    /// solve its own equation; docs/physics.md, slip 1.)
+    /// solve its own equation; docs/theory.md, slip 1.)
     double nu() const { return 1.0 / (1.0 + eta); }
 };
 

@@ -4,7 +4,7 @@
 //
 //   SELECT "coupling.kappa", status, cause FROM causes;
 //
-// The others are records of one length, a chunk of them a row of `chunks`; docs/scan.md reads them with
+// The others are records of one length, a chunk of them a row of `chunks`; docs/scans.md reads them with
 // numpy.
 //
 // What was taken is committed before the call returns: a process that is killed loses the points in flight. A
