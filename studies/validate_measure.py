@@ -44,7 +44,7 @@ def order(lab):
                                    "k, mN/m"], found)
 
 
-# The wake around a rod, and the steady field of a rod in a periodic box, zero mode removed (docs/theory.md), by its Fourier series.
+# The wake around a rod, and the steady field of a rod in a periodic box, zero mode removed (docs/numerics.md), by its Fourier series.
 
 
 def profile(folder, name):

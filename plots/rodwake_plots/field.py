@@ -125,7 +125,7 @@ def caption_extensional_axis(run, spec):
             + medium_note(run))
 
 
-# Streamlines of gamma1 lap u + gamma2 grad div u over its magnitude (paper, Fig. sup_ufield), a panel per pair.
+# Streamlines of gamma1 lap u + gamma2 grad div u over its magnitude (paper, Fig. 10), a panel per pair.
 
 STREAMLINES = 0.85  # density of streamlines; 1 is matplotlib's 30 across
 

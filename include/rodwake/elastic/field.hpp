@@ -1,7 +1,7 @@
 #pragma once
 // Exact steady field of one rod moving along +x through the medium, in the rod's own frame.
 //
-//   -(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat          (paper Eq. ueqsimple, U in f/mu)
+//   -(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat          (paper Eq. (17), U in f/mu)
 //
 // With c_T = 1/(2 xi), c_L = nu c_T, G_i = exp(-c_i x) K0(c_i r), D = G_T - G_L:
 //

@@ -1,7 +1,7 @@
 #pragma once
 // The elastic continuum a rod walks through: an overdamped isotropic layer on a substrate.
 //
-//   zeta d_t u = mu lap u + lambda grad div u + forces                                     (paper Eq. ueq)
+//   zeta d_t u = mu lap u + lambda grad div u + forces                                     (paper Eq. (13))
 //
 // Here lambda is the coefficient of grad div in the equation of motion. From the free energy
 // F = int [lambda_L (tr eps)^2 / 2 + mu tr(eps^2)] (paper Eq. free) it is lambda = lambda_L + mu, which in

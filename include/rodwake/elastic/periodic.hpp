@@ -1,6 +1,6 @@
 #pragma once
 // Steady field of a rod and all its images in an Lx x Ly periodic box, the zero Fourier mode removed: what a
-// displacement measured in a periodic box is compared with (docs/theory.md).
+// displacement measured in a periodic box is compared with (docs/numerics.md).
 //
 //   U = (1/2 pi) [ G_T xhat + xi grad (G_T - G_L) ],   lap G_i + 2 c_i d_x G_i = -2 pi (delta_per - 1/Lx Ly)
 //

@@ -1,5 +1,5 @@
 #pragma once
-// The medium with its memory: no wake is assumed steady (paper Eq. ueq, docs/theory.md).
+// The medium with its memory: no wake is assumed steady (paper Eq. (13), docs/memory.md).
 //
 //   beta d_tt u + alpha d_t u = lap u + eta grad div u + sum_b n_b g_w(r - R_b),
 //   g_w = exp(-r^2/(2 w^2))/(2 pi w^2)

@@ -1,5 +1,5 @@
 #pragma once
-// The field of a rod that turns, to first order in its turning rate (docs/theory.md, Eq. 38).
+// The field of a rod that turns, to first order in its turning rate (docs/memory.md, Eq. 38).
 //
 // A rod that has always walked straight has the mode u_q = f_q e(n)/z, z = lambda - i q.n, with lambda the
 // mode's decay, f_q its force (modal_field.hpp) and e(n) the component of the heading n along q/|q| or z x
