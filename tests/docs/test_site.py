@@ -147,10 +147,10 @@ class SiteTest(unittest.TestCase):
         shown = dump((self.site / "index.html").as_uri() + "?q=microrheology")
         found = re.findall(r'<a href="file:[^"]*/(\w+\.html)[^"]*" class="md-search-result__link', shown)
         self.assertIn("extending.html", found)
-        self.assertNotIn("scan.html", found)
+        self.assertNotIn("scans.html", found)
         index = json.loads((self.site / "search/search_index.json").read_text(encoding="utf-8"))
         text = " ".join(entry["text"] for entry in index["docs"])
-        self.assertIn("resists motion with drag ζ per area", text)
+        self.assertIn("on a substrate, with drag ζ per area", text)
         self.assertNotIn("\\(", text)
 
     def test_reference_of_the_headers(self):
