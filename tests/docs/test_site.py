@@ -131,7 +131,7 @@ class SiteTest(unittest.TestCase):
 
     def test_panels_of_the_explorer_compute_in_pages(self):
         framed = {name: [target for target in page.loaded if target.startswith("live.html")] for name, page in self.pages.items()}
-        self.assertEqual({name for name, targets in framed.items() if targets}, {"index.html", "tutorial.html", "physics.html", "scan.html"})
+        self.assertEqual({name for name, targets in framed.items() if targets}, {"index.html", "tutorial.html", "theory.html", "scans.html"})
         for target in sum(framed.values(), []):
             panels = re.search(r"show=([\w,]+)", target)[1].split(",")
             with self.subTest(target), browser.Page(self.site / "live.html", 760, 800) as page:
