@@ -68,6 +68,11 @@ def long_lines(text):
             if len(line) > 120 and not line.lstrip().startswith(("|", "![", "<!--")) and "\\" not in line and "$$" not in line]
 
 
+def split_links(text):
+    """Lines at which a link ends that began on the line before: the checks here and the site read a link on one line."""
+    return [number for number, line in links.outside_code(text) if re.match(r"[^\[]*\]\([\w./:#-]+\)", line)]
+
+
 class PagesTest(unittest.TestCase):
     def test_links_lead_somewhere(self):
         self.assertGreater(sum(len(list(links.links(page, (SOURCE / page).read_text()))) for page in PAGES), 50)
@@ -81,6 +86,7 @@ class PagesTest(unittest.TestCase):
         for page in PAGES:
             text = (SOURCE / page).read_text()
             self.assertEqual(lists_without_blank(text), [], page)
+            self.assertEqual(split_links(text), [], page)
             if page != "docs/scene.md":  # made by the program
                 self.assertEqual(long_lines(text), [], page)
 
@@ -157,6 +163,7 @@ class CheckTest(unittest.TestCase):
 
     def test_lists(self):
         self.assertEqual(missing_numbers("0.46 to 3.5e-7, $10^8$ of 23 400 points in 12", ["0.46", "3.5e-7", "23 400 us"]), ["12"])
+        self.assertEqual(split_links("[a](b.md)\n[a\nlink](b.md#c)\n$x\\right](y + z)$\n"), [3])
         self.assertEqual(rows_of("| a | b \\| c |\n|---|---|\ntext\n"), [["a", "b \\| c"]])
         self.assertEqual(lists_without_blank("Text\n* no list\n\n* one\n  more\n* two\n\n1. x\n"), [2])
         self.assertEqual(long_lines("x" * 60 + " " + "y" * 60 + "\n| " + "z " * 70 + "|\n"), [1])

@@ -161,7 +161,7 @@ class SiteTest(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             files = Path(folder, "api/files.html").read_text()
             self.assertIn("mutual_wakes.hpp", files)
-            self.assertEqual({link for link in self.pages["library.html"].links if link.startswith("api/")}, {"api/files.html"})
+            self.assertEqual({link for link in self.pages["cpp.html"].links if link.startswith("api/")}, {"api/files.html"})
             field = Path(folder, "api/field_8hpp.html").read_text()
             self.assertIn("Exact steady field of one rod moving along +x through the medium", field)
             self.assertIn("-(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat", field)
