@@ -80,5 +80,5 @@ NOISE = Subject("Rotational noise", (
         "in the bed, φ_b = 0.78", captured_in_noise, (HEADING, CAPTURE), ("diffusion",),
         "Rods that move side by side turn slowly at first: a small angle separates them before their wakes take hold."),
     Row("noise_average", "text at Fig. 1", "50 runs average over the rotational noise, φ_b = 0.78 (to half of Δy)", averaged, (HEADING, CRYSTAL),
-        (), "Headings diffuse freely for a few seconds only: then the lattice holds them (docs/measure.md, section 9)."),
+        (), "Headings diffuse freely for a few seconds only: then the lattice holds them (docs/estimators.md)."),
 ))
