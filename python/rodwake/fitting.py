@@ -176,7 +176,7 @@ def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any)
 
 
 def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
-    """Fits a medium and the sources of a rod to maps of displacement (docs/fit.md, section 8).
+    """Fits a medium and the sources of a rod to maps of displacement (docs/fit.md, "Displacement maps").
 
     parameters  of an isotropic medium: f_over_mu, eta, and xi, alpha or drag_area; of an orthotropic one: amplitude, force, c11, c22,
                 c12, c66, zeta, rho, eta_s. Of both p_xx, p_yy, q_xxx, q_xyy, q_yxy (two of these three at most), t_xxxx, t_xxyy,
