@@ -69,8 +69,8 @@ def long_lines(text):
 
 
 def split_links(text):
-    """Lines at which a link ends that began on the line before: the checks here and the site read a link on one line."""
-    return [number for number, line in links.outside_code(text) if re.match(r"[^\[]*\]\([\w./:#-]+\)", line)]
+    """Lines at which a link ends into the tree that began on the line before: the checks here and the site read such a link on one line."""
+    return [number for number, line in links.outside_code(text) if re.match(r"[^\[]*\]\((?!https?:)[\w./#-]+\)", line)]
 
 
 class PagesTest(unittest.TestCase):
