@@ -1,5 +1,5 @@
 // One right-hand side of many rods against their number, pair by pair and with far wakes on meshes, and what
-// that changes; finding the closest pair and the step limit. Prints the rows of docs/validation_rods.md
+// that changes; finding the closest pair and the step limit. Prints the rows of studies/reports/rods.md
 // ("Many rods"); with a number, errors in as many crowds of 10^4 rods.
 
 #include "rodwake/core/rng.hpp"

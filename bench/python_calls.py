@@ -3,7 +3,7 @@
 
     bench/python_calls.py [--build build/release] [--quick]
 
-Prints the rows of docs/validation_house.md ("Python"). Times are the least of the repetitions, on one thread.
+Prints the rows of studies/reports/house.md ("Python"). Times are the least of the repetitions, on one thread.
 """
 
 import argparse

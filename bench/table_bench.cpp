@@ -1,5 +1,5 @@
 // Tables of the wake on the plane: their errors, sizes and the time of a strain beside that of the exact
-// field. Prints the rows of docs/validation_elastic.md ("Tables of the field").
+// field. Prints the rows of studies/reports/elastic.md ("Tables of the field").
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/elastic/plane_table.hpp"

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The bits of granular states with other compilers, flags, instruction sets and on arm64; docs/validation_granular.md has the table.
+"""The bits of granular states with other compilers, flags, instruction sets and on arm64; studies/reports/granular.md has the table.
 
     studies/validate_bits.py [--only x86,arm] [-j 2] [--keep folder]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Whether certificates of outcomes are ever wrong, and how many outcomes have one: the tables of docs/validation_rods.md.
+"""Whether certificates of outcomes are ever wrong, and how many outcomes have one: the tables of studies/reports/rods.md.
 
     studies/validate_certificates.py [--program build/release/rodwake] [--only straight,turning,diagrams,narrow] [--points N] [--quick] [--keep DIR]
 

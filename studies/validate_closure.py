@@ -6,7 +6,7 @@
 circle: the strain around a rod that has always walked a circle, exact against steady wakes and against wakes to first order in the
 turning rate. map: encounters with the paper's starts over kappa, gamma and alpha, in steady wakes, to first order
 and with memory, in one box with one force. rest: the same in steady wakes and in a medium that is undeformed at t = 0. width: what the
-force's width, the modes and the box change. Writes closure_*.csv, closure.md (the tables of docs/validation_medium.md) and closure_*.png into
+force's width, the modes and the box change. Writes closure_*.csv, closure.md (the tables of studies/reports/medium.md) and closure_*.png into
 -o. Encounters are made by build/release/bench/bench_closure (tools/bench builds it) and kept, so that
 the same command goes on where it was stopped. --dry-run says what is left and what it costs; --quick is a reduced variant of a minute.
 """
@@ -159,7 +159,7 @@ def circles(quick):
     return rows
 
 
-# Tables of docs/validation_medium.md.
+# Tables of studies/reports/medium.md.
 
 
 def same_ending(row, how):

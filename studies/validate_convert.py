@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Damaged films through the converter, and films of 10^6 rows: what docs/validation_house.md says of files of other programs.
+"""Damaged films through the converter, and films of 10^6 rows: what studies/reports/house.md says of files of other programs.
 
     studies/validate_convert.py [--files 2400] [--only dump,xyz,...] [--seed 1] [--csv FILE] [-j N] [--quick]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Which branches of the store and of the scans' ledger no test takes; docs/validation_house.md has the table.
+"""Which branches of the store and of the scans' ledger no test takes; studies/reports/house.md has the table.
 
     studies/validate_coverage.py [build/coverage] [--lines]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Machines that stop: every folder that a file system may leave, and what the same command makes of it; docs/validation_house.md.
+"""Machines that stop: every folder that a file system may leave, and what the same command makes of it; studies/reports/house.md.
 
     studies/validate_crashes.py [--program build/release/rodwake] [--states 10000] [--only rods,dem,...] [--seed 1] [--keep DIR] [--csv FILE]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Files that are damaged in every way: what docs/validation_house.md says of programs that read them.
+"""Files that are damaged in every way: what studies/reports/house.md says of programs that read them.
 
     studies/validate_damage.py [--program build/release/rodwake] [--files 10000] [--only toml,csv,...] [--seed 1] [--csv FILE] [-j N]
 

@@ -9,7 +9,7 @@ still     beads without rods from 0.62 to 0.78: order and stiffness; 1 CPU minut
 
 What is kept of a run is a row of studies/dish.csv; runs that have a row are not made again, so another --runs adds to them. Each run is
 filmed by `rodwake camera` (an error of 0.05 a, 5 % of the spots lost) and measured from its tracks. Prints the tables of
-docs/validation_measure.md, and the rows of docs/paper.md are judged from the same file.
+studies/reports/measure.md, and the rows of docs/paper.md are judged from the same file.
 """
 
 import math

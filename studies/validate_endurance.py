@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Endurance of beds: 10^9 bounces off plates over a grid of restitution and shaking; docs/validation_granular.md has the table.
+"""Endurance of beds: 10^9 bounces off plates over a grid of restitution and shaking; studies/reports/granular.md has the table.
 
     studies/validate_endurance.py [--program build/release/rodwake] [--bounces 1e9] [--minutes 30] [--keep DIR] [--quick]
 

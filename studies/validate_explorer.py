@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the page of `rodwake explore` computes in headless Chromium beside the program; docs/validation_explorer.md has the numbers.
+"""What the page of `rodwake explore` computes in headless Chromium beside the program; studies/reports/explorer.md has the numbers.
 
     studies/validate_explorer.py [--program build/release/rodwake] [--only outcomes,strain,speed,axe] [--quick] [--axe axe.min.js]
 

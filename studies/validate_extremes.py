@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Extremes: more than 20 000 cells of rods, fields, beds and fits at the ends of their ranges; docs/extremes.md has the table.
+"""Extremes: more than 20 000 cells of rods, fields, beds and fits at the ends of their ranges; studies/reports/extremes.md has the table.
 
     studies/validate_extremes.py [--program build/release/rodwake] [--quick] [--only rods,field] [--seed 1] [--keep DIR]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Calls of the system that fail, one at a time, while each verb works: what docs/validation_house.md says of them.
+"""Calls of the system that fail, one at a time, while each verb works: what studies/reports/house.md says of them.
 
     studies/validate_faults.py SHIM [--program build/release/rodwake] [--faults 5000] [--only rods,dem,...] [--csv FILE]
     studies/validate_faults.py SHIM --allocations 1024 [--faults 5000] [--csv FILE]

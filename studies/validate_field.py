@@ -97,7 +97,7 @@ def bessel(_):
     print("};")
 
 
-# A rod that has always walked a circle in a periodic medium (docs/physics.md, section 4), mode by mode: its field by a Fourier series in
+# A rod that has always walked a circle in a periodic medium (docs/memory.md), mode by mode: its field by a Fourier series in
 # the heading, exact but for rounding, and what closures make of it. Reduced units, kappa's strain alone.
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of the calibration: every number of docs/validation_fitting.md about fits.
+"""Validation of the calibration: every number of studies/reports/fitting.md about fits.
 
     studies/validate_fit.py [--program build/release/rodwake] [--tests build/test/tests/test_fitting] [-j 2] [--keep DIR]
                             [--only periodic,nist,synthetic,problems,variations,speed,quickstart,moments]
@@ -94,7 +94,7 @@ def varied(problem, **keys):
 
 
 def variations(lab):
-    """What docs/fitting.md says of other models and cores."""
+    """What docs/fit.md says of other models and cores."""
     with_x0, with_offset = (json.dumps(["f_over_mu", "eta", "xi", name]) for name in ("x0", "offset"))
     cases = {"eta = 1.3 held": varied("monopole.toml", **held("monopole.toml", eta=1.3)),
              "infinite plane": varied("monopole.toml", box=None),

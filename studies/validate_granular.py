@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of the granular simulator: every number of docs/validation_granular.md that comes from a bed.
+"""Validation of the granular simulator: every number of studies/reports/granular.md that comes from a bed.
 
     studies/validate_granular.py [--program build/release/rodwake] [--only lone,beads,order,bed,steps,pairs,impacts,force,yield] [--quick]
                                [-j 2] [--keep DIR]

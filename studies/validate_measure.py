@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of the measures on granular runs: every number of docs/validation_measure.md that comes from [measure] on a bed.
+"""Validation of the measures on granular runs: every number of studies/reports/measure.md that comes from [measure] on a bed.
 
     studies/validate_measure.py [--program build/release/rodwake] [--only order,wake,large,flow,pairs,pairs_18,turned,pursuit,force,measured_pair,cost]
                               [-j 2] [--keep DIR] [--runs N]
@@ -44,7 +44,7 @@ def order(lab):
                                    "k, mN/m"], found)
 
 
-# The wake around a rod, and the steady field of a rod in a periodic box, zero mode removed (docs/physics.md), by its Fourier series.
+# The wake around a rod, and the steady field of a rod in a periodic box, zero mode removed (docs/numerics.md), by its Fourier series.
 
 
 def profile(folder, name):

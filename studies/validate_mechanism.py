@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What turns two rods in the bed: rivals weighed on the tracks of pairs. The table of docs/findings.md, "Which mechanism turns the rods".
+"""What turns two rods in the bed: rivals weighed on the tracks of pairs. The table of docs/findings.md, section 7.
 
     studies/validate_mechanism.py [--program build/release/rodwake] [--only beds,weigh,weights,apart] [--runs 50] [-j 2] [--quick] [--keep DIR]
 
@@ -21,7 +21,7 @@ from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, tex
 KEPT, WEIGHED, A, BATCH, RUNS = SOURCE / "studies/bed_pairs.csv", SOURCE / "studies/mechanism.csv", 4e-4, 25, 50
 SETTINGS = [(kind, phi, rows) for kind in ("motile", "apolar") for phi in (0.78, 0.70) for rows in (0, 90)]
 NUMBERS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
-# f/mu in a, eta, alpha: docs/findings.md, "A line does not tell the medium, the map beside it does".
+# f/mu in a, eta, alpha: docs/findings.md, section 10.
 # "line" has parameters of U_x(x, 0), which are not those of the medium.
 MEDIA = {"medium": (1.48, 2.00, 0.0025), "line": (4.08, 4.4, 0.078)}
 TOUCH = 6.0  # a, between their centres

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The bed as an elastic medium: every table of docs/validation_bed.md, "The bed as a medium".
+"""The bed as an elastic medium: every table of studies/reports/bed.md, "The bed as a medium".
 
     studies/validate_medium.py [--program build/release/rodwake] [--only sound,static,strain,moving,drag,monopole,pairs,polycrystal,scaling,spread,moments,tail,hard,scaling_310] [--quick]
                              [-j 2] [--keep DIR]

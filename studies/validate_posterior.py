@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Posterior and evidence of fits against known answers: the tables of docs/validation_fitting.md, "Posterior and evidence".
+"""Posterior and evidence of fits against known answers: the tables of studies/reports/fitting.md, "Posterior and evidence".
 
     studies/validate_posterior.py [--program build/release/rodwake] [--only exact,grid,speed,track_speed,wakes,pairs,wandering] [--quick] [-j 2]
                                  [--keep DIR] [--runs 1000]

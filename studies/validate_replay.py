@@ -3,7 +3,7 @@
 
     studies/validate_replay.py [--program build/release/rodwake] [--quick] [--keep DIR] [-j 1]
 
-Some five CPU minutes. Prints the table of docs/validation_granular.md.
+Some five CPU minutes. Prints the table of studies/reports/granular.md.
 """
 
 import random

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Which mechanism made the tracks: how often the true one wins, and how often the misfit speaks. Table of docs/validation_fitting.md.
+"""Which mechanism made the tracks: how often the true one wins, and how often the misfit speaks. Table of studies/reports/fitting.md.
 
     studies/validate_rivals.py [--program build/release/rodwake] [--only choice,none,evidence,tracks] [--runs 100] [--quick] [--keep DIR]
 

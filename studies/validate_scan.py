@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of scans: the numbers of docs/validation_scan.md, "Scans", that come from whole scans.
+"""Validation of scans: the numbers of studies/reports/scan.md, "Scans", that come from whole scans.
 
     studies/validate_scan.py [--program build/release/rodwake] [--only memory,cells,large,stiff,maps] [-j 2] [--keep DIR]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a camera makes of a bed's numbers: the tables of docs/validation_measure.md.
+"""What a camera makes of a bed's numbers: the tables of studies/reports/measure.md.
 
     studies/validate_tracks.py [--program build/release/rodwake] [--only coverage,heading,pictures] [--quick] [--keep DIR]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Validation of `rodwake tradeoff`: the numbers of docs/validation_scan.md, "Speed against accuracy".
+"""Validation of `rodwake tradeoff`: the numbers of studies/reports/scan.md, "Speed against accuracy".
 
     studies/validate_tradeoff.py [--program build/release/rodwake] [--only scenes,promise,fits,beds] [--random 50] [--seed 1] [--keep DIR]
 

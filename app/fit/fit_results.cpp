@@ -283,7 +283,7 @@ namespace {
 /// Where a heading wanders so far between rows that what it takes from the path ahead, of standard deviation
 /// D_r t^2/sqrt(3), is no longer small beside sigma_position: the filter is linear there.
 void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<std::string>& lines) {
-    constexpr double small = 0.2; // up to there ranks are uniform: docs/validation_fitting.md
+    constexpr double small = 0.2; // up to there ranks are uniform: studies/reports/fitting.md
     const auto e = std::ranges::find(results.report.estimates, "D_r", &fitting::Estimate::name);
     if (e == results.report.estimates.end())
         return;

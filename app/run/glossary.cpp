@@ -136,7 +136,7 @@ std::string values_text(const std::string& name) {
     return text;
 }
 
-/// How runs of rods end: the criteria of docs/physics.md for `outcome`, or one of its words.
+/// How runs of rods end: the criteria of docs/theory.md for `outcome`, or one of its words.
 std::string outcome_text(const std::string& name) {
     constexpr std::pair<const char*, const char*> criteria[] = {
         {"contact", "the separation fell to contact_distance, or was within it at the start"},
@@ -156,7 +156,7 @@ std::string outcome_text(const std::string& name) {
             text += fmt::format("{}: how a run of rods ends\n", word) + line("criterion", meaning);
     return text.empty()
                ? ""
-               : text + line("see", "docs/physics.md, \"Outcomes\"; for rods of beds docs/measures.md");
+               : text + line("see", "docs/theory.md, \"Outcomes\"; for rods of beds docs/measure.md");
 }
 
 std::string scene_text(const std::string& name) {

@@ -25,7 +25,7 @@ BOUNDED = {"eta", "xi", "alpha", "D_r", "D_t"}  # fitted within bounds even if t
 MANY_STARTS, REFERENCE_STARTS = 10, 50
 LONG_FIT, REPEATS = 0.5, 3  # s; longer fits are not repeated
 MAP_BUDGET = 0.1  # s, of repeats of a map
-LEAST_MAP_ERROR = 2e-13  # what the exact field keeps to (docs/validation_elastic.md, "Field of one rod"); no smaller error is quoted
+LEAST_MAP_ERROR = 2e-13  # what the exact field keeps to (studies/reports/elastic.md, "Field of one rod"); no smaller error is quoted
 TABLE_TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 

@@ -49,7 +49,7 @@ const BesselTable<double>& fine_bessel_table();
 const BesselTable<float>& single_bessel_table();
 
 /// e^z K0(z) and e^z K1(z) as the kernels have them, z in the range above; spans of one length. Error: at
-/// most 2 ulp, on average below 0.5 (docs/validation_elastic.md).
+/// most 2 ulp, on average below 0.5 (studies/reports/elastic.md).
 void table_bessel(std::span<const double> z, std::span<double> k0, std::span<double> k1);
 
 // Modified Bessel functions K0, K1 in the forms the field needs, each free of cancellation in its range.

@@ -9,7 +9,7 @@
 // keeps a Gaussian's length from its images. Of pairs nearer than the reach of the error the nodes' part is
 // taken off again and the exact field put in.
 //
-// Error: what the tolerances say, by measurement (test_far_wakes.cpp, docs/validation_rods.md "Many rods"),
+// Error: what the tolerances say, by measurement (test_far_wakes.cpp, studies/reports/rods.md "Many rods"),
 // for a crowd whose error_growth is at most 1; of others that times as much. It is random from rod to rod,
 // and as rods move the sums are rough by as much. Domain: 0 <= eta <= 20. Cost: N (near pairs + nodes) + sum
 // of the meshes, some N^(1/2) nodes of a crowd of even density.

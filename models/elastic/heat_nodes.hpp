@@ -1,6 +1,6 @@
 #pragma once
 // A wake as drifting heat. A rod that has always walked straight at speed 1 (the unit; xi = 1, too) pushed
-// at r + n t a time t ago, and what it did there has spread since: from Eq. 1 of docs/physics.md,
+// at r + n t a time t ago, and what it did there has spread since: from Eq. 1 of docs/theory.md,
 //
 //   U(r) = int_0^inf dt [ n g_T + grad (g_T - D_L g_L) ](r + n t, t),   g_i = e^(-r^2/(4 D_i t))/(4 pi D_i t)
 //   D_T = 1,   D_L = 1 + eta

@@ -309,7 +309,7 @@ private:
 
 std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, std::size_t threads) {
     // A step on the mesh of 4600 modes (96 a side) and 100 rods takes 14.5 ms on one thread in some 130 loops
-    // (docs/validation_medium.md, as what a rod costs in modes): 0.1 ms each. Two threads took 0.7 to 0.9
+    // (studies/reports/medium.md, as what a rod costs in modes): 0.1 ms each. Two threads took 0.7 to 0.9
     // times as long as one for loops of that length, beside a busy process as long; for loops of 10 us 1.0
     // to 1.1.
     constexpr std::size_t modes_per_thread = 2000, modes_of_a_rod = 9;

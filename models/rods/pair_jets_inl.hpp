@@ -1,7 +1,7 @@
 // Turning rates of a pair and their derivatives, a state a lane (include after foreach_target.h).
 //
 // With w+ = X + i Y, w- its conjugate (lengths in 2 xi) and d = d/dw-, every derivative of a potential is a
-// sum of Bessel functions (docs/physics.md, section 7):
+// sum of Bessel functions (docs/numerics.md, section 4):
 //
 //   d^j G_a = (-a/2)^j e^(-a X) sum_m C(j,m) e^(i m theta) K_m(a s),   d+ d G = -(a/2)(d+ + d) G
 

@@ -381,7 +381,7 @@ M FindGrowth(const Block& mean, const Block& jacobian, const PieceReach<V>& reac
     return hn::Lt(n, Number(4.0));
 }
 
-/// What bounds the error (docs/physics.md, section 7), from expansions of the samples and of J E.
+/// What bounds the error (docs/numerics.md, section 4), from expansions of the samples and of J E.
 void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], const V (&acts)[4],
             const PieceReach<V>& reach, PieceExpansion<V>& e) {
     const V length = reach.length, quarter = hn::Mul(Number(0.25), length), one = Number(1.0),

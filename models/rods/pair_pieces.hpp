@@ -1,6 +1,6 @@
 #pragma once
-// Pieces of a pair's solution: what is known of the rates of turn along and about them. docs/physics.md,
-// section 7. Reduced units, eta >= 0.
+// Pieces of a pair's solution: what is known of the rates of turn along and about them. docs/numerics.md,
+// section 4. Reduced units, eta >= 0.
 
 #include "rodwake/elastic/medium.hpp"
 #include "rodwake/rods/couplings.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-// A bound of the error of a pair's solution, step by step, and what it says of the outcome. docs/physics.md,
-// section 7. Reduced units; of two rods on the infinite plane, eta >= 0. Rounding is allowed for by 32 ulp of
+// A bound of the error of a pair's solution, step by step, and what it says of the outcome. docs/numerics.md,
+// section 4. Reduced units; of two rods on the infinite plane, eta >= 0. Rounding is allowed for by 32 ulp of
 // the parts in each defect, not enclosed.
 
 #include "pair_decision.hpp"

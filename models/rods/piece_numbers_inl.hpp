@@ -1,5 +1,5 @@
 // What pieces are computed with, a piece a lane: expansions in Chebyshev polynomials, and bounds of errors
-// and of what maps them (include after foreach_target.h). docs/physics.md, section 7.
+// and of what maps them (include after foreach_target.h). docs/numerics.md, section 4.
 
 #if defined(RODWAKE_RODS_PIECE_NUMBERS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef RODWAKE_RODS_PIECE_NUMBERS_INL

@@ -1,6 +1,6 @@
 #pragma once
 // A pair's solution over a step as polynomials, and the points at which functions along it are expanded.
-// docs/physics.md, section 7.
+// docs/numerics.md, section 4.
 
 #include <array>
 #include <cmath>

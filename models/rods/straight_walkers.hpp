@@ -1,5 +1,5 @@
 #pragma once
-// Rods that nothing turns, on the plane, by their closed form. docs/physics.md, section 7. In extended
+// Rods that nothing turns, on the plane, by their closed form. docs/numerics.md, section 4. In extended
 // precision, and where its rounding leaves a contact in doubt with a significand of 113 bits.
 
 #include "rodwake/rods/simulate.hpp"

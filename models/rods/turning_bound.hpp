@@ -1,6 +1,6 @@
 #pragma once
 // How large the turning rate of a rod in another's wake can be about a place, also at complex displacements:
-// by Cauchy's estimates a bound of all its derivatives. docs/physics.md, section 7. Reduced units, as in
+// by Cauchy's estimates a bound of all its derivatives. docs/numerics.md, section 4. Reduced units, as in
 // rods/couplings.hpp; eta >= 0 on the infinite plane. Many places at once: turning_bound_inl.hpp.
 
 #include "rodwake/elastic/medium.hpp"

@@ -125,7 +125,7 @@ def caption_extensional_axis(run, spec):
             + medium_note(run))
 
 
-# Streamlines of gamma1 lap u + gamma2 grad div u over its magnitude (paper, Fig. sup_ufield), a panel per pair.
+# Streamlines of gamma1 lap u + gamma2 grad div u over its magnitude (paper, Fig. 10), a panel per pair.
 
 STREAMLINES = 0.85  # density of streamlines; 1 is matplotlib's 30 across
 
@@ -257,7 +257,7 @@ def axes_of(units, cut, spec, s, values):
 
 
 def asymptote(run, cut, spec):
-    """What |x|^(1/2) U_x tends to far behind the rod, a function of x < 0: (xi/pi)^(1/2)/2 exp(-y^2/4 xi |x|) (docs/physics.md, Eq. 16)."""
+    """What |x|^(1/2) U_x tends to far behind the rod, a function of x < 0: (xi/pi)^(1/2)/2 exp(-y^2/4 xi |x|) (docs/theory.md, Eq. 16)."""
     xi = run.result.attributes("/medium").get("xi")
     if not (spec.sqrt_scaled and spec.component == "Ux" and cut.along == "x" and cut.s.min() < 0 and xi):
         return None

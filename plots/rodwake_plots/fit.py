@@ -1,4 +1,4 @@
-"""Measured profiles of the displacement and the fit to them, a panel each (paper, Figs. ufield2 and newcal)."""
+"""Measured profiles of the displacement and the fit to them, a panel each (paper, Figs. 7 and 8)."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Paths of the rods, coloured by time (paper, Figs. attraction b, pletraj, nonreciptheory a); a panel per variant."""
+"""Paths of the rods, coloured by time (paper, Figs. 9 b, 11, 12 a); a panel per variant."""
 
 import math
 from typing import NamedTuple

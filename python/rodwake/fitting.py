@@ -176,7 +176,7 @@ def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any)
 
 
 def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
-    """Fits a medium and the sources of a rod to maps of displacement (docs/fitting.md, section 8).
+    """Fits a medium and the sources of a rod to maps of displacement (docs/fit.md, "Displacement maps").
 
     parameters  of an isotropic medium: f_over_mu, eta, and xi, alpha or drag_area; of an orthotropic one: amplitude, force, c11, c22,
                 c12, c66, zeta, rho, eta_s. Of both p_xx, p_yy, q_xxx, q_xyy, q_yxy (two of these three at most), t_xxxx, t_xxyy,
@@ -191,7 +191,7 @@ def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> F
 
 def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
         threads: int = 1, **options: Any) -> FitResult:
-    """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fitting.md)."""
+    """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fit.md)."""
     return FitResult(_core.fit(*scene_and_data(parameters, profiles, tracks, maps, options), arguments.threads(threads)))
 
 

@@ -38,7 +38,7 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
                       2 t_end/200, ... t_end, as in a scene; []: the end alone, which is quicker where only the outcome matters
     contact_distance  two rods that come this close end the run, f/mu; None: they do not, and where they meet, in the singularity
                       of their fields, the solve fails
-    method            'auto', 'bdf', 'adams' or 'erk'; `form`: 'angle', 'director' or 'dae' (docs/physics.md)
+    method            'auto', 'bdf', 'adams' or 'erk'; `form`: 'angle', 'director' or 'dae' (docs/numerics.md)
     rtol, atol        tolerances of the solver; atol is rtol/100 unless given
 
     The result is that of `rodwake rods` for a scene with these values, to the last bit. A solve that fails is a value, with

@@ -26,7 +26,7 @@ _OF_ROWS = ("frame", "particle", "x", "y", "heading", "kind", "t")
 
 @dataclass(frozen=True, repr=False)
 class Measured:
-    """What a measure found. Lengths in bead radii a, times in s, as in the files of `rodwake measure` (docs/measures.md)."""
+    """What a measure found. Lengths in bead radii a, times in s, as in the files of `rodwake measure` (docs/measure.md)."""
 
     values: dict[str, Any]  # by name: {"value": ..., "error": ...}, or a number; as in measure.json
     tables: dict[str, Any]  # by name, "gr": pandas DataFrames whose attrs have the units, or NumPy structured arrays

@@ -43,7 +43,7 @@ std::size_t first_not_finite(std::span<const double> values) {
 
 /// Multistep methods let local errors add up that Runge-Kutta steps mostly cancel: on the reference
 /// trajectories their error over tolerance is 10 to 100 times larger. These factors bring the three methods
-/// to like errors for like tolerances (docs/validation_rods.md, work and precision).
+/// to like errors for like tolerances (studies/reports/rods.md, work and precision).
 double strictness(Method method) {
     switch (method) {
     case Method::bdf:

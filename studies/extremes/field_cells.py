@@ -11,7 +11,7 @@ from .cells import Cell, log_uniform, not_finite, random_eta
 
 COLUMNS = ("Ux", "Uy", "exx", "exy", "eyy", "lapx", "lapy", "gradx_tr", "grady_tr", "dipUx", "dipUy")
 VECTORS = {"U": (0, 1), "strain": (2, 3, 3, 4), "lap u": (5, 6), "grad div u": (7, 8), "dipole": (9, 10)}
-BOUND = 1e-12       # relative to the norm; docs/validation_elastic.md, "Field of one rod"
+BOUND = 1e-12       # relative to the norm; studies/reports/elastic.md, "Field of one rod"
 SMALLEST = 1e-290   # below it numbers lose digits to underflow
 POINTS = 250        # a process
 
@@ -60,7 +60,7 @@ class Potential:
 
 
 def exact(x, y, xi, eta):
-    """The columns, docs/physics.md, Eqs. 9 to 14, with DIGITS."""
+    """The columns, docs/theory.md, Eqs. 9 to 14, with DIGITS."""
     with mp.workdps(DIGITS):
         x, y, xi, eta = map(mp.mpf, (x, y, xi, eta))
         nu = 1 / (1 + eta)

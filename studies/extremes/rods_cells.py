@@ -20,7 +20,7 @@ SETTINGS = {"auto": ("auto", "angle"), "bdf": ("bdf", "angle"), "adams": ("adams
 OUTCOMES = ("contact", "pursuit", "escape", "undecided")
 FEW = ("auto", "bdf", "dae")
 LIMIT = 180.0       # s a run, for 10^4 rods; what takes longer is bad
-BOUND = 1e3         # tolerances: local errors add up over a run; docs/validation_rods.md has at most 83 for its trajectories
+BOUND = 1e3         # tolerances: local errors add up over a run; studies/reports/rods.md has at most 83 for its trajectories
 EPSILON = 2.0**-52
 
 
@@ -188,7 +188,7 @@ def many_turns(lab):
     """A heading of k whole turns is the heading without them, to the rounding of its argument."""
     for turns in (1, 1000, -1000, 10**4, 10**6, -10**9):
         def judge(outcome, rows, whole=2.0 * math.pi * turns):
-            want = -0.26565655766 if outcome["outcome"] == "contact" else None # of turns = 0, docs/validation_rods.md
+            want = -0.26565655766 if outcome["outcome"] == "contact" else None # of turns = 0, studies/reports/rods.md
             if want is None:
                 return math.inf, "expected contact"
             scale = BOUND * 1e-8 + 64.0 * abs(whole) * EPSILON * 50.0
@@ -275,7 +275,7 @@ SHEET_SETTINGS = {"batch" if name == "auto" else name: how for name, how in SETT
 REFERENCES = (("erk", "angle"), ("bdf", "angle"))
 STATUSES = ("failed", "time_limit", "exception")
 # Tolerances within which times and separations of a good cell agree with the reference: local errors add up along a run.
-# docs/validation_rods.md, "Trajectories": at most 83 on the reference trajectories.
+# studies/reports/rods.md, "Trajectories": at most 83 on the reference trajectories.
 PAIR_BOUND = 100.0
 
 SCENE = """schema = 1

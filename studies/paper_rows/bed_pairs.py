@@ -112,47 +112,47 @@ def captured(folder):
     runs = sum(pairs[name] for name in ("contact", "pursuit", "escape", "undecided"))
     share = (pairs["contact"] + pairs["pursuit"]) / runs
     found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
-    return judge.Judged(found.verdict, f"{pairs['contact']} contacts and {pairs['pursuit']} pursuits in {runs} runs", "asked: half and more of the runs")
+    return judge.Judged(found.verdict, f"{pairs['contact']} contacts and {pairs['pursuit']} pursuits in {runs} runs", "criterion: half and more of the runs")
 
 
 SCATTER = "Single runs scatter widely."
-GRAINS = "From a random start the bed is a mosaic of grains, whose borders turn rods as well."
-ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the rows decide, not the other rod."
+GRAINS = "A random start gives a mosaic of grains, whose boundaries also turn rods."
+ROWS = "In our crystal the rod that heads across the close-packed rows turns towards them: the lattice decides, not the other rod."
 LAWS = "A lattice-anchoring term improves every description more than strain does; no model tested fits (docs/findings.md)."
 PAIRS = Subject("The bed: two rods", (
-    Row("trajectory_c", "Fig. 1 trajectory (c)", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
-    Row("trajectory_c_fit", "Fig. 1 trajectory (c)", "the same in a box that does not strain the crystal, rows along the rods", changes(-1), (UNSTRAINED,),
+    Row("trajectory_c", "Fig. 1 (c), Movie S2", "15 a apart at φ_b = 0.78: the rods come together", changes(-1), (CRYSTAL,), ("tracks",), SCATTER),
+    Row("trajectory_c_fit", "Fig. 1 (c)", "the same in a box that does not strain the crystal, rows along the rods", changes(-1), (UNSTRAINED,),
         ("tracks",)),
-    Row("trajectory_c_fit_90", "Fig. 1 trajectory (c)", "the same, rows across the rods", changes(-1), (UNSTRAINED_90,), ("tracks",)),
-    Row("trajectory_d_inset", "Fig. 1 trajectory (d), inset", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
-    Row("trajectory_d_fluid", "Fig. 1 trajectory (d)", "Δy > 0 for φ_b < 0.74 (d₀ = 18 a and 24 a, pooled)", avoid, (DENSITY,), ("delta_y",), SCATTER),
-    Row("trajectory_d_crystal", "Fig. 1 trajectory (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
-    Row("trajectory_d_change", "Fig. 1 trajectory (d)", "the sign changes at φ_b = 0.74 to 0.75", sign_change, (DENSITY,), (), SCATTER),
-    Row("trajectory_d_weak", "text at Fig. 1 trajectory", "possible weakening of the attraction at φ_b = 0.80", weakens, (DENSITY,)),
-    Row("trajectory_a", "Fig. 1 trajectory (a)", "in experiment, 15 a apart at φ_b = 0.78: together (here 18 a apart, in a dish of that size)",
+    Row("trajectory_c_fit_90", "Fig. 1 (c)", "the same, rows across the rods", changes(-1), (UNSTRAINED_90,), ("tracks",)),
+    Row("trajectory_d_inset", "Fig. 1 (d), inset, Movie S4", "at φ_b = 0.70 they part", changes(+1), (FLUID,), ("tracks",), SCATTER),
+    Row("trajectory_d_fluid", "Fig. 1 (d)", "Δy > 0 for φ_b < 0.74 (d₀ = 18 a and 24 a, pooled)", avoid, (DENSITY,), ("delta_y",), SCATTER),
+    Row("trajectory_d_crystal", "Fig. 1 (d)", "Δy < 0 for φ_b > 0.74 (d₀ = 18 a and 24 a, pooled)", attract, (DENSITY,), (), SCATTER),
+    Row("trajectory_d_change", "Fig. 1 (d)", "the sign changes at φ_b = 0.74 to 0.75", sign_change, (DENSITY,), (), SCATTER),
+    Row("trajectory_d_weak", "text at Fig. 1", "possible weakening of the attraction at φ_b = 0.80", weakens, (DENSITY,)),
+    Row("trajectory_a", "Fig. 1 (a), Movie S1", "in experiment, 15 a apart at φ_b = 0.78: together (here 18 a apart, in a dish of that size)",
         dish.changes(0.78, -1, 18), why=GRAINS, made=dish.MADE),
-    Row("trajectory_b_fluid", "Fig. 1 trajectory (b)", "in experiment Δy > 0 at φ_b = 0.70 (18 a and 24 a, pooled; the dish)", dish.changes(0.70, +1, 18, 24),
+    Row("trajectory_b_fluid", "Fig. 1 (b), Movie S3", "in experiment Δy > 0 at φ_b = 0.70 (18 a and 24 a, pooled; the dish)", dish.changes(0.70, +1, 18, 24),
         why=SCATTER, made=dish.MADE),
-    Row("trajectory_b_crystal", "Fig. 1 trajectory (b)", "in experiment Δy < 0 at φ_b = 0.78 (18 a and 24 a, pooled; the dish)",
+    Row("trajectory_b_crystal", "Fig. 1 (b)", "in experiment Δy < 0 at φ_b = 0.78 (18 a and 24 a, pooled; the dish)",
         dish.changes(0.78, -1, 18, 24), why=GRAINS, made=dish.MADE),
-    Row("one_straight", "text at Fig. 1 trajectory", "more often one goes straight and the other turns (turns by less than a third of the other)",
+    Row("one_straight", "text at Fig. 1", "more often one goes straight and the other turns (turns by less than a third of the other)",
         one_straight, (CRYSTAL,), (), SCATTER),
-    Row("strain_crystal", "Eq. thetaeq", "strain turns the other rod, φ_b = 0.78: no law without it describes tracks of pairs better (AIC)",
+    Row("strain_crystal", "Eq. (22)", "strain turns the other rod, φ_b = 0.78: no law without it describes tracks of pairs better (AIC)",
         mechanism.strain_turns(0.78), why=LAWS, made=mechanism.MADE),
-    Row("strain_fluid", "Eq. thetaeq", "the same at φ_b = 0.70", mechanism.strain_turns(0.70), made=mechanism.MADE),
-    Row("strain_sign", "Eq. thetaeq", "κ > 0 at φ_b = 0.78 (beside the turning of the rows: rows along, rows across)", mechanism.kappa(0.78),
+    Row("strain_fluid", "Eq. (22)", "the same at φ_b = 0.70", mechanism.strain_turns(0.70), made=mechanism.MADE),
+    Row("strain_sign", "Eq. (22)", "κ > 0 at φ_b = 0.78, fitted together with lattice anchoring (lattice rows along the rods; across)", mechanism.kappa(0.78),
         why="Strain is not in the model with the lowest AIC, and no model tested fits.", made=mechanism.MADE),
-    Row("apolar_pair", "section IV", "apolar rods neither attract nor repel, φ_b = 0.70, 0.80 (less than half of what motile rods do)", no_interaction,
+    Row("apolar_pair", "section IV, Movies S7, S8", "apolar rods neither attract nor repel, φ_b = 0.70, 0.80 (less than half of what motile rods do)", no_interaction,
         (APOLAR, CRYSTAL), ("tracks",), SCATTER),
-    Row("nonrecip_b", "Fig. 12 nonreciptheory (b)", "φ_b = 0.78, 39.4 a apart: the rear rod turns, the front one does not", rear_turns, (PURSUIT,),
+    Row("nonrecip_b", "Fig. 12 (b), Movie S9", "φ_b = 0.78, 39.4 a apart: the rear rod turns, the front one does not", rear_turns, (PURSUIT,),
         ("nonreciptheory_b",), ROWS),
-    Row("nonrecip_b_end", "Fig. 12 nonreciptheory (b)", "and captures", captured, (PURSUIT,), (), ROWS),
-    Row("nonrecip_c", "Fig. 12 nonreciptheory (c)", "26 a apart (an experiment; here simulated): the rear rod turns", rear_turns, (PURSUIT_26,),
+    Row("nonrecip_b_end", "Fig. 12 (b)", "and captures", captured, (PURSUIT,), (), ROWS),
+    Row("nonrecip_c", "Fig. 12 (c)", "26 a apart (an experiment; here simulated): the rear rod turns", rear_turns, (PURSUIT_26,),
         ("nonreciptheory_b",), ROWS),
-    Row("nonrecip_c_dish", "Fig. 12 nonreciptheory (c)", "in experiment, 26 a apart: the rear rod turns (the dish: by more than the other)",
+    Row("nonrecip_c_dish", "Fig. 12 (c), Movie S10", "in experiment, 26 a apart: the rear rod turns (the dish: by more than the other)",
         dish.rear_turns, why=GRAINS, made=dish.MADE),
-    Row("nonrecip_c_end", "Fig. 12 nonreciptheory (c)", "and captures", dish.captured, why=GRAINS, made=dish.MADE),
-    Row("nonrecip_c_fit", "Fig. 12 nonreciptheory (c)", "the same in a box that does not strain the crystal", rear_turns, (NEAR,), ("tracks",), ROWS),
+    Row("nonrecip_c_end", "Fig. 12 (c)", "and captures", dish.captured, why=GRAINS, made=dish.MADE),
+    Row("nonrecip_c_fit", "Fig. 12 (c)", "the same in a box that does not strain the crystal", rear_turns, (NEAR,), ("tracks",), ROWS),
 ))
 
 APOLAR_RODS = ("granular.rods.0.kind=apolar", "granular.rods.1.kind=apolar", "granular.duration=10 s")
@@ -170,21 +170,21 @@ def beside_film(judged):
 
 FILMS = Subject("The paper's films", (
     Row("S1", "Movie S1", "two rods 15 a apart at φ_b = 0.78, experiment: together (here 18 a, the dish)", dish.changes(0.78, -1, 18), why=GRAINS,
-        made=dish.MADE),
+        made=dish.MADE, counted=False),
     Row("S2", "Movie S2", "two rods 15 a apart at φ_b = 0.78 come together", beside_film(changes(-1)), (film("S2", "pair_film.toml"), CRYSTAL), ("film",),
-        SCATTER),
-    Row("S3", "Movie S3", "two rods at φ_b = 0.70, experiment: they part (the dish)", dish.changes(0.70, +1, 18, 24), why=SCATTER, made=dish.MADE),
+        SCATTER, counted=False),
+    Row("S3", "Movie S3", "two rods at φ_b = 0.70, experiment: they part (the dish)", dish.changes(0.70, +1, 18, 24), why=SCATTER, made=dish.MADE, counted=False),
     Row("S4", "Movie S4", "two rods at φ_b = 0.70 part", beside_film(changes(+1)), (film("S4", "pair_film.toml", "granular.phi_b=0.70"), FLUID), ("film",),
-        SCATTER),
+        SCATTER, counted=False),
     Row("S5", "Movie S5", "a rod drags the beads around it at φ_b = 0.70", beside_film(drags),
-        (film("S5", "rod_in_bed.toml", "granular.phi_b=0.70", FRAMES), FLOW), ("film",)),
+        (film("S5", "rod_in_bed.toml", "granular.phi_b=0.70", FRAMES), FLOW), ("film",), counted=False),
     Row("S6", "Movie S6", "a rod leaves the beads around it undisturbed at φ_b = 0.80", beside_film(leaves),
-        (film("S6", "rod_in_bed.toml", FRAMES), FLOW), ("film",)),
+        (film("S6", "rod_in_bed.toml", FRAMES), FLOW), ("film",), counted=False),
     Row("S7", "Movie S7", "apolar rods at φ_b = 0.70 neither attract nor repel", beside_film(in_liquid),
-        (film("S7", "pair_film.toml", "granular.phi_b=0.70", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
+        (film("S7", "pair_film.toml", "granular.phi_b=0.70", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER, counted=False),
     Row("S8", "Movie S8", "apolar rods at φ_b = 0.80 neither attract nor repel", beside_film(in_crystal),
-        (film("S8", "pair_film.toml", "granular.phi_b=0.80", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER),
+        (film("S8", "pair_film.toml", "granular.phi_b=0.80", *APOLAR_RODS), APOLAR, CRYSTAL), ("film",), SCATTER, counted=False),
     Row("S9", "Movie S9", "perpendicular start at φ_b = 0.78: the rear rod turns, the front one does not", beside_film(rear_turns),
-        (film("S9", "pursuit_film.toml"), PURSUIT), ("film",), ROWS),
-    Row("S10", "Movie S10", "perpendicular start in experiment, 26 a apart: the rear rod turns (the dish)", dish.rear_turns, why=GRAINS, made=dish.MADE),
+        (film("S9", "pursuit_film.toml"), PURSUIT), ("film",), ROWS, counted=False),
+    Row("S10", "Movie S10", "perpendicular start in experiment, 26 a apart: the rear rod turns (the dish)", dish.rear_turns, why=GRAINS, made=dish.MADE, counted=False),
 ))

@@ -48,7 +48,7 @@ def captured():
     many, runs = sum(float(row["closest"]) < CONTACT for row in rows), len(rows)
     share = many / runs
     found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
-    return judge.Judged(found.verdict, f"{many} of {runs} runs come to contact", "asked: half and more of the runs")
+    return judge.Judged(found.verdict, f"{many} of {runs} runs come to contact", "criterion: half and more of the runs")
 
 
 def stiff():

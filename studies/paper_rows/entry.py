@@ -1,4 +1,4 @@
-"""What a row of the page is made of. A new row is one Row in the ROWS of the file of its subject."""
+"""What a row of the page is made of. A new row is one Row in the file of its subject, and its name in CLAIMS."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,6 +27,7 @@ class Row:
     figures: tuple[str, ...] = ()   # names of [[figures]] of the runs; the first run that has one shows it
     why: str = ""                   # why it differs or cannot be told, as far as known
     made: str = ""                  # instead of commands, for what no run makes
+    counted: bool = True            # False: on the page alone, as it is an input, or a film whose verdict another row has
 
 
 @dataclass(frozen=True)

@@ -132,46 +132,46 @@ def force_power():
 
 
 MADE_BY_FORCE = "studies/validate_medium.py --only tail"
-LONG_SCREEN = ("The fit to the line through the rod wants a long screening length, so the tail begins outside the box; an independent "
+LONG_SCREEN = ("The axial profile gives a long screening length, so the tail begins outside the box. An independent "
                "estimate from sound speed and drag gives 480 to 660 a.")
-IMAGES = "In a periodic box the rod's images carry 0.2 a, so the tail cannot be read off directly; the fit below includes them."
-PLANE = ("The paper fits the infinite plane, ours the periodic box; the profile's line holds rows of beads pushed along, which no "
-         "elastic constant describes.")
+IMAGES = "In a periodic box the rod's images contribute 0.2 a, so the tail cannot be read off directly. The fit includes them."
+PLANE = ("The paper fits the infinite plane, we fit the periodic box. The axial profile contains rows of beads that the rod pushes along, "
+         "which no elastic constant describes.")
 LATERAL = "The rod pushes beads aside over its whole length, which a point force does not."
 WAKE_ROWS = Subject("The bed's displacement field and the fit of the theory", (
-    Row("ufield_a", "Fig. 6 ufield (a)", "U_x(x, 0) falls off faster ahead of the rod than behind", ahead_falls_faster, (),
+    Row("ufield_a", "Fig. 6 (a)", "U_x(x, 0) falls off faster ahead of the rod than behind", ahead_falls_faster, (),
         (), "The sign is right; the ratio is far from that of an exponential against |x|^(-1/2). " + LONG_SCREEN, SHIPPED),
-    Row("ufield_c", "Fig. 6 ufield (c)", "U_y beside the rod changes sign as x goes through 0", side_sign, made=SHIPPED),
-    Row("ufield_e", "Fig. 6 ufield (e)", "|x|^(1/2) U_x is flat behind the rod: U_x has the power -1/2 (78 a box)", tail, (), (), IMAGES, SHIPPED),
-    Row("ufield_e_large", "Fig. 6 ufield (e)", "the same in a box of 155 a", tail, (LARGE,), ("ufield_e",), LONG_SCREEN),
-    Row("ufield_e_pulled", "Fig. 6 ufield (e)", "the same behind a rod that is pulled at 15 a/s, unstrained box of 155 a", pulled_tail, (PULLED,),
+    Row("ufield_c", "Fig. 6 (c)", "U_y beside the rod changes sign as x goes through 0", side_sign, made=SHIPPED),
+    Row("ufield_e", "Fig. 6 (e)", "|x|^(1/2) U_x is flat behind the rod: U_x has the power -1/2 (78 a box)", tail, (), (), IMAGES, SHIPPED),
+    Row("ufield_e_large", "Fig. 6 (e)", "the same in a box of 155 a", tail, (LARGE,), ("ufield_e",), LONG_SCREEN),
+    Row("ufield_e_pulled", "Fig. 6 (e)", "the same behind a rod that is pulled at 15 a/s, unstrained box of 155 a", pulled_tail, (PULLED,),
         ("Ux_behind",)),
     Row("tail_sides", "abstract", "long behind, short ahead: where the screening length is 28 a (a force that moves at 50 a/s), U_x is larger 2 ξ behind than "
         "2 ξ ahead", force_one_sided, made=MADE_BY_FORCE),
     Row("tail_ahead", "abstract", "the same: exponential ahead (here: local decay length of U_x less its mean far ahead, from 12 to 40 a)", force_ahead,
-        why="Agrees with the theory in this range (local decay length, 12 to 40 a); exponential decay not tested: it sets in at distances of "
+        why="Agrees with the theory in this range (local decay length, 12 to 40 a); exponential decay is not tested: it begins at distances of "
         "(1 + η)ξ = 76 a and more.", made=MADE_BY_FORCE),
     Row("tail_power", "abstract", "the same: U_x falls as |x|^(-1/2) behind, here from 3 to 8 ξ", force_power,
-        why="The box's own images bend theory there; the bed falls faster still, within 2 errors of theory in the box.", made=MADE_BY_FORCE),
-    Row("wake_map", "Fig. 6 ufield", "the wake measured anew: U_x falls off faster ahead than behind", ahead_falls_faster, (WAKE,),
+        why="The images of the box bend the theory there. The bed falls faster still, within 2 sigma of theory in the box.", made=MADE_BY_FORCE),
+    Row("wake_map", "Fig. 6", "the wake, measured again: U_x falls off faster ahead than behind", ahead_falls_faster, (WAKE,),
         ("map", "ufield_a")),
-    Row("wake_side", "Fig. 6 ufield (c)", "the wake measured anew: U_y changes sign as x goes through 0", side_sign, (WAKE,), ("ufield_c",)),
-    Row("fit_f", "Fig. 7 ufield2, text", "f/μ = 2.2 a", fitted("f_over_mu", 2.2, 0.05, "a"), (MONOPOLE,), ("ufield2",), PLANE),
-    Row("fit_eta", "Fig. 7 ufield2, text", "η = 1.3", fitted("eta", 1.3, 0.05), (MONOPOLE,), ("likelihood_eta",), PLANE),
-    Row("fit_alpha", "Fig. 7 ufield2, text", "α = 0.1", fitted("alpha", 0.1, 0.05), (MONOPOLE,), ("likelihood_xi",),
+    Row("wake_side", "Fig. 6 (c)", "the wake, measured again: U_y changes sign as x goes through 0", side_sign, (WAKE,), ("ufield_c",)),
+    Row("fit_f", "Fig. 7, text", "f/μ = 2.2 a", fitted("f_over_mu", 2.2, 0.05, "a"), (MONOPOLE,), ("ufield2",), PLANE),
+    Row("fit_eta", "Fig. 7, text", "η = 1.3", fitted("eta", 1.3, 0.05), (MONOPOLE,), ("likelihood_eta",), PLANE),
+    Row("fit_alpha", "Fig. 7, text", "α = 0.1", fitted("alpha", 0.1, 0.05), (MONOPOLE,), ("likelihood_xi",),
         "One printed digit leaves 0.05 to 0.15; α is not defined in the paper, we read it as (f/μ)/ξ. This is the α of a line; "
         "sound and pushes give the medium 0.0025 to 0.004."),
-    Row("fit_chi2", "Fig. 7 ufield2 (a)", "η = 1.3, f/μ = 2.2 a, α = 0.1 describe U_x(x, 0)", describes, (MONOPOLE,), (), PLANE),
-    Row("ufield2_b", "Fig. 7 ufield2 (b)", "the values fitted to U_x(x, 0) give a satisfactory U_x(0, y) (taken as: within 20 %)", satisfactory, (MONOPOLE,), (),
+    Row("fit_chi2", "Fig. 7 (a)", "η = 1.3, f/μ = 2.2 a, α = 0.1 describe U_x(x, 0)", describes, (MONOPOLE,), (), PLANE),
+    Row("ufield2_b", "Fig. 7 (b)", "the values fitted to U_x(x, 0) give a satisfactory U_x(0, y) (taken as: within 20 %)", satisfactory, (MONOPOLE,), (),
         "Across the rod U_x is half of what the fit along it predicts; the paper's values miss U_x(x, 0) instead."),
-    Row("ufield2_c", "Fig. 7 ufield2 (c)", "U_y(x, 4a) exceeds the theory, ahead of the rod", exceeds(4), (MONOPOLE,)),
-    Row("ufield2_c_all", "Fig. 7 ufield2 (c)", "U_y(x, 4a) exceeds the theory, ahead and behind together", exceeds(2), (MONOPOLE,), (),
+    Row("ufield2_c", "Fig. 7 (c)", "U_y(x, 4a) exceeds the theory, ahead of the rod", exceeds(4), (MONOPOLE,)),
+    Row("ufield2_c_all", "Fig. 7 (c)", "U_y(x, 4a) exceeds the theory, ahead and behind together", exceeds(2), (MONOPOLE,), (),
         "Ahead it exceeds the prediction, behind it falls short of it."),
-    Row("ufield2_d", "Fig. 7 ufield2 (d)", "U_y(0, y) exceeds the theory", exceeds(3), (MONOPOLE,), (), LATERAL),
-    Row("newcal_eta", "Fig. 8 newcal", "η = 1.0 from U_y(x, 4a)", fitted("eta", 1.0, 0.05), (DIPOLE,), ("newcal",), PLANE),
-    Row("newcal_f", "Fig. 8 newcal", "f₁/μ = 6.46 a", fitted("f_over_mu", 6.46, 0.005, "a"), (DIPOLE,), (), PLANE),
-    Row("newcal_f2", "Fig. 8 newcal", "f₂d/μ = 0.10 a (a² is meant: the unit is a length squared)", fitted("f2d_over_mu", 0.10, 0.005, "a²"),
+    Row("ufield2_d", "Fig. 7 (d)", "U_y(0, y) exceeds the theory", exceeds(3), (MONOPOLE,), (), LATERAL),
+    Row("newcal_eta", "Fig. 8", "η = 1.0 from U_y(x, 4a)", fitted("eta", 1.0, 0.05), (DIPOLE,), ("newcal",), PLANE),
+    Row("newcal_f", "Fig. 8", "f₁/μ = 6.46 a", fitted("f_over_mu", 6.46, 0.005, "a"), (DIPOLE,), (), PLANE),
+    Row("newcal_f2", "Fig. 8", "f₂d/μ = 0.10 a (a² is meant: the unit is a length squared)", fitted("f2d_over_mu", 0.10, 0.005, "a²"),
         (DIPOLE,), (), "Our data want a large dipole of the other sign; the paper's is too small to matter."),
-    Row("newcal_xi", "Fig. 8 newcal", "ξ = 16 a", fitted("xi", 16.0, 0.5, "a"), (DIPOLE,), (), PLANE),
-    Row("newcal_ux", "Fig. 8 newcal (a)", "with the dipole that fits U_y, U_x is not described any more", dipole_spoils, (DIPOLE,), ("newcal",)),
+    Row("newcal_xi", "Fig. 8", "ξ = 16 a", fitted("xi", 16.0, 0.5, "a"), (DIPOLE,), (), PLANE),
+    Row("newcal_ux", "Fig. 8 (a)", "with the dipole that fits U_y, U_x is no longer described", dipole_spoils, (DIPOLE,), ("newcal",)),
 ))

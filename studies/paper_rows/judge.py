@@ -1,13 +1,13 @@
-"""Verdicts: what a value with its error says about the paper's value or statement. The rules stand in docs/paper.md.
+"""Verdicts: what a value with its error says about the paper's value or statement. The rules are in docs/paper.md.
 
 A statement is confirmed at two standard errors and refuted at three; between the two, and where the error is too large for the
-question, the verdict is "cannot tell". Exact results (the theory, solved to ten digits) have the error 0.
+question, the verdict is "inconclusive". Exact results (the theory, solved to ten digits) have the error 0.
 """
 
 from dataclasses import dataclass
 from math import hypot, isfinite, nan
 
-MATCHES, DIFFERS, UNKNOWN = VERDICTS = "matches", "differs", "cannot tell"
+MATCHES, DIFFERS, UNKNOWN = VERDICTS = "matches", "differs", "inconclusive"
 NOTHING = "-"                  # instead of a value
 CONFIRMED, REFUTED = 2.0, 3.0  # standard errors
 LARGEST = 1.0 / 3.0            # of the paper's value: with a larger error of ours three errors reach from it to 0
@@ -36,9 +36,9 @@ def with_error(value, error, unit=""):
     return f"{value:.{places}f} ± {error:.{places}f} {unit}".rstrip()
 
 
-def in_errors(distance, error):
+def in_sigma(distance, error):
     ratio = abs(distance) / error
-    return "more than 100 errors" if ratio > 100 else f"{ratio:.1f} errors"
+    return "more than 100 sigma" if ratio > 100 else f"{ratio:.1f} sigma"
 
 
 def unknown(why, ours=""):
@@ -62,7 +62,7 @@ def number(value, error, paper, paper_error, unit=""):
     if error is None or not isfinite(error):
         return unknown("the error is unknown", ours)
     off, both = abs(value - paper), hypot(error, paper_error)
-    told = with_error(value - paper, both, unit) + (f" ({in_errors(off, both)})" if both > 0 else "")
+    told = with_error(value - paper, both, unit) + (f" ({in_sigma(off, both)})" if both > 0 else "")
     if off > REFUTED * both:
         return Judged(DIFFERS, ours, told)
     if off > CONFIRMED * both or error > LARGEST * abs(paper):
@@ -78,28 +78,28 @@ def sign(value, error, expected, unit=""):
     side = expected * value
     if side == 0:
         return unknown("no direction", ours)
-    told = f"{in_errors(side, error)} {'with' if side > 0 else 'against'} the paper" if error and isfinite(error) else ""
+    told = f"{in_sigma(side, error)} {'with' if side > 0 else 'against'} the paper" if error and isfinite(error) else ""
     return Judged(by_distance(-side, error), ours, told)
 
 
 def at_most(value, error, bound, unit=""):
-    return Judged(by_distance(value - bound, error), with_error(value, error, unit), f"asked: at most {plain(bound)} {unit}".rstrip())
+    return Judged(by_distance(value - bound, error), with_error(value, error, unit), f"criterion: at most {plain(bound)} {unit}".rstrip())
 
 
 def at_least(value, error, bound, unit=""):
-    return Judged(by_distance(bound - value, error), with_error(value, error, unit), f"asked: at least {plain(bound)} {unit}".rstrip())
+    return Judged(by_distance(bound - value, error), with_error(value, error, unit), f"criterion: at least {plain(bound)} {unit}".rstrip())
 
 
 def none(value, error, smallest, unit=""):
     """"No effect": an effect of the size `smallest`, which would count, is ruled out."""
     judged = at_most(abs(value), error, smallest, unit)
-    return Judged(judged.verdict, with_error(value, error, unit), f"asked: below {plain(smallest)} {unit} either way".replace("  ", " "))
+    return Judged(judged.verdict, with_error(value, error, unit), f"criterion: below {plain(smallest)} {unit} either way".replace("  ", " "))
 
 
 def between(value, error, low, high, unit=""):
     """A range that the paper states."""
     outside = max(low - value, value - high)
-    return Judged(by_distance(outside, error), with_error(value, error, unit), f"asked: {plain(low)} to {plain(high)} {unit}".rstrip())
+    return Judged(by_distance(outside, error), with_error(value, error, unit), f"criterion: {plain(low)} to {plain(high)} {unit}".rstrip())
 
 
 def bracket(low, high, paper_low, paper_high):
@@ -109,7 +109,7 @@ def bracket(low, high, paper_low, paper_high):
     slack = 1e-9 * abs(paper_high)  # of the decimals
     inside, apart = paper_low - slack <= low and high <= paper_high + slack, high < paper_low - slack or low > paper_high + slack
     return Judged(MATCHES if inside else DIFFERS if apart else UNKNOWN, f"between {plain(low)} and {plain(high)}",
-                  f"asked: inside {plain(paper_low)} to {plain(paper_high)}")
+                  f"criterion: inside {plain(paper_low)} to {plain(paper_high)}")
 
 
 def holds(true, ours, difference=""):
@@ -118,7 +118,7 @@ def holds(true, ours, difference=""):
 
 
 def together(*parts):
-    """Several that must all hold: one that differs decides, one that cannot tell leaves it open."""
+    """Several that must all hold: one that differs decides, one that is inconclusive leaves it open."""
     verdicts = [part.verdict for part in parts]
     verdict = DIFFERS if DIFFERS in verdicts else UNKNOWN if UNKNOWN in verdicts else MATCHES
     joined = ("; ".join(text for text in texts if text) for texts in zip(*((part.ours, part.difference) for part in parts)))

@@ -34,9 +34,9 @@ def strain_turns(phi):
             more = min(laws[name] for name in STRAIN) - laws[best]
             misfit = float(kept(phi, rows)[best]["misfit"])
             verdict = judge.MATCHES if more <= 0 else judge.DIFFERS if more >= DECIDES and misfit >= FITS else judge.UNKNOWN
-            parts.append(judge.Judged(verdict, f"rows at {rows}°: AIC {more:+.1f} beside {best.replace('_', ' and ')}, which has p = {misfit:.2g}"))
+            parts.append(judge.Judged(verdict, f"rows at {rows}°: AIC {more:+.1f} relative to {best.replace('_', ' and ')} (p = {misfit:.2g})"))
         both = judge.together(*parts)
-        return judge.Judged(both.verdict, both.ours, f"asked: no law that fits (p > {FITS}) without strain and with an AIC lower by {DECIDES:.0f}")
+        return judge.Judged(both.verdict, both.ours, f"criterion: no law that fits (p > {FITS}) without strain and with an AIC lower by {DECIDES:.0f}")
     return judged
 
 

@@ -78,7 +78,7 @@ def averaged(bed, pair):
 NOISE = Subject("Rotational noise", (
     Row("noise_capture", "theory section, which leaves noise out", "15 a apart at κf/(μv₀) = 10 (η = 1.3, α = 0.1): captured, also with the noise of a rod "
         "in the bed, φ_b = 0.78", captured_in_noise, (HEADING, CAPTURE), ("diffusion",),
-        "Rods that walk abreast turn slowly at first: a small angle between them parts them before their wakes take hold."),
-    Row("noise_average", "text at Fig. 1 trajectory", "50 runs average over the rotational noise, φ_b = 0.78 (to half of Δy)", averaged, (HEADING, CRYSTAL),
-        (), "Headings diffuse freely for some seconds only: the rows of the crystal hold them (docs/measures.md, section 9)."),
+        "Rods that move side by side turn slowly at first: a small angle separates them before their wakes take hold."),
+    Row("noise_average", "text at Fig. 1", "50 runs average over the rotational noise, φ_b = 0.78 (to half of Δy)", averaged, (HEADING, CRYSTAL),
+        (), "Headings diffuse freely for a few seconds only: then the lattice holds them (docs/estimators.md)."),
 ))

@@ -86,5 +86,5 @@ def typeset(text):
 
 def rules():
     return (f"A statement matches if it holds by {judge.CONFIRMED:g} standard errors and differs if it fails by {judge.REFUTED:g}; a value matches within "
-            f"{judge.CONFIRMED:g} errors, the paper's rounding included, and differs beyond {judge.REFUTED:g}. In between, with an error above a third "
-            "of the paper's value, or without data: cannot tell.")
+            f"{judge.CONFIRMED:g} standard errors, the paper's rounding included, and differs beyond {judge.REFUTED:g}. In between, with an error above a third "
+            "of the paper's value, or without data: inconclusive.")

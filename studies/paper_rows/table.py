@@ -2,9 +2,12 @@
 
 import csv
 import hashlib
+import re
 import shlex
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
+from string import ascii_lowercase
 
 import numpy as np
 
@@ -12,6 +15,7 @@ from . import judge, results
 from .entry import Row, Subject
 
 KEPT = Path(__file__).with_name("full.csv")  # verdicts of full results of an earlier time
+LENGTH = re.compile(r"(?<=\d) a(?=[/²,.;:) ]|$)")  # in bead radii
 COLUMNS = ("row", "asked", "version", "verdict", "ours", "difference")
 
 
@@ -61,7 +65,7 @@ def of_full_results(lab, one, entry):
 
 
 def judge_row(lab, row):
-    """Reasons why there is no value make the verdict "cannot tell", too."""
+    """Reasons why there is no value make the verdict "inconclusive", too."""
     there = [lab.found(run) for run in row.runs]
     commands = tuple(shlex.join(lab.command(run, got[1] if got else lab.quick and run.quick is not None)) for run, got in zip(row.runs, there))
     folders = tuple(got[0] for got in there if got)
@@ -77,17 +81,22 @@ def judge_row(lab, row):
 
 
 def counts(found):
-    verdicts = [one.judged.verdict for _, rows in found for one in rows]
+    verdicts = [one.judged.verdict for _, rows in found for one in rows if one.row.counted]
     return {verdict: verdicts.count(verdict) for verdict in judge.VERDICTS}
 
 
 def markdown(found):
-    """One table a subject; a row that holds quick results is marked."""
+    """One table a claim; a row that holds quick results is marked. A reason of several rows stands once, below their table."""
     lines = [", ".join(f"{number} {verdict}" for verdict, number in counts(found).items()) +
-             "; q: few runs (`--quick`); f: full results of an earlier time (`studies/paper_rows/full.csv`)."]
+             "; q: few runs (`--quick`); f: full results of an earlier version (`studies/paper_rows/full.csv`)."]
     for subject, rows in found:
-        lines += ["", f"### {subject.title}", "", "| row | paper | says | ours | difference | verdict |", "|---|---|---|---|---|---|"]
-        lines += [markdown_row(one) for one in rows]
+        counted = [one for one in rows if one.row.counted]
+        if counted:
+            reasons = shared_reasons(counted)
+            lines += ["", f"### {subject.title}", "", "| row | paper | statement | ours | difference | verdict |", "|---|---|---|---|---|---|"]
+            lines += [markdown_row(one, reasons) for one in counted]
+            for reason, letter in reasons.items():
+                lines += ["", textwrap.fill(f"({letter}) {reason}", 118, break_on_hyphens=False)]
     return "\n".join(lines) + "\n"
 
 
@@ -96,7 +105,14 @@ def why(one):
     return "" if one.judged.verdict == judge.MATCHES or one.judged.ours == judge.NOTHING else one.row.why
 
 
-def markdown_row(one):
+def shared_reasons(rows):
+    """{reason: letter} of those that two rows and more have."""
+    reasons = [why(one) for one in rows if why(one)]
+    return dict(zip(dict.fromkeys(reason for reason in reasons if reasons.count(reason) > 1), ascii_lowercase))
+
+
+def markdown_row(one, reasons):
+    reason = f" ({reasons[why(one)]})" if why(one) in reasons else f". {why(one)}" if why(one) else ""
     cells = (one.row.id + (" (q)" if one.quick else " (f)" if one.kept else ""), one.row.place, one.row.says, one.judged.ours, one.judged.difference,
-             f"**{one.judged.verdict}**{'. ' + why(one) if why(one) else ''}")
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+             f"**{one.judged.verdict}**{reason}")
+    return "| " + " | ".join(LENGTH.sub(" $a$", cell.replace("|", "\\|")) for cell in cells) + " |"

@@ -17,7 +17,7 @@ DIGITS = 30
 
 
 def printed(x, y, xi, eta, nu):
-    """The paper's Eq. uxuy, in f/mu."""
+    """The paper's Eq. (20), in f/mu."""
     r, a, b = sqrt(x * x + y * y), 1 / (2 * mpf(xi)), mpf(nu) / (2 * mpf(xi))
     wave, slow = exp(-a * x), exp(-b * x)
     ux = (besselk(0, a * r) - x / r * besselk(1, a * r)) * wave + nu * (besselk(0, b * r) + x / r * besselk(1, b * r)) * slow
@@ -26,7 +26,7 @@ def printed(x, y, xi, eta, nu):
 
 
 def residual(nu, x=mpf(-3), y=mpf(2), xi=mpf(2), eta=mpf("1.3")):
-    """What Eq. uxuy leaves of the x component of Eq. ueqsimple beside the rod, over its largest term."""
+    """What Eq. (20) leaves of the x component of Eq. (17) beside the rod, over its largest term."""
     ux, uy = (lambda u, v, n=n: printed(u, v, xi, eta, nu)[n] for n in (0, 1))
     terms = (-diff(ux, (x, y), (1, 0)) / xi, -diff(ux, (x, y), (2, 0)), -diff(ux, (x, y), (0, 2)),
              -eta * diff(ux, (x, y), (2, 0)), -eta * diff(uy, (x, y), (1, 1)))
@@ -48,7 +48,7 @@ def solution(folder):
             for x, ux, uy in zip(*(column[40::160] for column in results.columns(folder / f"field_cut_{cut}.csv", "x", "Ux", "Uy"))):
                 u, v = printed(mpf(float(x)), mpf(y), XI, mpf("1.3"), 1 / mpf("2.3"))
                 worst = max(worst, float(abs(u - float(ux)) + abs(v - float(uy))) / float(sqrt(u * u + v * v)))
-    return judge.holds(worst < 1e-12, f"largest relative difference {worst:.0e} at 10 places")
+    return judge.holds(worst < 1e-12, f"largest relative difference {worst:.0e} at 10 points")
 
 
 def slope(x, u):
@@ -72,7 +72,7 @@ def ahead(folder):
 def fore_aft(folder):
     x, u = results.columns(folder / "field_cut_0.csv", "x", "Ux")
     back, front = (float(np.interp(place, x, u)) for place in (-8.0, 8.0))
-    return judge.holds(front < back, f"U_x(8) / U_x(-8) = {front / back:.2f} (places in f/μ)")
+    return judge.holds(front < back, f"U_x(8) / U_x(-8) = {front / back:.2f} (positions in f/μ)")
 
 
 def changes_sign(folder):
@@ -86,7 +86,7 @@ def flat(folder):
     inside = (x >= -HALF_BOX) & (x <= -5.0)
     scaled = np.sqrt(-x[inside]) * u[inside]
     change = scaled.max() / scaled.min() - 1.0
-    return judge.holds(change < 0.1, f"it changes by {100 * change:.0f} % from 5 to {HALF_BOX:.0f} f/μ behind", "asked: below 10 %")
+    return judge.holds(change < 0.1, f"it changes by {100 * change:.0f} % from 5 to {HALF_BOX:.0f} f/μ behind", "criterion: below 10 %")
 
 
 def axis_turns_together(folder):
@@ -108,17 +108,17 @@ def varies_faster(folder, _):
 
 
 FIELD = Subject("Theory: the field of one rod", (
-    Row("uxuy", "Eq. uxuy", "U of one rod in closed form", solution, (UFIELD,)),
-    Row("nu", "below the Fourier transform", "ν = 1 + η⁻¹", nu_as_printed,
-        why="A slip of print: only ν = 1/(1 + η) solves the paper's own Eq. ueqsimple (docs/physics.md, section 5)."),
-    Row("tail", "abstract; text at Fig. 6 ufield", "U_x falls as |x|^(-1/2) behind the rod", behind, (TAIL,), ("tail",)),
-    Row("screened", "text at Fig. 6 ufield", "exponential decay ahead of the rod", ahead, (TAIL,), ("ahead",)),
-    Row("ufield_b", "Fig. 6 ufield (b)", "U_x(x, 0) decays rapidly for x > 0 compared to x < 0", fore_aft, (UFIELD,), ("ufield_b",)),
-    Row("ufield_d", "Fig. 6 ufield (d)", "U_y beside the rod changes sign as x goes through 0", changes_sign, (UFIELD,), ("ufield_d",)),
-    Row("ufield_e_theory", "Fig. 6 ufield (e), theory", "|x|^(1/2) U_x is constant for x < 0 (with the paper's values, inside its box)", flat,
+    Row("uxuy", "Eq. (20)", "U of one rod in closed form", solution, (UFIELD,)),
+    Row("nu", "text below Eq. (19)", "ν = 1 + η⁻¹", nu_as_printed,
+        why="A misprint: only ν = 1/(1 + η) solves the paper's own Eq. (17) (docs/theory.md, section 5)."),
+    Row("tail", "abstract; text at Fig. 6", "U_x falls as |x|^(-1/2) behind the rod", behind, (TAIL,), ("tail",)),
+    Row("screened", "text at Fig. 6", "exponential decay ahead of the rod", ahead, (TAIL,), ("ahead",)),
+    Row("ufield_b", "Fig. 6 (b)", "U_x(x, 0) decays rapidly for x > 0 compared to x < 0", fore_aft, (UFIELD,), ("ufield_b",)),
+    Row("ufield_d", "Fig. 6 (d)", "U_y beside the rod changes sign as x goes through 0", changes_sign, (UFIELD,), ("ufield_d",)),
+    Row("ufield_e_theory", "Fig. 6 (e), theory", "|x|^(1/2) U_x is constant for x < 0 (with the paper's values, inside its box)", flat,
         (UFIELD,), ("ufield_e",), "The power law is approached only some ξ = 22 a behind the rod, and half of the paper's box is 39 a."),
-    Row("attraction_a", "Fig. 9 attraction (a)", "two rods separated only along y each turn the other along the extensional axis, towards itself",
+    Row("attraction_a", "Fig. 9 (a)", "two rods separated only along y each turn the other along the extensional axis, towards itself",
         axis_turns_together, (MAP,), ("attraction_a",)),
-    Row("sup_ufield", "Fig. 10 sup_ufield", "γ₁, γ₂ give more complex and rapid spatial variation than the strain-aligning κ term", varies_faster,
+    Row("sup_ufield", "Fig. 10", "γ₁, γ₂ give more complex and rapid spatial variation than the strain-aligning κ term", varies_faster,
         (MAP, POLAR), ("sup_ufield",)),
 ))

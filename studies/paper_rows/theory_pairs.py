@@ -34,14 +34,14 @@ def front_rests(folder):
 def closure_holds(memory, steady):
     """The same ending, and the same time of contact, or the same turns, but for CLOSURE_ERROR."""
     one, other = (results.told(folder, "outcome") for folder in (memory, steady))
-    ours = "; ".join(f"{name}: {told['outcome']} at t = {told['time']:.2f} f/(μ v₀)" for name, told in (("with memory", one), ("steady", other)))
+    ours = "; ".join(f"{name}: {told['outcome']} at t = {told['time']:.2f} f/(μ v₀)" for name, told in (("dynamic medium", one), ("steady", other)))
     if one["outcome"] != other["outcome"]:
         return judge.holds(False, ours, "the endings differ")
     if one["outcome"] == "contact":
         off, what = abs(other["time"] / one["time"] - 1), "of the time"
     else:
         off, what = max(abs(a - b) for a, b in zip(one["turn"], other["turn"])), "rad of turn"
-    return judge.holds(off <= CLOSURE_ERROR, ours, f"{off:.2g} {what} (asked: at most {CLOSURE_ERROR:g})")
+    return judge.holds(off <= CLOSURE_ERROR, ours, f"{off:.2g} {what} (criterion: at most {CLOSURE_ERROR:g})")
 
 
 def captures(row):
@@ -103,24 +103,24 @@ def gamma_free(folder):
 
 
 CLOSURE = "time derivative and θ' left out: wakes are steady and turn with their rods at once; "
-NEAR_CROSSING = "Off the paper's start: rods that would nearly meet if they walked straight (dx = 5) do meet, whatever turns them."
+NEAR_CROSSING = "For other starts than the paper's: rods that would nearly meet on straight paths (dx = 5) meet, whatever the coupling."
 PAIRS = Subject("Theory: two rods", (
-    Row("attraction_b", "Fig. 9 attraction (b)", "side by side 5 f/μ apart, κf/(μv₀) = 0.5, η = α = 1: they come together", meets,
+    Row("attraction_b", "Fig. 9 (b)", "side by side 5 f/μ apart, κf/(μv₀) = 0.5, η = α = 1: they come together", meets,
         (ATTRACTION,), ("attraction_b",)),
-    Row("nonrecip_a", "Fig. 12 nonreciptheory (a)", "κf/(μv₀) = 100: the rear rod turns and captures, the front one moves oblivious",
+    Row("nonrecip_a", "Fig. 12 (a)", "κf/(μv₀) = 100: the rear rod turns and captures, the front one moves oblivious",
         front_rests, (PURSUIT,), ("nonreciptheory_a",)),
-    Row("closure_attraction", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 0.5, α = 1, side by side", closure_holds, (ATTRACTION_MEMORY, ATTRACTION_STEADY)),
-    Row("closure_pursuit", "Eq. ueq2", CLOSURE + "κf/(μv₀) = 100, α = 10, perpendicular", closure_holds, (PURSUIT_MEMORY, PURSUIT_STEADY), (),
+    Row("closure_attraction", "Eq. (16)", CLOSURE + "κf/(μv₀) = 0.5, α = 1, side by side", closure_holds, (ATTRACTION_MEMORY, ATTRACTION_STEADY)),
+    Row("closure_pursuit", "Eq. (16)", CLOSURE + "κf/(μv₀) = 100, α = 10, perpendicular", closure_holds, (PURSUIT_MEMORY, PURSUIT_STEADY), (),
         "The wake that the rear rod left before it turned stays, and turns the front rod, which steady wakes leave alone."),
-    Row("kappa_100", "text at Fig. 12 nonreciptheory", "perpendicular starts at κf/(μv₀) = 100 are always captured", all_captured,
+    Row("kappa_100", "text at Fig. 12", "perpendicular starts at κf/(μv₀) = 100 are always captured", all_captured,
         (BY_KAPPA,)),
-    Row("kappa_positive", "text at Fig. 12 nonreciptheory", "γ = 0 and κ > 0 always leads to capture", always_captured, (BY_KAPPA,),
+    Row("kappa_positive", "text at Fig. 12", "γ = 0 and κ > 0 always leads to capture", always_captured, (BY_KAPPA,),
         ("phase_diagram",), "Weak coupling turns the rear rod too slowly: the rods pass each other. Only κ of tens captures every start."),
-    Row("pletraj_a", "Fig. 11 pletraj (a)", "κ = 0, γ₁, γ₂ = ±10 v₀, α = 10: no capture", figure_a, (POLAR, BY_GAMMA), ("pletraj_a",)),
-    Row("gamma_all", "text at Fig. 11 pletraj", "κ = 0, γ₁, γ₂ = ±10 v₀: in all cases capture does not take place", gamma_free, (BY_GAMMA,),
+    Row("pletraj_a", "Fig. 11 (a)", "κ = 0, γ₁, γ₂ = ±10 v₀, α = 10: no capture", figure_a, (POLAR, BY_GAMMA), ("pletraj_a",)),
+    Row("gamma_all", "text at Fig. 11", "κ = 0, γ₁, γ₂ = ±10 v₀: in all cases capture does not take place", gamma_free, (BY_GAMMA,),
         ("phase_diagram",), NEAR_CROSSING + " (10, -10) captures over a wider range of starts."),
-    Row("gamma_kappa", "text at Fig. 11 pletraj", "γ₁, γ₂ = ±10 v₀ and κ < 0 (here -100): no capture", gamma_free, (BOTH,), ("phase_diagram",),
+    Row("gamma_kappa", "text at Fig. 11", "γ₁, γ₂ = ±10 v₀ and κ < 0 (here -100): no capture", gamma_free, (BOTH,), ("phase_diagram",),
         NEAR_CROSSING),
-    Row("pletraj_b", "Fig. 11 pletraj (b)", "κf/(μv₀) = 100 captures, -100 does not (α = 10, η = 1)", figure_b, (APOLAR, BY_KAPPA), ("pletraj_b",)),
-    Row("kappa_negative", "text at Fig. 11 pletraj", "κf/(μv₀) = -100: no capture", negative_free, (BY_KAPPA,), (), NEAR_CROSSING),
+    Row("pletraj_b", "Fig. 11 (b)", "κf/(μv₀) = 100 captures, -100 does not (α = 10, η = 1)", figure_b, (APOLAR, BY_KAPPA), ("pletraj_b",)),
+    Row("kappa_negative", "text at Fig. 11", "κf/(μv₀) = -100: no capture", negative_free, (BY_KAPPA,), (), NEAR_CROSSING),
 ))

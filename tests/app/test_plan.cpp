@@ -119,7 +119,7 @@ TEST_CASE("Beds of a scene: as written, and the variants that change it") {
     REQUIRE(made.beds.size() == 2); // "same" changes no bed
     CHECK(made.beds[1].of.name == "dense");
     CHECK(made.beds[1].problem.beads > made.beds[0].problem.beads);
-    CHECK(made.beds[0].problem.rods.at(0).shape.spheres == 13); // an odd number: physics.md, section 4
+    CHECK(made.beds[0].problem.rods.at(0).shape.spheres == 13); // an odd number: docs/bed.md
     CHECK(made.beds[0].problem.steps == 10000);
     CHECK(made.beds[0].schedule.frame_every == 100);
     CHECK(made.beds[0].measures.has_value());

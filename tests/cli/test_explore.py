@@ -77,7 +77,7 @@ class CompiledTest(ProgramTest):
             page.wait_for(lambda: page.evaluate("typeof npm === 'object'"), "the module does not run")
             told = page.evaluate("npm.ready.then(() => npm.simulate({ kappa: 100, t_end: 40, contact_distance: 0.1, rods: [[0, 2.5, 0], [0, -2.5, 0]] }))")
             self.assertEqual(told["outcome"], "contact")
-            self.assertAlmostEqual(told["time"], 5.91709, delta=1e-5)  # side by side, as in docs/validation_rods.md
+            self.assertAlmostEqual(told["time"], 5.91709, delta=1e-5)  # side by side, as in studies/reports/rods.md
             self.assertEqual(page.errors, [])
 
     def tool(self):

@@ -1,4 +1,4 @@
-"""Every problem of fitting/problems is legal, is fitted, and has the figures it names; what they find is as written in docs/fitting.md."""
+"""Every problem of fitting/problems is legal, is fitted, and has the figures it names; what they find is as written in docs/fit.md."""
 
 import json
 import tomllib
@@ -26,7 +26,7 @@ class ProblemsTest(ProgramTest):
 
     def test_the_monopole_is_that_of_the_documentation(self):
         found = self.fit(SOURCE / "fitting/problems/monopole.toml")
-        text = (SOURCE / "docs/fitting.md").read_text()
+        text = (SOURCE / "docs/fit.md").read_text()
         f, eta, xi = (found["parameters"][name] for name in ("f_over_mu", "eta", "xi"))
         row = f"| {f['value']:.2f} ± {f['stderr']:.2f} | {eta['value']:.1f} ± {eta['stderr']:.1f} | {xi['value']:.0f} ± {xi['stderr']:.0f} |"
         self.assertIn(row, text)

@@ -131,7 +131,7 @@ class SiteTest(unittest.TestCase):
 
     def test_panels_of_the_explorer_compute_in_pages(self):
         framed = {name: [target for target in page.loaded if target.startswith("live.html")] for name, page in self.pages.items()}
-        self.assertEqual({name for name, targets in framed.items() if targets}, {"index.html", "tutorial.html", "physics.html", "scan.html"})
+        self.assertEqual({name for name, targets in framed.items() if targets}, {"index.html", "tutorial.html", "theory.html", "scans.html"})
         for target in sum(framed.values(), []):
             panels = re.search(r"show=([\w,]+)", target)[1].split(",")
             with self.subTest(target), browser.Page(self.site / "live.html", 760, 800) as page:
@@ -147,10 +147,10 @@ class SiteTest(unittest.TestCase):
         shown = dump((self.site / "index.html").as_uri() + "?q=microrheology")
         found = re.findall(r'<a href="file:[^"]*/(\w+\.html)[^"]*" class="md-search-result__link', shown)
         self.assertIn("extending.html", found)
-        self.assertNotIn("scan.html", found)
+        self.assertNotIn("scans.html", found)
         index = json.loads((self.site / "search/search_index.json").read_text(encoding="utf-8"))
         text = " ".join(entry["text"] for entry in index["docs"])
-        self.assertIn("resists motion with drag ζ per area", text)
+        self.assertIn("on a substrate, with drag ζ per area", text)
         self.assertNotIn("\\(", text)
 
     def test_reference_of_the_headers(self):
@@ -161,7 +161,7 @@ class SiteTest(unittest.TestCase):
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             files = Path(folder, "api/files.html").read_text()
             self.assertIn("mutual_wakes.hpp", files)
-            self.assertEqual({link for link in self.pages["library.html"].links if link.startswith("api/")}, {"api/files.html"})
+            self.assertEqual({link for link in self.pages["cpp.html"].links if link.startswith("api/")}, {"api/files.html"})
             field = Path(folder, "api/field_8hpp.html").read_text()
             self.assertIn("Exact steady field of one rod moving along +x through the medium", field)
             self.assertIn("-(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat", field)

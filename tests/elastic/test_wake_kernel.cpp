@@ -101,7 +101,7 @@ Spread errors_at_random(Accuracy accuracy, int points) {
 
 TEST_CASE("the kernel agrees with the field at random points") {
     const Spread spread = errors_at_random(Accuracy::full, 20000);
-    CHECK(spread.of_99[0] < 1e-14); // 4.6e-15 in 99 of 100 (docs/validation_elastic.md)
+    CHECK(spread.of_99[0] < 1e-14); // 4.6e-15 in 99 of 100 (studies/reports/elastic.md)
     CHECK(spread.largest[0] <
           1.5e-13); // 7.9e-14 in 200000: eta near 100 beside the rod, where parts of 1/s cancel
     CHECK(spread.largest[1] < 1e-11); // near the curve ahead on which lap U vanishes

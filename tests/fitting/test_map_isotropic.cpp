@@ -9,7 +9,7 @@ using namespace made_up_map;
 
 namespace {
 
-/// A bed at rest with a rod's moments (docs/validation_bed.md); f/(zeta v) in place of the screening length.
+/// A bed at rest with a rod's moments (studies/reports/bed.md); f/(zeta v) in place of the screening length.
 std::vector<Parameter> bed(const std::vector<std::string>& free, const std::string& drag = "drag_area",
                            double strength = 860.0) {
     std::vector<Parameter> out = {{.name = "f_over_mu", .start = 1.48}, {.name = "eta", .start = 2.0},

@@ -1,5 +1,5 @@
 // Bits that must come out in every build: any compiler, optimisation, instruction set, x86-64 or arm64. Who
-// changes what a state goes through on purpose writes the new hashes here and in docs/validation_granular.md.
+// changes what a state goes through on purpose writes the new hashes here and in studies/reports/granular.md.
 
 #include "fixed_bits.hpp"
 

@@ -49,7 +49,7 @@ TEST_CASE("ERK keeps its promise for few and for many components", "[integrate]"
             solve(oscillators(count), options_for(Method::erk, rtol), evenly(0.0, 10.0, 40));
         REQUIRE(solution.status.ok());
         INFO(count << " oscillators, rtol " << rtol);
-        CHECK(worst_error(solution) < 83.0 * rtol); // docs/validation_rods.md, "Trajectories"
+        CHECK(worst_error(solution) < 83.0 * rtol); // studies/reports/rods.md, "Trajectories"
     }
 }
 

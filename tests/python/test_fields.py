@@ -106,7 +106,7 @@ class FieldTest(unittest.TestCase):
         np.testing.assert_allclose(up, np.stack([-flat[:, 1], flat[:, 0]], axis=-1), rtol=1e-12, atol=1e-15)
 
     def test_a_large_box_is_nearly_the_plane(self):
-        """What images add decays with the box (docs/physics.md); at 400 xi it is below a thousandth near the rod."""
+        """What images add decays with the box (docs/numerics.md); at 400 xi it is below a thousandth near the rod."""
         plane = rodwake.strain([-2.0, 0.3], [1.0, -0.4], rodwake.Medium())
         box = rodwake.strain([-2.0, 0.3], [1.0, -0.4], rodwake.Medium(periodic=400.0))
         self.assertLess(np.abs(box - plane).max(), 1e-3 * np.abs(plane).max())

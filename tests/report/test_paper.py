@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import re
 import shutil
 import signal
 import subprocess
@@ -105,6 +106,19 @@ class RowsTest(unittest.TestCase):
             self.assertIn(f"Fig. {number} ", places)
         for number in range(1, 11):
             self.assertRegex(places, rf"Movie S{number}\b")
+
+    def test_every_row_belongs_to_one_claim(self):
+        """What is not counted (inputs, films) repeats no verdict in the table."""
+        names = [name for _, names in subjects.CLAIMS for name in names.split()]
+        self.assertEqual(sorted(names), sorted(subjects.ROWS))
+        self.assertEqual([row.id for row in ROWS if not row.counted], ["apparatus", *(f"S{number}" for number in range(1, 11))])
+
+    def test_the_page_of_the_docs_has_these_rows(self):
+        """docs/paper.md has the table as it was made; its first three columns are those of the rows here."""
+        text = (SOURCE / "docs/paper.md").read_text(encoding="utf-8")
+        there = re.findall(r"(?m)^\| (\w+)(?: \([qf]\))? \| (.*?) \| (.*?) \| .*\*\*(?:matches|differs|inconclusive)\*\*", text.replace("\\|", "¦"))
+        rows = [(row.id, row.place, table.LENGTH.sub(" $a$", row.says.replace("|", "¦"))) for row in ROWS if row.counted]
+        self.assertEqual(there, rows)
 
     def test_rows_name_what_there_is(self):
         self.assertEqual(len({row.id for row in ROWS}), len(ROWS))
@@ -324,9 +338,15 @@ class PageTest(LabCase):
         self.assertIn("U<sub>x</sub> &amp; |x|<sup>1/2</sup>", text)
         self.assertEqual(page.typeset("U_x(x) of φ_b in row hop_a"), "U<sub>x</sub>(x) of φ<sub>b</sub> in row hop_a")
 
+    def test_a_shared_reason_stands_once(self):
+        (subject, rows), = self.made_up()
+        lines = table.markdown([(subject, [rows[1], rows[1]])]).splitlines()
+        self.assertEqual((lines[0].split(";")[0], lines[-1]), ("0 matches, 2 differs, 0 inconclusive", "(a) since"))
+        self.assertTrue(all(line.endswith("**differs** (a) |") for line in lines if line.startswith("| row1")))
+
     def test_table(self):
         lines = table.markdown(self.made_up()).splitlines()
-        self.assertEqual(lines[0].split(";")[0], "1 matches, 1 differs, 1 cannot tell")
+        self.assertEqual(lines[0].split(";")[0], "1 matches, 1 differs, 1 inconclusive")
         rows = [line for line in lines if line.startswith("| row") and "---" not in line][1:]
         self.assertEqual([row.count(" | ") for row in rows], [5, 5, 5])
         self.assertIn("**differs**. since", rows[1])

@@ -1,4 +1,4 @@
-// What the paper says of trajectories, and what solving adds to it (docs/validation_rods.md).
+// What the paper says of trajectories, and what solving adds to it (studies/reports/rods.md).
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/simulate.hpp"
@@ -82,7 +82,7 @@ TEST_CASE("what meets at kappa = -100 meets exactly head-on, also at alpha = 1")
         CHECK(std::abs(y[5] - y[2]) ==
               Approx(std::numbers::pi).margin(1e-6)); // the torque at 0.02 locks it to 1e-12
     }
-    CHECK(met == 12); // dx = 0.5 to 6: the range physics.md calls near head-on is this wide at weak screening
+    CHECK(met == 12); // dx = 0.5 to 6: docs/theory.md, section 5, item 7
 }
 
 TEST_CASE("polar couplings alone do not capture, but (10, -10) does for dx >= 4") {

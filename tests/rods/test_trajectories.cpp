@@ -97,7 +97,7 @@ TEST_CASE("the comparison with the reference can fail") {
     CHECK_THROWS(test::reference_cases("no such file"));
 }
 
-// --- Work and precision on the reference trajectories: the table of docs/validation_rods.md
+// --- Work and precision on the reference trajectories: the table of studies/reports/rods.md
 
 TEST_CASE("work and precision of the three methods on the reference trajectories", "[.][long]") {
     std::printf("error over rtol / right-hand sides, each method at rtol 1e-4, 1e-6, 1e-8, 1e-11\n");

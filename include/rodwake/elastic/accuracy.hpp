@@ -4,7 +4,7 @@
 namespace rodwake::elastic {
 
 /// Errors of one source at one point, relative to the norm; 200000 points, eta in [0.1, 100], r/xi in [0.005,
-/// 80] (docs/validation_elastic.md). The largest stand beside the rod at eta near 100, where parts cancel,
+/// 80] (studies/reports/elastic.md). The largest stand beside the rod at eta near 100, where parts cancel,
 /// for the strain, and near the curve ahead on which lap U vanishes. Tests hold 1.5e-13, 1e-7 and 1e-3 for
 /// the strain.
 ///

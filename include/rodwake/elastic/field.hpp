@@ -1,13 +1,13 @@
 #pragma once
 // Exact steady field of one rod moving along +x through the medium, in the rod's own frame.
 //
-//   -(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat          (paper Eq. ueqsimple, U in f/mu)
+//   -(1/xi) d_x U - lap U - eta grad div U = delta(r) xhat          (paper Eq. (17), U in f/mu)
 //
 // With c_T = 1/(2 xi), c_L = nu c_T, G_i = exp(-c_i x) K0(c_i r), D = G_T - G_L:
 //
 //   U = (1/2 pi) [G_T xhat + xi grad D],    div U = (nu/2 pi) d_x G_L,    curl U = -(1/2 pi) d_y G_T
 //
-// (docs/physics.md Eqs. 5-9). Ahead of the rod U decays exponentially, behind it as |x|^(-1/2), near it as
+// (docs/theory.md Eqs. 5-9). Ahead of the rod U decays exponentially, behind it as |x|^(-1/2), near it as
 // -(1 + nu) ln r. Everything is linear in the rod's strength: multiply by f/mu.
 //
 // Strain and polar vectors come from the kernels' algorithm (wake_kernel.hpp) where it keeps the bounds
@@ -18,7 +18,7 @@
 // Accuracy: relative error in the vector or tensor norm typically below 1e-15, of the kernels'
 // algorithm below 5e-15 in 99 of 100 places. Bounds held by tests: 2e-13 on the reference table (r/xi in
 // [1e-8, 200]); 1e-12 for r/xi in [1e-12, 1e8] and eta in [1e-6, 1e6] wherever the value exceeds 1e-290
-// (docs/validation_elastic.md: worst of 30000 points 1.3e-13). Smaller values underflow to 0, never to NaN.
+// (studies/reports/elastic.md: worst of 30000 points 1.3e-13). Smaller values underflow to 0, never to NaN.
 // Close to a point or curve on which a whole vector nearly vanishes the bound is relative to its largest
 // part. The gradients and -1 < eta < 0 keep the same bound. Within 1e-90 xi of the rod gradients may
 // overflow.
@@ -135,7 +135,7 @@ private:
 // Fields of rods anywhere in the plane: the rod-frame field turned to a rod's heading, and the sum over rods
 // (the medium is linear and each rod's field steady in its own frame).
 //
-//   u(R) = S U(S^T (R - R_b)),  S = rotation by the heading; tensors turn as S eps S^T       (docs/physics.md
+//   u(R) = S U(S^T (R - R_b)),  S = rotation by the heading; tensors turn as S eps S^T       (docs/theory.md
 //   Eq. 12)
 
 /// A rod as a source: position in the lab frame, heading in rad, counter-clockwise from +x.

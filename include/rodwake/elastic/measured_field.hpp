@@ -7,7 +7,7 @@
 //   w = s((|r| - core)/blend) s((edge - |x|)/blend) s((edge - |y|)/blend)
 //   s(t) = t^4 (35 - 84 t + 70 t^2 - 20 t^3) between 0 and 1, constant outside
 //
-// (docs/physics.md, section 4). So U is the smoothed measured field where w = 1 and theory within the core
+// (docs/numerics.md, Eq. 30). So U is the smoothed measured field where w = 1 and theory within the core
 // and beyond the edge; in between both are mixed, and U is three times continuously differentiable
 // everywhere but at the rod. S is a smoothing spline of degree 5 with weights 1/sigma^2
 // (models/elastic/smoothing_spline.hpp); strain, polar vectors and their gradients are its derivatives. Bins

@@ -1,7 +1,7 @@
 #pragma once
 // The elastic continuum a rod walks through: an overdamped isotropic layer on a substrate.
 //
-//   zeta d_t u = mu lap u + lambda grad div u + forces                                     (paper Eq. ueq)
+//   zeta d_t u = mu lap u + lambda grad div u + forces                                     (paper Eq. (13))
 //
 // Here lambda is the coefficient of grad div in the equation of motion. From the free energy
 // F = int [lambda_L (tr eps)^2 / 2 + mu tr(eps^2)] (paper Eq. free) it is lambda = lambda_L + mu, which in
@@ -29,7 +29,7 @@ struct Medium {
     static constexpr double min_xi = 1e-30, max_xi = 1e30;
 
     /// nu = 1/(1 + eta), ratio of shear to longitudinal modulus. (The paper prints 1 + 1/eta, which does not
-    /// solve its own equation; docs/physics.md, slip 1.)
+    /// solve its own equation; docs/theory.md, slip 1.)
     double nu() const { return 1.0 / (1.0 + eta); }
 };
 

@@ -10,7 +10,7 @@
 // Far wakes: with tolerances and 0 <= eta <= 20 far wakes are summed as drifting heat on meshes, in a time
 // that grows hardly faster than N, if that is cheaper, up to four rods a xi^2; near pairs are exact.
 // Tolerances below 1e-10 f/mu/xi (polar: /xi^2) go pair by pair. Errors keep to the tolerances by
-// measurement, not by a bound (docs/validation_rods.md, "Many rods"), and are random from rod to rod.
+// measurement, not by a bound (studies/reports/rods.md, "Many rods"), and are random from rod to rod.
 //
 // Degenerate input:
 //   no rods; one rod                                     nothing is written; sums of 0 (both return 0)

@@ -1,6 +1,6 @@
 #pragma once
 // Steady field of a rod and all its images in an Lx x Ly periodic box, the zero Fourier mode removed: what a
-// displacement measured in a periodic box is compared with (docs/physics.md).
+// displacement measured in a periodic box is compared with (docs/numerics.md).
 //
 //   U = (1/2 pi) [ G_T xhat + xi grad (G_T - G_L) ],   lap G_i + 2 c_i d_x G_i = -2 pi (delta_per - 1/Lx Ly)
 //
@@ -8,7 +8,7 @@
 // relative to its mean over the box, whatever the drift f/(zeta Lx Ly) of the medium as a whole.
 //
 // Error: below 1e-10 of the largest value of each quantity at the same distance from the rod, for L/xi in
-// [1e-3, 1e3] of both sides, Ly/Lx in [1/4, 4], every eta and every heading (docs/validation_elastic.md);
+// [1e-3, 1e3] of both sides, Ly/Lx in [1/4, 4], every eta and every heading (studies/reports/elastic.md);
 // near the rod the field is the infinite plane's, exact to its last digits, and a smooth rest. Derivatives by
 // eta and xi agree with differences to 1e-6, which is as far as those reach. Gradients and derivatives by
 // heading: below 1e-9 of their own largest value at the same distance, the latter plus 1e-13 of the field, as

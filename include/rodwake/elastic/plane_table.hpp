@@ -1,6 +1,6 @@
 #pragma once
 // The strain of a wake on the infinite plane as polynomials on cells, to a tolerance of one's own: faster
-// than the exact field where little accuracy is needed (docs/validation_elastic.md says from where on it is
+// than the exact field where little accuracy is needed (studies/reports/elastic.md says from where on it is
 // not).
 //
 // In units of xi the field depends on eta alone, so a table serves every xi. A square ring

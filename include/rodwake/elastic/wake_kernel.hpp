@@ -7,7 +7,7 @@
 //
 // Accuracy (Accuracy::full; accuracy.hpp has the coarser ones), relative to the norm of a tensor or vector of
 // one source, measured against the closed form for r/xi in [0.005, 80] and eta in [0.1, 100]
-// (docs/validation_elastic.md); tests hold 1.5e-13. Two exceptions, in which the parts cancel: grad div U on
+// (studies/reports/elastic.md); tests hold 1.5e-13. Two exceptions, in which the parts cancel: grad div U on
 // the wake axis loses r/xi, and lap U vanishes on a curve ahead of the rod. Range: any eta >= 0, distances of
 // 2^-43 (1 + eta) xi to 2^21 xi. Points beyond, and media of eta < 0, are passed to elastic::Field one by
 // one: right and slow. Far ahead values below 1e-300 are 0.

@@ -12,7 +12,7 @@
 //
 // Each has a probability of its own. `probability` is that of so small a smallest one, from 200 to 1000 draws
 // of z: it is uniform whatever n, k and the design, to first order in the parameters. Errors:
-// docs/validation_fitting.md.
+// studies/reports/fitting.md.
 
 #include "rodwake/fitting/fit.hpp"
 #include "rodwake/fitting/report.hpp"

@@ -58,7 +58,7 @@ struct TrajectoryModel {
 ///
 /// With D_r or D_t, fixed ones too, rows follow from the rows before them (fitting/noisy_trajectory.cpp), and
 /// the poses at the start are no parameters. Of a linear problem, as headings without couplings, the
-/// likelihood is exact; how far it holds otherwise is in docs/validation_fitting.md.
+/// likelihood is exact; how far it holds otherwise is in studies/reports/fitting.md.
 ///
 /// The Jacobian has columns for the parameters that are not fixed. Serial; one evaluation is one solve for
 /// each trajectory. Throws InputError for unknown or missing parameters, rows of unequal length, times not

@@ -10,7 +10,7 @@
 //   s for which K_tn - mu K_tt s is parallel to s and |v_t| grows
 //   compression ends where v_z = 0; with W(p) = integral of v_z dp the impact ends where W = (1 - e^2) W_min
 //
-// (W. J. Stronge, Impact Mechanics, 2000, chs. 3-5; docs/granular.md.) Energy never grows for 0 <= e <= 1.
+// (W. J. Stronge, Impact Mechanics, 2000, chs. 3-5; docs/impact_law.md.) Energy never grows for 0 <= e <= 1.
 // Units: any consistent ones; nothing here depends on scale.
 
 #include "rodwake/granular/surfaces.hpp"

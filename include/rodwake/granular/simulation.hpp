@@ -6,7 +6,7 @@
 // the step and approach get one impulse each, at the instant they touched, of several contacts of one rod
 // with the same partner only the first. Impulses follow impact.hpp. A contact whose hop would be far shorter
 // than a step rests on the plate. Order of the pairs, rules of rest and what the step costs:
-// docs/granular.md, section 4.
+// docs/numerics.md, section 5.
 //
 // Results do not depend on the number of threads, nor on interruptions: advancing by n and then by m steps
 // equals advancing by n + m, and a simulation made from state() goes on with the same bits.

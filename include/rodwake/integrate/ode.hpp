@@ -167,7 +167,7 @@ struct Solution {
 /// Never throws for a failure of the solve: see Solution::status. Throws InputError for a malformed problem
 /// (sizes, tolerances, times, non-finite initial state). Global accuracy: each step's local errors are held
 /// to the tolerance of OdeProblem::relative_cap; on the reference trajectories the result's error was at most
-/// 83 times rtol for each method (docs/validation_rods.md), and where trajectories diverge it grows as they
+/// 83 times rtol for each method (studies/reports/rods.md), and where trajectories diverge it grows as they
 /// do. Thread-safe: each call owns its SUNContext.
 Solution solve(const OdeProblem& problem, const OdeOptions& options, std::span<const double> output_times);
 

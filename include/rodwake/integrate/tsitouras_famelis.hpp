@@ -13,7 +13,7 @@ inline constexpr std::size_t stages = 9;
 inline constexpr int order = 6;
 
 /// How much larger than the tolerance the estimate of a step's error may be, for the errors over rtol of
-/// Dormand-Prince's steps (pairs of rods, docs/validation_rods.md). `most`: of loose tolerances.
+/// Dormand-Prince's steps (pairs of rods, studies/reports/rods.md). `most`: of loose tolerances.
 inline double leniency(double rtol, double most) {
     const double more = 4.0 + 10.0 * std::sqrt(1e6 * rtol);
     return more < most ? more : most;

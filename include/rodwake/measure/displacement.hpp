@@ -5,7 +5,7 @@
 //
 // Convention, the paper's rho_0(r) = rho(r + U(r)): U at r is the displacement of what would be at r if the
 // rod were not there. Both r and U are in the rod's frame. U is relative to its mean over the box (reference
-// box: the zero Fourier mode removed, as in the periodic solution of docs/physics.md) or to the beads
+// box: the zero Fourier mode removed, as in the periodic solution of docs/numerics.md) or to the beads
 // farther than far_from from the rod (reference far). The drift of the crystal as a whole drops out of both.
 //
 // Estimators:

@@ -9,7 +9,7 @@
 //   m*        = gamma/(decay rate of V)   inertia over mass (drift_decay.hpp): beads that move have to spin
 //   mu        = m* n m c_T^2              c_T, speed of transverse sound, which has that inertia too
 //   xi        = mu/(zeta v) = m* c_T^2/(gamma v)
-//                                         screening length (physics.md, section 1), v the rod's speed
+//                                         screening length (docs/theory.md, section 1), v the rod's speed
 //                                         relative to the bed
 //   Peclet    = L/xi                      drag over elasticity on the scale of the box (L: shorter side)
 //

@@ -1,5 +1,5 @@
 #pragma once
-// The medium with its memory: no wake is assumed steady (paper Eq. ueq, docs/physics.md).
+// The medium with its memory: no wake is assumed steady (paper Eq. (13), docs/memory.md).
 //
 //   beta d_tt u + alpha d_t u = lap u + eta grad div u + sum_b n_b g_w(r - R_b),
 //   g_w = exp(-r^2/(2 w^2))/(2 pi w^2)
@@ -13,7 +13,7 @@
 // inf.
 //
 // Against that point force the error of a field is w^2 lap U/2 + O(w^4) away from the rod, as smoothing goes,
-// and exp(-(pi modes w/box)^2/2) from the modes left out (docs/validation_medium.md).
+// and exp(-(pi modes w/box)^2/2) from the modes left out (studies/reports/medium.md).
 
 #include "rodwake/elastic/medium.hpp"
 
@@ -40,7 +40,7 @@ enum class Closure {
     none,       ///< all of it: the medium is integrated with the rods
     steady,     ///< nothing: it is that of a rod that has always walked straight along its present heading
     first_order ///< its turning rate: it is, to first order in theta', that of a rod that turns
-                ///< (turning_wake.hpp). Better in slow turns only (docs/validation_medium.md), so not a
+                ///< (turning_wake.hpp). Better in slow turns only (studies/reports/medium.md), so not a
                 ///< choice of scenes
 };
 
@@ -61,9 +61,9 @@ struct DynamicMedium {
 
 /// With sums and without self_field each rod needs a field of its own: at most so many.
 inline constexpr std::size_t most_fields = 64;
-/// Rods from which on the mesh is the faster in one field for all (docs/validation_medium.md).
+/// Rods from which on the mesh is the faster in one field for all (studies/reports/medium.md).
 inline constexpr std::size_t most_summed = 16;
-/// Of turning rates that the mesh gives, over the largest of them (docs/validation_medium.md).
+/// Of turning rates that the mesh gives, over the largest of them (studies/reports/medium.md).
 inline constexpr double mesh_error = 1e-11;
 /// What amplitudes and weights of all rods may take; beyond, fewer modes or rods.
 inline constexpr double most_bytes = 2e9;

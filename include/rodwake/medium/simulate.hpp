@@ -8,7 +8,7 @@
 // Where rods/model.hpp turns each wake to its rod's heading at once, here it follows as the medium relaxes:
 // that is the closure this part tests.
 //
-// Error: each step's errors are held to rtol and atol (docs/validation_medium.md has what comes of it at the
+// Error: each step's errors are held to rtol and atol (studies/reports/medium.md has what comes of it at the
 // end). A Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass
 // through each other.
 //

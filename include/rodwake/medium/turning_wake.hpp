@@ -1,5 +1,5 @@
 #pragma once
-// The field of a rod that turns, to first order in its turning rate (docs/physics.md, Eq. 38).
+// The field of a rod that turns, to first order in its turning rate (docs/memory.md, Eq. 38).
 //
 // A rod that has always walked straight has the mode u_q = f_q e(n)/z, z = lambda - i q.n, with lambda the
 // mode's decay, f_q its force (modal_field.hpp) and e(n) the component of the heading n along q/|q| or z x
@@ -15,7 +15,7 @@
 //
 // Valid where theta' changes little, and theta' tau is small, over the time tau that a field takes to get to
 // the place, about alpha r^2/4 at a distance r, or r behind the rod if that is less
-// (docs/validation_medium.md). Error: the next order of the expansion; the sum itself is exact but for
+// (studies/reports/medium.md). Error: the next order of the expansion; the sum itself is exact but for
 // rounding.
 
 #include "rodwake/medium/modal_field.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// How well an outcome is known. docs/physics.md, section 7, has the bounds.
+// How well an outcome is known. docs/numerics.md, section 4, has the bounds.
 //
 //   verified  rods that walk straight: the closed form ends so, and every decision (contact, and the criteria
 //             of pursuit and escape) is farther from its limit than its rounding. Two that turn, on the plane

@@ -1,11 +1,11 @@
 #pragma once
-// How a rod turns in the strain of another rod's wake (paper Eqs. peq, thetaeq).
+// How a rod turns in the strain of another rod's wake (paper Eqs. (21), (22)).
 //
 //   theta' = z.[n x v],   v = kappa eps.n + gamma1 A + gamma2 B
 //
 // kappa is apolar: it turns the rod's axis to the extensional axis (kappa > 0). A and B are vectors, for
 // polar rods. Two choices of A and B stand in the paper:
-//   laplacian  (figure sup_ufield)   A = lap u,    B = grad div u       <- kept inside
+//   laplacian  (paper, Fig. 10)      A = lap u,    B = grad div u       <- kept inside
 //   divergence (text)                A = div eps,  B = grad tr eps
 // Since div eps = (lap u + grad div u)/2: gamma1^lap = gamma1/2, gamma2^lap = gamma2 + gamma1/2.
 //

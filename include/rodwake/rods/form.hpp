@@ -13,7 +13,7 @@
 //              decay as exp(-b t), b = 1 mu v0/f (Baumgarte 1972). lambda = -n.h: what the rod's stiffness
 //              holds against stretching by the medium. It contains the trace of eps, the motion does not.
 //
-// docs/physics.md derives them and says when which is worth having. Reduced units throughout.
+// docs/numerics.md derives them and says when which is worth having. Reduced units throughout.
 
 #include <cstddef>
 #include <string>

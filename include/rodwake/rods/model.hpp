@@ -1,5 +1,5 @@
 #pragma once
-// Equations of motion of N motile rods in each other's wakes (paper Eqs. motileEoM, thetaeq), heading-angle
+// Equations of motion of N motile rods in each other's wakes (paper Eqs. (12), (22)), heading-angle
 // form.
 //
 //   x_a' = cos theta_a,  y_a' = sin theta_a

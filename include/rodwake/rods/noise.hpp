@@ -23,7 +23,7 @@
 // shape d0^2/(s^2 h). The bridge takes the circle of contact for its tangent and the drift along the step for
 // constant; steps are short enough for that near contact (docs/noise.md has the error measured).
 //
-// Errors (docs/noise.md, section 4): strong order 1.5, weak order 2.1 +- 0.2 (build/dev/tests/test_rods); the
+// Errors (docs/noise.md, Accuracy): strong order 1.5, weak order 2.1 +- 0.2 (build/dev/tests/test_rods); the
 // bridge's probability of contact within 2 % of itself (studies/validate_noise.py --only passage).
 //
 // Degenerate input:

@@ -15,7 +15,7 @@
 // through rods::simulate.
 //
 // Error of state and time, 20000 random pairs (median, 90 %, 99 %): at rtol 1e-6 4e-7, 4e-6, 5e-5; at 1e-9
-// 3e-10, 2e-9, 2e-8; all end as with CVODES (docs/validation_rods.md; build/dev/tests/test_rods).
+// 3e-10, 2e-9, 2e-8; all end as with CVODES (studies/reports/rods.md; build/dev/tests/test_rods).
 //
 // Degenerate input:
 //   no pairs                                                 nothing is done

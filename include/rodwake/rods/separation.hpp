@@ -45,7 +45,7 @@ double encounter_step(integrate::State y, Box box = {});
 
 /// Longest step in which no rod crosses a narrow wake of another unseen: the smallest of
 /// (|d| + w)/(3 v) over the pairs, d being the distance from the other's track behind it, v the speed across,
-/// and w = sqrt(4 b xi/nu) the width of the longitudinal wake at b behind (docs/physics.md, Eq. 16). For
+/// and w = sqrt(4 b xi/nu) the width of the longitudinal wake at b behind (docs/theory.md, Eq. 16). For
 /// nu >> 1, where w << b; for nu of order 1 it says no more than encounter_step. Looks at all pairs.
 double wake_step(integrate::State y, const elastic::Medium& medium, Box box = {});
 /// Whether wakes are wide enough for encounter_step alone: nu <= 10.

@@ -133,7 +133,7 @@ std::vector<double> to_poses(Form form, integrate::State state, std::span<const 
 
 /// Rods are not stiff until a heading relaxes much faster than a rod walks past its neighbour. With k the
 /// largest |d theta_a'/d theta_b| at the start and r the smallest separation, k r (v0 = 1) is that ratio:
-/// above 30 BDF, below explicit Runge-Kutta. Measured at both ends in docs/validation_rods.md (side by side,
+/// above 30 BDF, below explicit Runge-Kutta. Measured at both ends in studies/reports/rods.md (side by side,
 /// 5 apart: 0.5 at kappa = 100, 46 at kappa = 1e4). Of more than most_followed_rods rods always explicit
 /// Runge-Kutta: Newton's dense matrix of 3 N x 3 N costs more than shorter steps.
 integrate::Method suitable_method(const RodProblem& problem);
