@@ -148,7 +148,7 @@ std::array<std::complex<double>, 2> in_line(const ScaledPair& pair, double dista
     const double product = -D * front.by_y * (rear.by_phi + D * front.by_y + front.by_phi) -
                            (1.0 - D * D * front.by_y - D * front.by_phi) * (rear.by_y + front.by_y);
     const std::complex<double> root = std::sqrt(std::complex<double>(half_sum * half_sum - product));
-    return {(half_sum + root) / pair.xi, (half_sum - root) / pair.xi};
+    return {(half_sum + root) / pair.xi, (half_sum + (-root)) / pair.xi};
 }
 
 /// Intervals of distances in line by the sign of the largest real part, whose changes are bracketed.

@@ -3,8 +3,10 @@
 #include "pair_reduced.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -14,22 +16,6 @@ namespace {
 
 constexpr std::size_t directions = 96;
 constexpr double sizes[] = {0.25, 0.5, 0.75, 1.0};
-
-/// P of J^T P + P J = -1: nine linear equations.
-Eigen::Matrix3d lyapunov(const Eigen::Matrix3d& J) {
-    Eigen::Matrix<double, 9, 9> equations = Eigen::Matrix<double, 9, 9>::Zero();
-    for (Eigen::Index i = 0; i < 3; ++i)
-        for (Eigen::Index j = 0; j < 3; ++j)
-            for (Eigen::Index k = 0; k < 3; ++k) {
-                equations(3 * i + j, 3 * k + j) += J(k, i);
-                equations(3 * i + j, 3 * i + k) += J(k, j);
-            }
-    Eigen::Matrix<double, 9, 1> right;
-    right << -1, 0, 0, 0, -1, 0, 0, 0, -1;
-    const Eigen::Matrix<double, 9, 1> entries = equations.partialPivLu().solve(right);
-    const Eigen::Matrix3d P = Eigen::Map<const Eigen::Matrix3d>(entries.data());
-    return 0.5 * (P + P.transpose());
-}
 
 /// Direction k, evenly over the sphere (a Fibonacci lattice).
 Eigen::Vector3d on_sphere(std::size_t k) {
@@ -67,21 +53,26 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
                             std::remainder(now.heading - q.heading, 2.0 * std::numbers::pi)};
     const Eigen::Matrix3d J =
         scale.cwiseInverse().asDiagonal() * flow_at(pair, centre).by_pose * scale.asDiagonal();
-    const Eigen::Matrix3d P = lyapunov(J);
+    // V = d^T P d with P = T^-H T^-1, which is real, since complex eigenvectors come in pairs.
+    const Eigen::EigenSolver<Eigen::Matrix3d> modes(J);
+    const Eigen::Matrix3cd to_modes = modes.eigenvectors().inverse();
+    const Eigen::Matrix3d P = (to_modes.adjoint() * to_modes).real();
     const Eigen::LLT<Eigen::Matrix3d> root(P);
     if (root.info() != Eigen::Success)
         return {};
+    const double slowest = -modes.eigenvalues().real().maxCoeff();
     // The surface of V = s^2 V(q) is s |L^T d| L^-T e, with P = L L^T and e a unit vector.
-    const double radius = (root.matrixL().transpose() * d).norm();
+    // Nearer than 1e-6 rates are rounding, and the flow is linear.
+    const double radius = std::max(1e-6, (root.matrixL().transpose() * d).norm());
     for (const double size : sizes)
-        for (std::size_t k = 0; k < directions && radius > 0.0; ++k) {
+        for (std::size_t k = 0; k < directions; ++k) {
             const Eigen::Vector3d e = size * radius * root.matrixU().solve(on_sphere(k));
             const Pose sample = at(e);
             const double separation = std::hypot(sample.x, sample.y);
             if (!(separation > 0.1 * r) || (contact_distance && separation * pair.xi <= *contact_distance))
                 return {};
             const Eigen::Vector3d rates = scale.cwiseInverse().asDiagonal() * flow_at(pair, sample).rates;
-            if (!(2.0 * e.dot(P * rates) <= -0.5 * e.squaredNorm()))
+            if (!(2.0 * e.dot(P * rates) <= -slowest * e.dot(P * e)))
                 return {};
         }
     if (contact_distance && orbit->separation[0] <= *contact_distance)
