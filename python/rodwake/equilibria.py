@@ -17,7 +17,6 @@ from ._core import Medium
 from .errors import InputError
 
 Floats = NDArray[np.float64]
-COUPLINGS = ("kappa", "gamma1", "gamma2")
 
 
 @dataclass(frozen=True)
@@ -92,12 +91,14 @@ class PairBranch:
 
 def _named(found: Any) -> PairEquilibrium:
     kind, pose, ends, omega, eigenvalues, stable = found
-    return PairEquilibrium(kind, tuple(pose), ends if kind == "in_line" else ends[0], omega, tuple(eigenvalues), stable)
+    x, y, h = pose
+    first, second, third = eigenvalues
+    return PairEquilibrium(kind, (x, y, h), ends if kind == "in_line" else ends[0], omega, (first, second, third), stable)
 
 
-def _pair(medium: Any, *couplings: Any) -> tuple[Any, ...]:
-    return (arguments.kind("medium", medium, Medium, "a rodwake.Medium"),
-            *(arguments.number(name, value, least=-1e12, most=1e12) for name, value in zip(COUPLINGS, couplings)))
+def _pair(medium: Any, kappa: Any, gamma1: Any, gamma2: Any) -> tuple[Medium, float, float, float]:
+    numbers = [arguments.number(name, value, least=-1e12, most=1e12) for name, value in (("kappa", kappa), ("gamma1", gamma1), ("gamma2", gamma2))]
+    return arguments.kind("medium", medium, Medium, "a rodwake.Medium"), numbers[0], numbers[1], numbers[2]
 
 
 def pair_equilibria(medium: Medium, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0) -> list[PairEquilibrium]:
@@ -152,10 +153,21 @@ def pair_branches(medium: Medium, over: str, least: float, most: float, *, kappa
 
 
 def pair_flow(pose: ArrayLike, medium: Medium, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0) -> tuple[Floats, Floats]:
-    """Rates of the pose (x, y, h) of rod 1 in the frame of rod 0, array (3,), and their Jacobian, array (3, 3)."""
+    """The flow of a pair at a pose, for eigenvalues of your own, say in line at one distance.
+
+    Parameters
+    ----------
+    pose : array_like, shape (3,)
+        x, y and heading of rod 1 in the frame of rod 0.
+    medium, kappa, gamma1, gamma2
+        As for `pair_equilibria`.
+
+    Returns
+    -------
+    tuple of ndarray
+        Time derivatives of the pose, (3,), and their derivatives by the pose, (3, 3).
+    """
     at = arguments.array("pose", pose, "three numbers: x, y and heading of rod 1 in the frame of rod 0")
     if at.shape != (3,):
         raise InputError(f"pose: expected three numbers, x, y and heading of rod 1 in the frame of rod 0; got an array of shape {at.shape}")
-    medium, *couplings = _pair(medium, kappa, gamma1, gamma2)
-    rates, jacobian = _core.pair_flow(at.tolist(), medium, *couplings)
-    return rates, jacobian
+    return _core.pair_flow(at.tolist(), *_pair(medium, kappa, gamma1, gamma2))
