@@ -27,8 +27,10 @@
 // Lengths f/mu, times f/(mu v0), eigenvalues mu v0/f. The infinite plane, the exact field
 // (elastic/field.hpp).
 //
-// Error: the equations are solved to rounding: r, omega 1e-11 of themselves, eigenvalues 1e-8 of the largest
-// (tests/rods/test_pair_equilibria.cpp), and next to a fold, where two orbits merge, the root of that.
+// Error: the equations are solved to rounding. Rates at the fixed point vanish to 1e-10 of the Jacobian's
+// norm and eigenvalues are those of differences to 1e-5 of the largest, both in the lab's equations
+// (tests/rods/test_pair_equilibria.cpp). Next to a fold, where two orbits merge, r is known to the root of
+// rounding.
 //
 // Degenerate input:
 //   an illegal medium                             InputError (elastic/medium.hpp)
