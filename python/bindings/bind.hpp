@@ -12,6 +12,7 @@ void bind_errors(py::module_& module);
 void bind_medium(py::module_& module);
 void bind_fields(py::module_& module);
 void bind_rods(py::module_& module);
+void bind_equilibria(py::module_& module);
 void bind_noise(py::module_& module);
 void bind_scene(py::module_& module);
 void bind_integrate(py::module_& module);

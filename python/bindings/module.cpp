@@ -12,6 +12,7 @@ PYBIND11_MODULE(_core, module) {
     bind_medium(module);
     bind_fields(module);
     bind_rods(module);
+    bind_equilibria(module);
     bind_noise(module);
     bind_scene(module);
     bind_run(module);
