@@ -1,6 +1,6 @@
 // The kernels behind window.rodwake: numbers in, numbers out. Reduced units: lengths in f/mu, times in f/(mu v0).
 
-const OUTCOMES = ["contact", "pursuit", "escape", "undecided"];
+const OUTCOMES = ["contact", "pursuit", "escape", "undecided", "orbit"];
 
 function numberOf(from, key, fallback) {
   const value = from[key] ?? fallback;

@@ -15,7 +15,7 @@ const find = selector => document.querySelector(selector);
 let ink = {};
 function readColours() {
   const style = getComputedStyle(document.documentElement);
-  ink = Object.fromEntries(["paper", "card", "sheet", "ink", "soft", "line", "grid", "accent", "rod0", "rod1", "contact", "pursuit",
+  ink = Object.fromEntries(["paper", "card", "sheet", "ink", "soft", "line", "grid", "accent", "rod0", "rod1", "contact", "pursuit", "orbit",
     "escape", "undecided", "low", "mid", "high", "less", "zero", "more"].map(name => [name, style.getPropertyValue(`--${name}`).trim()]));
   ink.rods = [ink.rod0, ink.rod1];
 }

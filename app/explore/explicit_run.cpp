@@ -70,7 +70,8 @@ public:
         solution.final_state = y_;
         if (contact_)
             solution.status.termination = integrate::Termination::stopped_at_event;
-        return rods::conclude(problem_, model_.interacting(), state_rates(), solution, record_, {});
+        return rods::conclude(problem_, model_.interacting(), state_rates(), solution, record_, {},
+                              rods::TurnedBy::steady_wakes);
     }
 
 private:

@@ -26,10 +26,10 @@ namespace rodwake::store {
 using fitting::StartResult;
 
 template<>
-inline constexpr auto parts<StartResult> =
-    parts_of("index start end objective termination evaluations", &StartResult::index, &StartResult::start,
-             &StartResult::end, &StartResult::objective, &StartResult::termination,
-             &StartResult::evaluations);
+inline constexpr auto parts<StartResult> = parts_of("index start end objective termination evaluations",
+                                                    &StartResult::index, &StartResult::start,
+                                                    &StartResult::end, &StartResult::objective,
+                                                    &StartResult::termination, &StartResult::evaluations);
 
 } // namespace rodwake::store
 

@@ -148,15 +148,18 @@ std::string outcome_text(const std::string& name) {
          "the separation grows, and neither heading turns by more than the residual turn allowed, "
          "0.05 of the difference of the headings, while the separation doubles, at its largest rate "
          "of the last fifth of the run"},
-        {"undecided", "none of these by t_end; a longer run may tell"},
-        {"capture", "contact or pursuit"}};
+        {"orbit",
+         "none of these, and the two rods, in each other's steady wakes on the plane, are in the basin of a "
+         "stable orbit: they circle each other at one distance and rate"},
+        {"undecided", "none of these by t_end; a longer run may decide, and scan.decide does so for scans"},
+        {"capture", "contact, pursuit or orbit"}};
     std::string text;
     for (const auto& [word, meaning] : criteria)
         if (name == word || name == "outcome")
             text += fmt::format("{}: how a run of rods ends\n", word) + line("criterion", meaning);
     return text.empty()
                ? ""
-               : text + line("see", "docs/theory.md, \"Outcomes\"; for rods of beds docs/measure.md");
+               : text + line("see", "docs/theory.md, \"Outcomes\"; for rods of beds docs/estimators.md, \"Pairs\"");
 }
 
 std::string scene_text(const std::string& name) {

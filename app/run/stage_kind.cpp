@@ -76,7 +76,8 @@ scene::Scene key_of_rods(const scene::Scene& scene) {
     key.rods = scene.rods;
     key.rods_run = scene.rods_run;
     if (key.rods_run)
-        key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
+        key.rods_run->max_steps = scene::RodsRun{}.max_steps, // a limit, raised when it was met
+            key.rods_run->t_end_limit.reset();                // of scans
     key.variants = scene.variants;
     return key;
 }

@@ -90,7 +90,7 @@ public:
         if (of_beds())
             plan.design.costs = costs_of_beds(plan);
         else
-            plan.certificates = scan_.certificates;
+            plan.certificates = scan_.certificates, plan.decide = scan_.decide;
         return plan;
     }
 

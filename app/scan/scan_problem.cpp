@@ -84,6 +84,7 @@ scene::Scan scan_keys(const scene::Scan& scan) {
     key.design = scan.design;
     key.axes = scan.axes;
     key.certificates = scan.certificates;
+    key.decide = scan.decide;
     for (scene::ScanAxis& axis : key.axes)
         axis.label.clear();
     if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample
@@ -185,8 +186,8 @@ std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
 
 scan::Columns columns_of_beds(const scene::Scene& scene) {
     scan::Columns columns;
-    if (has_pair(scene))
-        for (const Ending ending : all_endings)
+    if (has_pair(scene)) // tracks tell no orbits
+        for (const Ending ending : std::span(all_endings).first(4))
             columns.outcomes.emplace_back(rodwake::to_string(ending));
     else
         columns.outcomes = {"finished"};

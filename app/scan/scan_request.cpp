@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 void require_ledger(const fs::path& file, const ScanPlan& plan) {
     if (!fs::exists(file))
         throw InputError(file.string() + ": no such ledger");
-    const scan::Ledger opened(file, ledger_head(plan));
+    scan::require_ledger(file, ledger_head(plan));
 }
 
 } // namespace

@@ -33,7 +33,7 @@ void put(const ScanPlan& plan, const CaptureNumbers& capture, scan::Result& resu
 
 /// The first of equals.
 Ending most_frequent(const rods::NoiseSums& sums) {
-    std::array<long, 4> counts{};
+    std::array<long, all_endings.size()> counts{};
     for (const rods::NoisyEnd& end : sums.ends)
         ++counts[static_cast<std::size_t>(end.ending)];
     return static_cast<Ending>(std::ranges::max_element(counts) - counts.begin());
@@ -70,7 +70,7 @@ bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const
 
 /// Puts in CaptureNumbers of a point that has a single outcome for certain; nothing without [noise].
 void store_certain_capture(const ScanPlan& plan, Ending ending, scan::Result& result) {
-    const double share = ending == Ending::contact || ending == Ending::pursuit ? 1.0 : 0.0;
+    const double share = is_capture(ending) ? 1.0 : 0.0;
     if (plan.base.noise)
         put(plan, {share, share, share, 1.0}, result);
 }
@@ -119,6 +119,46 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
     rods::PairOptions options{ode.rtol, ode.atol};
     options.max_attempts = std::min(options.max_attempts, ode.max_steps);
     return options;
+}
+
+/// Rods that are undecided go on from `state`, each time for as long as they have run, until their outcome is
+/// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
+/// the last solve ended.
+integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
+                         std::vector<double> state, Leader& leader, EncounterEnd& end) {
+    const double steady_fraction = options.criteria.steady_fraction;
+    if (start.rods.size() == 2)
+        options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
+    integrate::Status status;
+    while (end.ending == Ending::undecided && end.time < limit && status.ok()) {
+        rods::RodProblem rest = start;
+        for (std::size_t a = 0; a < rest.rods.size(); ++a)
+            rest.rods[a] = rods::pose(state, a);
+        rest.output_times.clear();
+        rest.t_end = std::min(end.time, limit - end.time);
+        options.criteria.steady_fraction =
+            std::min(1.0, steady_fraction * (end.time + rest.t_end) / rest.t_end);
+        rods::RodResult run = rods::simulate(rest, options);
+        status = run.solution.status;
+        if (!status.ok() || status.termination == Termination::interrupted)
+            break;
+
+        // What the rods did before counts on.
+        const EncounterEnd before = end;
+        for (std::size_t a = 0; a < before.turn.size(); ++a)
+            run.outcome.turn[a] += before.turn[a];
+        end = end_of(start, run, leader.ahead());
+        end.time += before.time;
+        if (before.min_separation <= end.min_separation) {
+            end.min_separation = before.min_separation;
+            end.min_separation_time = before.min_separation_time;
+        } else
+            end.min_separation_time += before.time;
+        end.steps += before.steps;
+        end.rhs_evaluations += before.rhs_evaluations;
+        state = run.solution.final_state;
+    }
+    return status;
 }
 
 class PointsOfRods {
@@ -203,12 +243,25 @@ private:
             scan::Result& result = results[batch.points[k]];
             result.seconds += each;
             guarded(result, [&](Clock::time_point began) {
-                if (!ends[k].handed_over())
-                    store(end_of(batch.pairs[k], ends[k]), plan_, units_, result);
-                if (!ends[k].handed_over() && result.ok())
-                    return;
                 const rods::RodProblem& problem = problem_.at(result.point);
                 rods::RodOptions options = rod_options(problem_.run(), problem);
+                bool done = !ends[k].handed_over();
+                if (done) {
+                    EncounterEnd end = end_of(batch.pairs[k], ends[k]);
+                    if (plan_.decide && end.ending == Ending::undecided) {
+                        Leader leader(problem, ends[k]);
+                        options.ode.stop_requested = stop_condition(began);
+                        const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
+                        const integrate::Status status =
+                            decide(problem, options, t_end_limit(problem), state, leader, end);
+                        if (status.termination == Termination::interrupted)
+                            return interrupted(result, began);
+                        done = status.ok();
+                    }
+                    store(end, plan_, units_, result);
+                }
+                if (done && result.ok())
+                    return;
                 const bool limit_of_batch = batch.options.max_attempts < options.ode.max_steps;
                 if (ends[k].end == rods::PairEnding::too_many_steps && limit_of_batch)
                     options.ode.method = Method::bdf; // faster from there on
@@ -253,6 +306,11 @@ private:
             interrupted(result, start);
     }
 
+    /// Reduced, as the times of problems.
+    double t_end_limit(const rods::RodProblem& problem) const {
+        return problem_.run().t_end_limit.value_or(1000.0 * problem.t_end);
+    }
+
     void interrupted(scan::Result& result, Clock::time_point start) const {
         const bool late = seconds_since(start) > plan_.time_limit.value_or(HUGE_VAL);
         result.status = late ? scan::Status::time_limit : scan::Status::stopped;
@@ -274,15 +332,19 @@ private:
         const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)
                                         ? rods::simulate_certified(problem, options, true)
                                         : rods::simulate(problem, options);
-        const integrate::Status& status = run.solution.status;
+        EncounterEnd end = end_of(problem, run, leader.ahead());
+        integrate::Status status = run.solution.status;
+        if (plan_.decide && status.ok() && status.termination != Termination::interrupted &&
+            end.ending == Ending::undecided)
+            status = decide(problem, options, t_end_limit(problem), run.solution.final_state, leader, end);
         // a proof that was stopped leaves its outcome open, which the uninterrupted scan may not have
         const bool cut_short =
             stop_ && stop_() && certified(result.point) && run.outcome.certificate == Certificate::open;
         if (status.termination == Termination::interrupted || cut_short) {
             interrupted(result, start);
         } else if (status.ok()) {
-            store_certain_capture(plan_, run.outcome.ending, result);
-            store(end_of(problem, run, leader.ahead()), plan_, units_, result);
+            store_certain_capture(plan_, end.ending, result);
+            store(end, plan_, units_, result);
         } else {
             result.status = scan::Status::failed;
             result.set_cause(fmt::format("{}: {}; {}", status.flag, status.cause, status.advice));

@@ -57,6 +57,8 @@ EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
     end.rhs_evaluations = run.solution.statistics.rhs_evaluations;
     end.certificate = static_cast<double>(outcome.certificate);
     end.pair = outcome.pair;
+    if (outcome.ending == Ending::orbit)
+        end.orbit_separation = outcome.separation, end.omega = outcome.omega;
     return end;
 }
 
@@ -69,6 +71,7 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
     end.steps = run.steps;
     end.rhs_evaluations = run.rhs_evaluations;
     end.certificate = static_cast<double>(run.certificate);
+    end.orbit_separation = run.orbit_separation, end.omega = run.omega;
     return end;
 }
 
@@ -77,19 +80,21 @@ void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& uni
     result.outcome = static_cast<std::int32_t>(end.ending);
     std::size_t next = 0; // the order of ScanPlan's columns is that of the description
     for_each_number(end, told_turns, [&](const auto& field, int, double number) {
-        const double unit = field.info.unit == "{scan time}"     ? units.time
-                            : field.info.unit == "{scan length}" ? units.length
-                                                                 : 1.0;
+        const double unit = field.info.unit == "{scan time}"         ? units.time
+                            : field.info.unit == "{scan length}"     ? units.length
+                            : field.info.unit == "rad/({scan time})" ? 1.0 / units.time
+                                                                     : 1.0;
         result.values[next++] = number * unit;
     });
     if (plan.base.rods.size() > 2) {
-        const bool met = end.ending == Ending::contact || end.ending == Ending::pursuit;
+        const bool met = is_capture(end.ending);
         for (const std::size_t rod : {end.pair.first, end.pair.second})
             result.values[next++] = met ? static_cast<double>(rod) : std::nan("");
     }
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
         if (const std::string& name = plan.columns.observables[k];
-            !std::isfinite(result.values[k]) && name != "non_reciprocity" && !name.starts_with("pair_")) {
+            !std::isfinite(result.values[k]) && name != "non_reciprocity" && name != "separation" &&
+            name != "omega" && !name.starts_with("pair_")) {
             result.status = scan::Status::not_finite;
             result.set_cause(name + " is not finite");
         }
@@ -99,7 +104,8 @@ namespace {
 
 constexpr ColumnInfo others[] = {
     {"outcome", "1",
-     "contact, pursuit, escape or undecided, of beds without a pair finished; of several runs the most "
+     "contact, pursuit, escape, undecided or orbit, of beds without a pair finished; of several runs the "
+     "most "
      "frequent; empty: the point failed"},
     {"status", "1", "ok, failed, time_limit, not_finite or exception; of several runs ok if one finished"},
     {"retries", "1", "attempts before the last"},

@@ -7,6 +7,7 @@
 #include "rodwake/core/record.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Ahead {
 class Leader {
 public:
     explicit Leader(const rods::RodProblem& problem) : first_(rods::to_state(problem.rods)) {}
+    /// As a run of a batch left it.
+    Leader(const rods::RodProblem& problem, const rods::PairResult& run)
+        : first_(rods::to_state(problem.rods)),
+          most_(std::abs(run.turn[0]) + std::abs(run.turn[1])), ahead_{run.ahead_x, run.ahead_y} {}
 
     void add(integrate::State y);
     Ahead ahead() const { return ahead_; }
@@ -43,8 +48,9 @@ struct EncounterEnd {
     double separation = 0.0;      ///< of more rods of the pair that the outcome is about
     double angle = 0.0;           ///< likewise
     long steps = 0, rhs_evaluations = 0;
-    double certificate = 2.0; ///< number of the Certificate; a word in scan.csv
-    rods::Separation pair{};  ///< of which the outcome tells
+    double certificate = 2.0;                   ///< number of the Certificate; a word in scan.csv
+    rods::Separation pair{};                    ///< of which the outcome tells
+    double orbit_separation = NAN, omega = NAN; ///< of an orbit
 
     static constexpr auto fields() {
         using R = EncounterEnd;
@@ -61,6 +67,10 @@ struct EncounterEnd {
             field("final_angle", &R::angle, {"rad", "between the headings at the end"}),
             field("steps", &R::steps, {"1", "of the solver"}),
             field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"}),
+            field("separation", &R::orbit_separation,
+                  {"{scan length}", "of an orbit; empty: the rods are in none"}),
+            field("omega", &R::omega,
+                  {"rad/({scan time})", "turning rate of an orbit, + counterclockwise; empty: none"}),
             field(certificate_column, &R::certificate,
                   {"1", "how well the outcome is known: verified, checked or open (in scan.h5 0, 1, 2)"})};
     }
@@ -75,8 +85,8 @@ struct MetPair {
     static constexpr auto fields() {
         using R = MetPair;
         return std::tuple{field("pair_i", &R::i,
-                                {"1", "of three or more rods: the first, from 0, of the pair in contact or "
-                                      "pursuit; empty: no pair is"}),
+                                {"1", "of three or more rods: the first, from 0, of the pair in contact, "
+                                      "pursuit or orbit; empty: no pair is"}),
                           field("pair_j", &R::j, {"1", "the second of that pair"})};
     }
 };

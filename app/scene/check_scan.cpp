@@ -124,6 +124,16 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
                fmt::format(
                    "[scan] compares how encounters end, which is followed for up to {} rods: here are {}",
                    rods::most_followed_rods, scene.rods.size()));
+    if (scene.scan->decide && scene.noise)
+        report("scan.decide", "scan.decide is for rods without [noise]: leave one out");
+    if (scene.rods_run && scene.rods_run->t_end_limit) {
+        if (!scene.scan->decide)
+            report("rods_run.t_end_limit",
+                   "rods_run.t_end_limit needs scan.decide = true, whose points go on "
+                   "until their outcome is decided");
+        if (*scene.rods_run->t_end_limit < scene.rods_run->t_end)
+            report("rods_run.t_end_limit", "rods_run.t_end_limit must be at least t_end");
+    }
     if (scene.medium && scene.medium->fitted)
         report("scan", "[scan] needs a medium of its own: medium.fitted = true takes it from [fit]");
     if (scene.medium && scene.medium->field != FieldBackend::exact)
@@ -133,6 +143,8 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
 }
 
 void check_beds(const Scene& scene, const Report& report) {
+    if (scene.scan->decide)
+        report("scan.decide", "scan.decide is for scans of rods: a bed runs for granular.duration");
     if (scene.scan->design == ScanDesign::adaptive)
         report("scan.design", "scan.design = \"adaptive\" follows where the outcome changes, and outcomes of "
                               "beds are random: take grid, list, lhs or sobol");

@@ -167,6 +167,13 @@ void solver_fields(Visitor& v, RodsRun& run) {
       choice(run.precision, {{"full", elastic::Accuracy::full},
                              {"fine", elastic::Accuracy::fine},
                              {"single", elastic::Accuracy::single}}));
+    v(key("t_end_limit")
+          .unit(time)
+          .above(0.0)
+          .absent("1000 t_end")
+          .doc("with scan.decide: points that are still undecided at this time stay so")
+          .example("3e4"),
+      run.t_end_limit);
     v(key("max_steps").within(1, 1e12).doc("ceiling on internal steps").example("1000000"), run.max_steps);
 }
 

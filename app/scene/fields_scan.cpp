@@ -98,6 +98,11 @@ void fields(Visitor& v, Scan& scan) {
               "seconds that one point, of beds one run, may take; one that takes longer is marked time_limit")
           .example("10.0"),
       scan.time_limit);
+    v(key("decide")
+          .doc("of rods: points that are undecided at rods_run.t_end go on from there, alone, until their "
+               "outcome is decided or rods_run.t_end_limit is reached")
+          .example("true"),
+      scan.decide);
     v(key("certificates")
           .doc("of rods: whether the outcomes of rods that turn are verified, or checked by a second run, a "
                "hundred "

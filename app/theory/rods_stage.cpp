@@ -400,6 +400,12 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
     report.turn = outcome.turn;
     if (!own_turn.empty())
         report.own_turn = own_turn;
+    if (std::isfinite(outcome.separation))
+        report.separation = outcome.separation * units.length;
+    if (std::isfinite(outcome.omega))
+        report.omega = outcome.omega / units.time;
+    report.separation_grows = outcome.grows;
+    report.stable = outcome.stable;
     report.reason = outcome.reason;
     report.units = {units.length_name, units.time_name, "rad"};
     report.solver = solver_report(result, plan, units);

@@ -101,7 +101,7 @@ struct Spread {
 
 /// How many of several runs ended how.
 struct EndingCounts {
-    std::int64_t contact = 0, pursuit = 0, escape = 0, undecided = 0, failed = 0;
+    std::int64_t contact = 0, pursuit = 0, escape = 0, undecided = 0, orbit = 0, failed = 0;
 
     void add(Ending ending) {
         switch (ending) {
@@ -117,6 +117,9 @@ struct EndingCounts {
         case Ending::undecided:
             ++undecided;
             break;
+        case Ending::orbit:
+            ++orbit;
+            break;
         }
     }
 
@@ -126,6 +129,7 @@ struct EndingCounts {
                           field("pursuit", &R::pursuit, {"1", "runs that ended so"}),
                           field("escape", &R::escape, {"1", "runs that ended so"}),
                           field("undecided", &R::undecided, {"1", "runs that ended so"}),
+                          field("orbit", &R::orbit, {"1", "runs that ended so"}),
                           field("failed", &R::failed, {"1", "runs in which the solver failed"})};
     }
 };
@@ -152,6 +156,8 @@ struct OutcomeReport {
     OrNull<std::array<std::size_t, 2>> pair;
     std::vector<double> turn;
     std::optional<std::vector<double>> own_turn;
+    std::optional<double> separation, omega;
+    std::optional<bool> separation_grows, stable;
     std::string reason;
     UnitNames units;
     SolverReport solver;
@@ -159,20 +165,28 @@ struct OutcomeReport {
 
     static constexpr auto fields() {
         using R = OutcomeReport;
-        return std::tuple{field("outcome", &R::outcome, {"", "contact, pursuit, escape or undecided"}),
-                          field("certificate", &R::certificate,
-                                {"", "how well the outcome is known: verified, checked or open"}),
-                          field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
-                          field("min_separation", &R::min_separation,
-                                {"{length}", "smallest separation of any pair at any time"}),
-                          field("min_separation_time", &R::min_separation_time, {"{time}", "when"}),
-                          field("pair", &R::pair, {"", "the rods that came so near"}),
-                          field("turn", &R::turn, {"rad", "of each rod from start to end"}),
-                          field("own_turn", &R::own_turn, {"rad", "of it by the rod's own field"}),
-                          field("reason", &R::reason, {"", "of the outcome, in words"}),
-                          field("units", &R::units, {"", "of lengths, times and turns"}),
-                          field("solver", &R::solver, {"", "what it did"}),
-                          field("ensemble", &R::ensemble, {"", "of draws of a measured field's errors"})};
+        return std::tuple{
+            field("outcome", &R::outcome, {"", "contact, pursuit, orbit, escape or undecided"}),
+            field("certificate", &R::certificate,
+                  {"", "how well the outcome is known: verified, checked or open"}),
+            field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
+            field("min_separation", &R::min_separation,
+                  {"{length}", "smallest separation of any pair at any time"}),
+            field("min_separation_time", &R::min_separation_time, {"{time}", "when"}),
+            field("pair", &R::pair, {"", "the rods that came so near"}),
+            field("turn", &R::turn, {"rad", "of each rod from start to end"}),
+            field("own_turn", &R::own_turn, {"rad", "of it by the rod's own field"}),
+            field("separation", &R::separation,
+                  {"{length}", "of an orbit, and of a pursuit at the end of the run"}),
+            field("omega", &R::omega, {"rad/({time})", "turning rate of an orbit, + counterclockwise"}),
+            field("separation_grows", &R::separation_grows,
+                  {"", "of a pursuit of two rods: whether it does at the end"}),
+            field("stable", &R::stable,
+                  {"", "of a pursuit of two rods: whether rods in line are, so far apart"}),
+            field("reason", &R::reason, {"", "of the outcome, in words"}),
+            field("units", &R::units, {"", "of lengths, times and turns"}),
+            field("solver", &R::solver, {"", "what it did"}),
+            field("ensemble", &R::ensemble, {"", "of draws of a measured field's errors"})};
     }
 };
 
@@ -180,7 +194,7 @@ struct OutcomeReport {
 constexpr double ending_code(Ending ending) { return static_cast<double>(static_cast<int>(ending)); }
 
 inline constexpr std::string_view outcome_codes =
-    "0 contact, 1 pursuit, 2 escape, 3 undecided; empty: the solver failed";
+    "0 contact, 1 pursuit, 2 escape, 3 undecided, 4 orbit; empty: the solver failed";
 
 /// ensemble.csv: a draw of a measured field's errors.
 struct DrawnRow {

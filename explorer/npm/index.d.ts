@@ -1,6 +1,6 @@
 /** Reduced units: lengths in f/mu, times in f/(mu v0). */
 
-export type Outcome = "contact" | "pursuit" | "escape" | "undecided";
+export type Outcome = "contact" | "pursuit" | "escape" | "undecided" | "orbit";
 /** x, y and heading (rad, counter-clockwise from +x). */
 export type Rod = [x: number, y: number, theta: number];
 

@@ -4,6 +4,7 @@
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/elastic/wake_bound.hpp"
+#include "rodwake/rods/settled_orbit.hpp"
 
 #include <fmt/format.h>
 
@@ -39,10 +40,35 @@ void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, 
                 may_follow(problem, distance, criteria)) {
                 outcome.ending = Ending::pursuit;
                 outcome.pair = {a, b, distance};
+                outcome.separation = distance;
             }
         }
     if (all_escape)
         outcome.ending = Ending::escape;
+}
+
+/// Two rods in each other's steady wakes on the plane: whether they have settled in an orbit, and of a
+/// pursuit whether it lasts.
+void look_at_pair(RodOutcome& outcome, const RodProblem& problem, const StateRates& rates, State y) {
+    if (y.size() != 6 || !problem.medium || problem.field || problem.box || problem.rows.any())
+        return;
+    if (outcome.ending == Ending::undecided) {
+        const auto settled = settled_orbit(*problem.medium, problem.couplings, pose(y, 0), pose(y, 1),
+                                           problem.contact_distance);
+        if (settled) {
+            outcome.ending = Ending::orbit;
+            outcome.separation = settled->orbit.separation[0];
+            outcome.omega = settled->orbit.omega;
+            outcome.pair = {0, 1, outcome.separation};
+        }
+    } else if (outcome.ending == Ending::pursuit) {
+        std::vector<double> ydot(y.size());
+        rates(y, ydot);
+        const Offset d = offset(y, 0, 1, {});
+        outcome.grows = d.x * (ydot[0] - ydot[3]) + d.y * (ydot[1] - ydot[4]) > 0.0;
+        outcome.stable =
+            in_line_eigenvalues(*problem.medium, problem.couplings, outcome.separation)[0].real() < 0.0;
+    }
 }
 
 /// Finite places and headings; output times as RodProblem has them.
@@ -132,7 +158,7 @@ std::vector<double> output_times(const RodProblem& problem) {
 
 RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
                     const integrate::Solution& solution, const SeparationRecord& record,
-                    const EndingCriteria& criteria) {
+                    const EndingCriteria& criteria, TurnedBy turned_by) {
     const State y = solution.final_state;
     const std::size_t rods = problem.rods.size();
     RodOutcome outcome;
@@ -149,6 +175,9 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
         outcome.ending = Ending::contact;
     else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
         classify(outcome, interacting, problem, rates, y, record, criteria);
+    if (interacting && turned_by == TurnedBy::steady_wakes &&
+        solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
+        look_at_pair(outcome, problem, rates, y);
     describe(outcome, rods, solution.status);
     return outcome;
 }

@@ -68,7 +68,7 @@ CaptureCount count_captures(std::span<const NoisyEnd> ends, std::size_t rods) {
     for (const NoisyEnd& end : ends)
         if (!end.failed && rods > 1) {
             ++counted.of;
-            counted.count += end.ending == Ending::contact || end.ending == Ending::pursuit ? 1 : 0;
+            counted.count += is_capture(end.ending) ? 1 : 0;
         }
     return counted;
 }

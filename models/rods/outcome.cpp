@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rodwake::rods {
 
@@ -51,8 +52,15 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
         outcome.reason = fmt::format("rods {} and {} came within {:.6g} at t = {:.6g}", outcome.pair.first,
                                      outcome.pair.second, outcome.pair.distance, outcome.time);
     else if (outcome.ending == Ending::pursuit)
-        outcome.reason = fmt::format("rods {} and {} share a heading and keep their distance of {:.6g}",
-                                     outcome.pair.first, outcome.pair.second, outcome.pair.distance);
+        outcome.reason =
+            fmt::format("rods {} and {} share a heading and keep their distance of {:.6g}{}{}",
+                        outcome.pair.first, outcome.pair.second, outcome.pair.distance,
+                        outcome.grows.value_or(false) ? ", which still grows" : "",
+                        outcome.stable.value_or(true) ? "" : "; rods in line are unstable there");
+    else if (outcome.ending == Ending::orbit)
+        outcome.reason = fmt::format("rods {} and {} orbit each other {:.6g} apart, once in a time of {:.6g}",
+                                     outcome.pair.first, outcome.pair.second, outcome.separation,
+                                     2.0 * std::numbers::pi / std::abs(outcome.omega));
     else if (outcome.ending == Ending::escape)
         outcome.reason = fmt::format("all rods part; rods {} and {} came closest, {:.6g} apart",
                                      outcome.pair.first, outcome.pair.second, outcome.min_separation);

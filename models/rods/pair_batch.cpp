@@ -104,6 +104,12 @@ RodOutcome outcome_of(const PairResult& result) {
     outcome.time = result.time;
     const bool at_end = result.ending == Ending::contact || result.ending == Ending::pursuit;
     outcome.pair = {0, 1, at_end ? result.separation : result.min_separation};
+    if (result.ending == Ending::pursuit)
+        outcome.separation = result.separation;
+    if (result.ending == Ending::orbit) {
+        outcome.separation = outcome.pair.distance = result.orbit_separation;
+        outcome.omega = result.omega;
+    }
     outcome.min_separation = result.min_separation;
     outcome.min_separation_time = result.min_separation_time;
     outcome.turn = {result.turn[0], result.turn[1]};

@@ -3,6 +3,7 @@
 #include "elastic/wake_kernel.hpp"
 #include "rodwake/integrate/tsitouras_famelis.hpp"
 #include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/settled_orbit.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -175,6 +176,23 @@ bool PairQueue::passes_through(std::size_t lane, const PairResult& result) const
     return result.min_separation <= passing_resolution(result.state, first, tolerance);
 }
 
+namespace {
+
+void look_for_orbit(const PairProblem& pair, PairResult& result) {
+    const std::array<double, 6>& y = result.state;
+    const std::optional<double> contact =
+        pair.contact_distance > 0.0 ? std::optional(pair.contact_distance) : std::nullopt;
+    const auto settled =
+        settled_orbit(pair.medium, pair.couplings, {y[0], y[1], y[2]}, {y[3], y[4], y[5]}, contact);
+    if (!settled)
+        return;
+    result.ending = Ending::orbit;
+    result.orbit_separation = settled->orbit.separation[0];
+    result.omega = settled->orbit.omega;
+}
+
+} // namespace
+
 void PairQueue::finish(std::size_t lane, PairEnding end) {
     const PairLanes& l = lanes;
     PairResult& result = results_[pair_[lane]];
@@ -204,6 +222,8 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
             ending == Ending::pursuit && // nobody follows whom he does not feel
             !reaches(pair.medium, pair.couplings, result.separation, pair.t_end, options_.criteria.felt_turn);
         result.ending = alone ? Ending::undecided : ending;
+        if (ending == Ending::undecided)
+            look_for_orbit(pair, result);
     }
     next(lane);
 }

@@ -231,8 +231,8 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
         explain_collision(result.solution, problem.box);
         refuse_passing(result.solution, record, problem, solver.rtol + solver.atol); // relative_cap is 1
     }
-    result.outcome =
-        conclude(problem, equations.interacting, rates, result.solution, record, options.criteria);
+    result.outcome = conclude(problem, equations.interacting, rates, result.solution, record,
+                              options.criteria, TurnedBy::steady_wakes);
     result.record = std::move(record);
     return result;
 }

@@ -44,12 +44,14 @@ KNOWN = {
     "pressure": Quantity("p", "pressure", "N/m", False),
     "max_overlap": Quantity("", "largest overlap", "radii", False),
     "last_change": Quantity(r"\Delta y_\mathrm{end}", "change of separation at the end", "a", True),
-    "separation": Quantity("", "separation at the start", "a", False),
+    "separation": Quantity("", "separation of the orbit", "length", False, ("orbit",)),
+    "omega": Quantity(r"\omega", "turning rate of the orbit", "", True, ("orbit",)),
     "leader": Quantity("", "rod that was ahead", "", False),
     "failed_runs": Quantity("", "runs that failed", "", False),
 } | {name: Quantity("", f"share of runs that end in {name}" if name != "undecided" else "share of runs left undecided", "", False)
      for name in OUTCOMES if name != "finished"}
-OF_BEDS = {"time": Quantity("t", "time to capture", "time", False, ("contact", "pursuit"))}  # a pursuit has the time of its lock
+OF_BEDS = {"separation": Quantity("", "separation at the start", "a", False),
+           "time": Quantity("t", "time to capture", "time", False, ("contact", "pursuit"))}  # a pursuit has the time of its lock
 OF_RODS = {"mean_speed": ("v", "mean speed", "m/s"), "force": ("F", "mean force", "N")}
 BESIDES = ("_error", "_low", "_high", "_runs")  # columns that say something of another one
 MEANING = {
@@ -173,12 +175,12 @@ def extend(shown, low, high):
 
 # Outcomes have the same colours in every figure, and marks in every legend.
 
-# Two blues are one family: capture. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
+# Three blues are one family: capture. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
 # vision; tests/plots/test_scan_pieces.py has the numbers.
 COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
-           "finished": "#6f8f7a"}  # the last stands alone
+           "orbit": "#0b1a33", "finished": "#6f8f7a"}  # the last stands alone
 NOTHING = "#e4e4e1"  # where there is no number
-CAPTURE = "capture = contact or pursuit"
+CAPTURE = "capture = contact, pursuit or orbit"
 BOUNDARY = dict(color=style.INK, linewidth=0.6)
 FAILED = dict(marker="x", color="#b3261e", linestyle="none")
 
@@ -195,8 +197,8 @@ def painted(codes):
 
 
 def without_number(codes):
-    """Where a number is shown: pursuit as itself, which is capture without a time of its own, the others as nothing."""
-    table = np.array([rgba(COLOURS[name] if name == "pursuit" else NOTHING) for name in (*OUTCOMES, "")], dtype=np.uint8)
+    """Where a number is shown: pursuit and orbit as themselves, captures without a time of their own, the others as nothing."""
+    table = np.array([rgba(COLOURS[name] if name in ("pursuit", "orbit") else NOTHING) for name in (*OUTCOMES, "")], dtype=np.uint8)
     return table[codes]
 
 

@@ -128,6 +128,11 @@ std::string text_of(const Run& run) {
     return text + ">";
 }
 
+/// NaN, which equals nothing, as None.
+std::optional<double> or_none(double number) {
+    return std::isnan(number) ? std::nullopt : std::optional(number);
+}
+
 py::tuple saved(const Run& run) {
     const rods::RodOutcome& o = run.outcome;
     const integrate::Statistics& s = run.statistics;
@@ -136,7 +141,8 @@ py::tuple saved(const Run& run) {
                           run.status, run.message, run.method, run.told_contact,
                           std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
                                       s.error_test_failures, s.convergence_failures},
-                          static_cast<int>(o.certificate));
+                          static_cast<int>(o.certificate), or_none(o.separation), or_none(o.omega), o.grows,
+                          o.stable);
 }
 
 /// Bit for bit, so that a solve that failed on NaN equals its copy too.
@@ -170,6 +176,10 @@ Run restored(const py::tuple& v) {
              number(7),
              number(8),
              v[9].cast<std::vector<double>>(),
+             v[17].cast<std::optional<double>>().value_or(std::nan("")),
+             v[18].cast<std::optional<double>>().value_or(std::nan("")),
+             v[19].cast<std::optional<bool>>(),
+             v[20].cast<std::optional<bool>>(),
              text(10),
              static_cast<Certificate>(v[16].cast<int>())},
             text(11),
@@ -193,7 +203,7 @@ void bind_rods(py::module_& module) {
     py::class_<Run>(module, "RodResult", about_run)
         .def_readonly("t", &Run::t, "(T,): the output times, then the end if it is another time")
         .def_readonly("poses", &Run::poses, "(T, N, 3): x, y and heading of each rod at each time")
-        .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape' or 'undecided'")
+        .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape', 'orbit' or 'undecided'")
         .def_property_readonly(
             "certificate", [](const Run& run) { return to_string(run.outcome.certificate); },
             "how well the outcome is known: 'verified', 'checked' or 'open'")
@@ -204,6 +214,9 @@ void bind_rods(py::module_& module) {
         .def_property_readonly(
             "separation", [](const Run& run) { return run.outcome.pair.distance; },
             "of that pair, when the outcome was told")
+        .def_property_readonly(
+            "omega", [](const Run& run) { return run.outcome.omega; },
+            "turning rate of an orbit, + counterclockwise; NaN: no orbit")
         .def_property_readonly(
             "min_separation", [](const Run& run) { return run.outcome.min_separation; },
             "smallest separation of two rods at any time; infinite for a single rod")

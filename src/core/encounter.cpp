@@ -39,6 +39,8 @@ std::string to_string(Ending ending) {
         return "pursuit";
     case Ending::escape:
         return "escape";
+    case Ending::orbit:
+        return "orbit";
     case Ending::undecided:
         break;
     }

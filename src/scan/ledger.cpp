@@ -89,19 +89,22 @@ LedgerHead head_of(const std::string& key, const fs::path& file) try {
 
 } // namespace
 
+void require_ledger(const fs::path& file, const LedgerHead& head) {
+    if (!fs::exists(file) || fs::is_empty(file)) // never begun
+        return;
+    const std::string there = store::Journal(file).key(), here = key_of(head);
+    head_of(there, file);
+    if (there != here)
+        throw InputError(fmt::format("{}: is the ledger of another scan ({}); choose another folder with -o, "
+                                     "or --force to replace it",
+                                     file.string(), first_difference(there, here)));
+}
+
 /// The journal, and where in it each point stands.
 class Ledger::Book {
 public:
     Book(const fs::path& file, const LedgerHead& head) : head_(head) {
-        if (fs::exists(file) && !fs::is_empty(file)) {
-            const std::string there = store::Journal(file).key(), here = key_of(head);
-            head_of(there, file);
-            if (there != here)
-                throw InputError(
-                    fmt::format("{}: is the ledger of another scan ({}); choose another folder with "
-                                "-o, or --force to replace it",
-                                file.string(), first_difference(there, here)));
-        }
+        require_ledger(file, head);
         journal_.emplace(file, key_of(head), store::Journal::OfAnother::refuse);
         replay();
     }
@@ -262,7 +265,8 @@ void Ledger::add(std::span<const Crossing> crossings) {
 void Ledger::merge(const fs::path& other) {
     if (!fs::exists(other))
         throw InputError(other.string() + ": no such ledger");
-    const Ledger theirs(other, head_); // refuses one of another scan
+    require_ledger(other, head_);
+    const Ledger theirs(other);
     constexpr std::size_t at_once = 1 << 12;
     std::vector<Result> fresh;
     const auto flush = [&] {

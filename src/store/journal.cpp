@@ -98,13 +98,12 @@ Journal::Journal(std::filesystem::path file, std::string_view key, OfAnother of_
                              ": is the journal of other work; choose another folder with -o, "
                              "or --force to replace it");
         if (key_ != key) {
+            replaced_ = true;
             create(key);
             open();
             index();
         }
-        // what was being written when the process ended
-        if (::ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
-            system_failure(file_, "shorten");
+        shorten(); // by what was being written when the process ended
     } catch (...) {
         ::close(descriptor_);
         throw;
@@ -200,7 +199,15 @@ void Journal::keep(std::size_t records) {
     if (records < size())
         end_ = records_[records].offset;
     records_.resize(records);
-    if (::ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
+    shorten();
+}
+
+void Journal::shorten() {
+    struct stat info {};
+    if (::fstat(descriptor_, &info) != 0)
+        system_failure(file_, "read the size of");
+    if (static_cast<std::uint64_t>(info.st_size) > end_ &&
+        ::ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
         system_failure(file_, "shorten");
 }
 

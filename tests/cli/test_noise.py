@@ -8,6 +8,7 @@ import signal
 
 import rodwake
 from rodwake import ProgramTest, wait_until
+from scans import journal_of
 
 FREE = """schema = 1
 [noise]
@@ -120,7 +121,7 @@ class NoiseTest(ProgramTest):
         self.expect(0, "rods", "pair.toml", "-o", "whole", "--quiet")
         progress = self.folder / "out/noise.log"
         with self.started("rods", "pair.toml", "-o", "out", "-j", "1", "--quiet") as process:
-            wait_until(lambda: progress.exists() or process.poll() is not None, 60)
+            wait_until(lambda: (progress.exists() and len(journal_of(progress)) > 1) or process.poll() is not None, 60)
             self.assertIsNone(process.poll(), "the run ended before it could be stopped")
             self.stop(process, signal.SIGTERM, 10.0)
         self.assertEqual(self.status("out"), "interrupted")
@@ -188,7 +189,7 @@ values = [0.0, 0.03, 1.0]
         self.assertGreater(self.told("whole")["runs"], 100)
         progress = self.folder / "parts/noise.log"
         with self.started("rods", "pair.toml", "-o", "parts", "-j", "1", "--quiet") as process:
-            wait_until(lambda: progress.exists() or process.poll() is not None, 60)
+            wait_until(lambda: (progress.exists() and len(journal_of(progress)) > 1) or process.poll() is not None, 60)
             self.assertIsNone(process.poll(), "the run ended before it could be stopped")
             self.stop(process, signal.SIGTERM, 10.0)
         self.expect(0, "rods", "pair.toml", "-o", "parts", "-j", "2", "--quiet")

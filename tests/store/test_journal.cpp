@@ -84,7 +84,11 @@ TEST_CASE("A journal of other work is refused or replaced") {
     made(scratch, 20);
     CHECK(has(refusal(scratch / "j", "other"), "is the journal of other work"));
     CHECK(holds(*std::make_unique<Journal>(scratch / "j"), 20));
-    CHECK(Journal(scratch / "j", "other", replace).size() == 0);
+    CHECK_FALSE(Journal(scratch / "j", "key", replace).replaced());
+    {
+        const Journal other(scratch / "j", "other", replace);
+        CHECK((other.replaced() && other.size() == 0));
+    }
     CHECK(Journal(scratch / "j").key() == "other");
 }
 

@@ -6,6 +6,7 @@
 //   contact    the separation fell to the contact distance
 //   pursuit    headings locked and separation steady: the rear rod follows the other's trail
 //   escape     the rods part, and what is left of their turning can no longer bring them back
+//   orbit      the rods circle each other and come ever nearer to doing so at one distance and rate
 //   undecided  none of these by the end of the run
 //
 // Contact is an event, at its first time. The other criteria are those of the end of the run, with r the
@@ -16,6 +17,9 @@
 //              (midway between its extremes) over the last part of the run. Rods that do not interact cannot
 //              pursue each other, nor can those of which the front one's wake is too weak to turn the rear
 //              one by felt_turn in the whole run
+//   orbit      two rods in each other's steady wakes on the plane, none of the above, in the basin of a
+//   stable
+//              orbit (rods/settled_orbit.hpp); not told of tracks
 //   escape     r' > 0, and in the time r/|v_a - v_b| in which the separation doubles at these velocities
 //              neither heading turns by more than residual_turn of the angle between the headings, at the
 //              rate of the last part of the run: rods that part at a small angle are turned back by little
@@ -33,10 +37,15 @@
 
 namespace rodwake {
 
-enum class Ending { contact, pursuit, escape, undecided };
-/// In the order of the numbers by which tables tell them.
+enum class Ending { contact, pursuit, escape, undecided, orbit };
+/// In the order of the numbers that stand for them in tables.
 inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
-                                           Ending::undecided};
+                                           Ending::undecided, Ending::orbit};
+
+/// Rods that stay together.
+constexpr bool is_capture(Ending ending) {
+    return ending == Ending::contact || ending == Ending::pursuit || ending == Ending::orbit;
+}
 
 std::string to_string(Ending ending);
 

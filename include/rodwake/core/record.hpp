@@ -34,7 +34,7 @@ struct ColumnInfo {
 inline constexpr std::string_view units[] = {
     "1", "s", "m", "a", "rad", "deg", "rad^2", "rad^2/s", "rad^2/a", "1/s", "1/a", "1/a^2", "a^2",
     "a^2/s", "a/s", "m/s", "m^2/s^2", "m^2/s", "Hz", "J", "N", "N s", "N/m", "MB", "kB", "{length}",
-    "{time}", "{data}", "{scan length}", "{scan time}", "{order length}", "{order time}", "1/({time})",
+    "{time}", "{data}", "{scan length}", "{scan time}", "rad/({scan time})", "rad/({time})", "{order length}", "{order time}", "1/({time})",
     "({length})/({time})", "({length})^2", "({length})^2/({time})", "rad/s", "kg/m^2", "a^-2", "runs",
     "f/(mu v0)", "{unit}", "\u00b5N", "\u00b5N/m", "mN/m"
 };

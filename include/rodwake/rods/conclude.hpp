@@ -23,11 +23,14 @@ bool reaches(const elastic::Medium& medium, const Couplings& couplings, double d
 /// Those of the problem, and t_end.
 std::vector<double> output_times(const RodProblem& problem);
 
+/// What the rods of a solution turn by: in each other's steady wakes alone two of them may end in an orbit.
+enum class TurnedBy { steady_wakes, other };
+
 /// The outcome of a solution by poses. `rates`: of the final state; `interacting`: rods that do not cannot
 /// pursue each other.
 RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
                     const integrate::Solution& solution, const SeparationRecord& record,
-                    const EndingCriteria& criteria);
+                    const EndingCriteria& criteria, TurnedBy turned_by = TurnedBy::other);
 
 /// As simulate, form angle, with `rates` instead of those of rods/model.hpp: of places and headings by the
 /// state, in its layout, finite where rods meet: they change over `width`, f/mu, below which steps need not

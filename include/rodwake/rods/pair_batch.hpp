@@ -28,6 +28,7 @@
 #include "rodwake/rods/simulate.hpp"
 
 #include <array>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <span>
@@ -74,13 +75,14 @@ enum class PairEnding {
 struct PairResult {
     PairEnding end = PairEnding::finished;
     Ending ending = Ending::undecided;
-    double time = 0.0;                     ///< of contact, else the time reached
-    std::array<double, 6> state{}, rate{}; ///< at that time, as in model.hpp, and its time derivative
-                                           ///< (NaN where the rods start in contact)
-    double separation = 0.0;               ///< at that time
-    double min_separation = 0.0;           ///< at any time
-    double min_separation_time = 0.0;      ///< when
-    std::array<double, 2> turn{};          ///< theta(end) - theta(0), rad
+    double time = 0.0;                          ///< of contact, else the time reached
+    std::array<double, 6> state{}, rate{};      ///< at that time, as in model.hpp, and its time derivative
+                                                ///< (NaN where the rods start in contact)
+    double separation = 0.0;                    ///< at that time
+    double orbit_separation = NAN, omega = NAN; ///< of an orbit, as in RodOutcome
+    double min_separation = 0.0;                ///< at any time
+    double min_separation_time = 0.0;           ///< when
+    std::array<double, 2> turn{};               ///< theta(end) - theta(0), rad
     double ahead_x = 0.0,
            ahead_y = 0.0; ///< R_0 - R_1 less its start, at the step end when the rods had turned most
     LatePart late{};      ///< of a pair that has run to t_end

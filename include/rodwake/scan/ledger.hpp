@@ -85,6 +85,9 @@ private:
     std::unique_ptr<Book> book_;
 };
 
+/// Throws InputError for a ledger of another scan, of another version of rodwake, or a file that is none.
+void require_ledger(const std::filesystem::path& file, const LedgerHead& head);
+
 /// What is in a ledger, without its scene, for `rodwake info`. Throws InputError.
 Counts counts_of(const std::filesystem::path& file);
 

@@ -14,7 +14,7 @@
 
 namespace rodwake::scan {
 
-inline constexpr std::size_t max_axes = 6, max_observables = 24, max_cause = 384;
+inline constexpr std::size_t max_axes = 6, max_observables = 26, max_cause = 384;
 
 struct Point {
     std::int64_t id = 0;               ///< points are sorted by it

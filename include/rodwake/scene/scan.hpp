@@ -67,6 +67,7 @@ struct Scan {
     long audit = 1000;      ///< adaptive: points tried at random in cells that were not divided
     std::optional<double> boundary_tolerance; ///< of the axis; absent: boundaries are not bisected
     std::optional<double> time_limit;         ///< seconds a point
+    bool decide = false;                      ///< points that are undecided at t_end go on
     bool certificates = false;                ///< of rods that turn too: each takes a second run
     long trajectories = 256;                  ///< stored sample of trajectories
     long max_points = 20'000'000;             ///< more are refused

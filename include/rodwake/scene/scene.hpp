@@ -135,6 +135,7 @@ inline constexpr double most_crowding = 0.3;
 /// [rods_run]
 struct RodsRun {
     double t_end = 0.0;                      ///< > 0 (resolved)
+    std::optional<double> t_end_limit;       ///< where undecided points of a scan end; absent: 1000 t_end
     bool t_end_from_outputs = false;         ///< t_end was not given: it is the last output time
     std::vector<double> output_times;        ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance;  ///< stop there; absent: no stop

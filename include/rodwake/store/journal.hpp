@@ -45,6 +45,8 @@ public:
     Journal& operator=(Journal&&) = delete;
 
     const std::string& key() const { return key_; }
+    /// Whether the constructor replaced what was there.
+    bool replaced() const { return replaced_; }
     /// Records besides the key.
     std::size_t size() const { return records_.size(); }
     std::uint32_t layout(std::size_t record) const { return records_.at(record).layout; }
@@ -102,10 +104,13 @@ private:
 
     void create(std::string_view key);
     void index();
+    /// Takes away what is behind the last whole record. A file without such is not touched.
+    void shorten();
 
     std::filesystem::path file_;
     int descriptor_ = -1;
     std::string key_;
+    bool replaced_ = false;
     std::vector<Record> records_;
     std::uint64_t end_ = 0; ///< offset of the next record
     std::string buffer_;    ///< the last whole records, not yet in the file
