@@ -55,7 +55,7 @@ def overlaid(axes, runs, units, window, look):
     for run, colour in zip(runs, canvas.colours(len(runs))):
         axes.plot([], [], color=colour, label=f"{style.label(run.label)}: {outcome_line(units, run)}")
         for rod in range(run.x.shape[1]):
-            x, y = run.x[:, rod] * look.length, run.y[:, rod] * look.length
+            x, y = (look.length * part for part in path(run, rod, fine_times(run)))
             axes.plot(x, y, color=colour, linewidth=1.3, scalex=False, scaley=False)
             for index, mark in ((0, hollow), (-1, filled)):
                 mark(axes, x[index], y[index], run.theta[index, rod], colour)
@@ -247,8 +247,26 @@ def mark_times(run, interval):
     return times[times < run.t[-1] - 0.3 * interval]
 
 
+def path(run, rod, times):
+    """x and y at these times: cubics between the rows along the headings there, since a rod walks along its heading. An orbit of few
+    rows a turn is round."""
+    x, y, theta = run.x[:, rod], run.y[:, rod], np.unwrap(run.theta[:, rod])
+    at = np.clip(np.searchsorted(run.t, times, side="right") - 1, 0, len(run.t) - 2)
+    u = (times - run.t[at]) / (run.t[at + 1] - run.t[at])
+    half = np.diff(theta) / 2
+    # the length of the arc over that of its chord; rows more than a turn apart tell no arc
+    arc = np.hypot(np.diff(x), np.diff(y)) * np.where(np.abs(half) < 1.5, 1 / np.sinc(half / np.pi), 1)
+    found = []
+    for values, along in ((x, np.cos(theta)), (y, np.sin(theta))):
+        first, last = arc[at] * along[at], arc[at] * along[at + 1]
+        step = values[at + 1] - values[at]
+        found.append(values[at] + u * (first + u * (3 * step - 2 * first - last + u * (first + last - 2 * step))))
+    return found
+
+
 def pose(run, rod, time):
-    return tuple(np.interp(time, run.t, part[:, rod]) for part in (run.x, run.y, np.unwrap(run.theta, axis=0)))
+    x, y = path(run, rod, np.atleast_1d(float(time)))
+    return x[0], y[0], np.interp(time, run.t, np.unwrap(run.theta[:, rod]))
 
 
 # One panel of paths: lines coloured by time, rods as marks, numbers, and the key to the marks.
@@ -279,6 +297,14 @@ def draw_panel(axes, run, window, look):
         name_rod(axes, run, rod, look.length)
 
 
+def fine_times(run):
+    """Those of the rows and as many between two that a turn of 0.1 rad is a piece of its own."""
+    turn = np.abs(np.diff(np.unwrap(run.theta, axis=0), axis=0)).max(axis=1)
+    pieces = np.clip(np.ceil(turn / 0.1), np.ceil(PIECES / len(turn)), 40).astype(int)
+    inner = [np.linspace(first, last, count, endpoint=False) for first, last, count in zip(run.t[:-1], run.t[1:], pieces)]
+    return np.concatenate([*inner, run.t[-1:]])
+
+
 def colour_of(rod):
     return style.ROD_COLOURS[rod % len(style.ROD_COLOURS)]
 
@@ -293,11 +319,12 @@ def samples(axes, run, rod, look):
 def draw_path(axes, run, rod, look):
     """Cut into short pieces even where few times were written, so that the colour runs smoothly."""
     if look.apart:
-        axes.plot(run.x[:, rod] * look.length, run.y[:, rod] * look.length, color=colour_of(rod), linewidth=1.6, solid_capstyle="round",
-                  zorder=2, transform=beside(axes, run, rod), scalex=False, scaley=False)
+        x, y = path(run, rod, fine_times(run))
+        axes.plot(x * look.length, y * look.length, color=colour_of(rod), linewidth=1.6, solid_capstyle="round", zorder=2,
+                  transform=beside(axes, run, rod), scalex=False, scaley=False)
         return
-    t = np.union1d(run.t, np.linspace(run.t[0], run.t[-1], PIECES))
-    points = np.stack([np.interp(t, run.t, part[:, rod]) for part in (run.x, run.y)], axis=-1) * look.length
+    t = fine_times(run)
+    points = np.stack(path(run, rod, t), axis=-1) * look.length
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     middle = (t[:-1] + t[1:]) / 2 * look.time
     axes.add_collection(LineCollection(pieces, array=middle, cmap=style.TIME_MAP, norm=look.norm, linewidths=2.0,
