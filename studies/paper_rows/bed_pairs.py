@@ -112,7 +112,7 @@ def captured(folder):
     runs = sum(pairs[name] for name in ("contact", "pursuit", "escape", "undecided"))
     share = (pairs["contact"] + pairs["pursuit"]) / runs
     found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)
-    return judge.Judged(found.verdict, f"{pairs['contact']} contacts and {pairs['pursuit']} pursuits in {runs} runs", "criterion: half and more of the runs")
+    return judge.Judged(found.verdict, f"{runs} runs: contact {pairs['contact']}, pursuit {pairs['pursuit']}", "criterion: half and more of the runs")
 
 
 SCATTER = "Single runs scatter widely."
@@ -151,7 +151,7 @@ PAIRS = Subject("The bed: two rods", (
         ("nonreciptheory_b",), ROWS),
     Row("nonrecip_c_dish", "Fig. 12 (c), Movie S10", "in experiment, 26 a apart: the rear rod turns (the dish: by more than the other)",
         dish.rear_turns, why=GRAINS, made=dish.MADE),
-    Row("nonrecip_c_end", "Fig. 12 (c)", "and captures", dish.captured, why=GRAINS, made=dish.MADE),
+    Row("nonrecip_c_end", "Fig. 12 (c)", "and captures (the dish: the rods meet, whichever turned)", dish.captured, why=GRAINS, made=dish.MADE),
     Row("nonrecip_c_fit", "Fig. 12 (c)", "the same in a box that does not strain the crystal", rear_turns, (NEAR,), ("tracks",), ROWS),
 ))
 

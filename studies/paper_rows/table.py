@@ -15,7 +15,7 @@ from . import judge, results
 from .entry import Row, Subject
 
 KEPT = Path(__file__).with_name("full.csv")  # verdicts of full results of an earlier time
-LENGTH = re.compile(r"(?<=\d) a(?=[/²,.;:) ]|$)")  # in bead radii
+LENGTH = re.compile(r"(?<=\d) ?a(?=[/²,.;:) ]|$)|\ba(?=²)")  # in bead radii
 COLUMNS = ("row", "asked", "version", "verdict", "ours", "difference")
 
 
@@ -88,7 +88,7 @@ def counts(found):
 def markdown(found):
     """One table a claim; a row that holds quick results is marked. A reason of several rows stands once, below their table."""
     lines = [", ".join(f"{number} {verdict}" for verdict, number in counts(found).items()) +
-             "; q: few runs (`--quick`); f: full results of an earlier version (`studies/paper_rows/full.csv`)."]
+             "; q: few runs (`--quick`); f: full results of the same scenes and settings, kept\nfrom an earlier version (`studies/paper_rows/full.csv`)."]
     for subject, rows in found:
         counted = [one for one in rows if one.row.counted]
         if counted:
@@ -98,6 +98,11 @@ def markdown(found):
             for reason, letter in reasons.items():
                 lines += ["", textwrap.fill(f"({letter}) {reason}", 118, break_on_hyphens=False)]
     return "\n".join(lines) + "\n"
+
+
+def lengths(text):
+    """The bead radius as a symbol."""
+    return LENGTH.sub(lambda found: " $a$" if found.start() and text[found.start() - 1].isdigit() else "$a$", text)
 
 
 def why(one):
@@ -115,4 +120,4 @@ def markdown_row(one, reasons):
     reason = f" ({reasons[why(one)]})" if why(one) in reasons else f". {why(one)}" if why(one) else ""
     cells = (one.row.id + (" (q)" if one.quick else " (f)" if one.kept else ""), one.row.place, one.row.says, one.judged.ours, one.judged.difference,
              f"**{one.judged.verdict}**{reason}")
-    return "| " + " | ".join(LENGTH.sub(" $a$", cell.replace("|", "\\|")) for cell in cells) + " |"
+    return "| " + " | ".join(lengths(cell.replace("|", "\\|")) for cell in cells) + " |"
