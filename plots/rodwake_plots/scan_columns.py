@@ -175,10 +175,10 @@ def extend(shown, low, high):
 
 # Outcomes have the same colours in every figure, and marks in every legend.
 
-# Three blues are one family: capture. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
+# Two blues, contact and pursuit, are one family; orbit, rare, is brown. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
 # vision; tests/plots/test_scan_pieces.py has the numbers.
 COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
-           "orbit": "#0b1a33", "finished": "#6f8f7a"}  # the last stands alone
+           "orbit": "#873c00", "finished": "#6f8f7a"}  # the last stands alone
 NOTHING = "#e4e4e1"  # where there is no number
 CAPTURE = "capture = contact, pursuit or orbit"
 BOUNDARY = dict(color=style.INK, linewidth=0.6)

@@ -1,6 +1,7 @@
 #include "rodwake/scan/ledger.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/json_text.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/store/journal.hpp"
 
@@ -68,9 +69,9 @@ std::string key_of(const LedgerHead& head) {
     for (const Axis& axis : head.axes)
         axes.push_back({axis.name, axis.words});
     return head.description + "\n" +
-           json{
-               {"axes", axes}, {"outcomes", head.columns.outcomes}, {"observables", head.columns.observables}}
-               .dump();
+           json_text(json{{"axes", axes},
+                          {"outcomes", head.columns.outcomes},
+                          {"observables", head.columns.observables}});
 }
 
 LedgerHead head_of(const std::string& key, const fs::path& file) try {

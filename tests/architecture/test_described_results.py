@@ -56,7 +56,9 @@ QUOTED = {
     "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
-    "separation": {PAIRS},
+    "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
+    "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
+    "separation": {PAIRS, "app/scan/scan_values.cpp"},
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},
