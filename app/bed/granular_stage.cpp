@@ -256,7 +256,7 @@ std::vector<FileKind> granular_files() {
             {"final.rwc", kept, "last state, for granular.restart_from"},
             {"archive.rwc", kept, "states at even intervals, for rodwake replay"},
             {"measure.rwc", kept, "what was measured while the run went on"},
-            {"checkpoint.rwc", progress, "state to go on from"},
+            {"checkpoint.rwc", progress, "state to resume from"},
             {"checkpoint.rwc.previous", progress, "the state before, in case that one is damaged"},
             {"rows.log", progress, "rows of the tables so far"},
             {"frames.log", progress, "frames so far"},

@@ -270,8 +270,8 @@ void add_likelihood(const FitResults& results, const std::string& name, std::vec
     const double lowest = std::ranges::min(one.chi2), best = results.fit.objective;
     if (lowest < best - 1e-3 * (1.0 + 1e-3 * best))
         lines.push_back(fmt::format(
-            "on the way the likelihood of {} found an objective {:.3g} below that of the fit, at "
-            "{} = {:.5g}: begin there (fit.start), or with more fit.starts",
+            "the profile likelihood of {} found an objective {:.3g} lower than the fit, at {} = {:.5g}: "
+            "start there (fit.start), or increase fit.starts",
             name, best - lowest, name,
             one.value[static_cast<std::size_t>(std::ranges::min_element(one.chi2) - one.chi2.begin())]));
 }
@@ -293,12 +293,11 @@ void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<s
             longest = std::max(longest, track.data.times[i] - track.data.times[i - 1]);
         const double curved = e->value * longest * longest / std::sqrt(3.0) / track.data.sigma_position;
         if (curved > small)
-            lines.push_back(fmt::format(
-                "{}: with D_r = {:.3g} headings wander too far between rows for the filter (what that takes "
-                "from "
-                "the path is {:.2g} sigma_position, {} at most is good): errors are too small, of D_r above "
-                "all; give rows closer in time, or a larger sigma_position",
-                track.name, e->value, curved, small));
+            lines.push_back(
+                fmt::format("{}: the rods turn too much between rows for the Kalman filter at D_r = {:.3g} "
+                            "(path error {:.2g} sigma_position; limit {}). Errors, above all of D_r, are "
+                            "underestimated: use more closely spaced rows or a larger sigma_position",
+                            track.name, e->value, curved, small));
     }
 }
 

@@ -165,7 +165,7 @@ fitting::Fit solve(const FitPlan& plan, fitting::Method& method, store::Journal&
                    const RunContext& context, const Logger& log) {
     method.done = journal.all<fitting::StartResult>();
     if (!method.done.empty())
-        log->info("fit: going on after {} of {} starts", method.done.size(), method.starts);
+        log->info("fit: resuming after {} of {} starts", method.done.size(), method.starts);
     Progress progress(context, "fit", static_cast<double>(method.starts), "starts");
     std::size_t count = method.done.size();
     method.on_start_done = [&](const fitting::StartResult& end) {
@@ -324,9 +324,9 @@ void warn(const fitting::Report& report, const FitPlan& plan, const Logger& log)
     for (const char* name : {"f_over_mu", "eta", "xi", "alpha"}) {
         const auto e = std::ranges::find(report.estimates, name, &fitting::Estimate::name);
         if (e != report.estimates.end() && at_bound(report, *e))
-            log->warn("fitted medium: {} = {:.4g} is where a bound of fit.bounds holds it, not where the "
-                      "data want it; "
-                      "what follows from it has no error",
+            log->warn("fitted medium: {0} = {1:.4g} lies at a bound of fit.bounds, so the data do not "
+                      "determine it, and quantities derived from it have no error: widen fit.bounds.{0}, or "
+                      "fix {0} in fit.fixed",
                       name, e->value);
     }
     if (plan.problem.sigma_known && report.dof > 0 && report.probability < 0.01)

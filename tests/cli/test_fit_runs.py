@@ -57,7 +57,7 @@ class FittedMediumTest(FitTest):
         self.assertEqual((medium["eta"], medium["eta_stderr"]), (0.6, None))
         self.assertGreater(medium["xi_stderr"], 0.0)
         self.assertIn("fitted medium: eta = 0.6, xi = ", done.stderr)
-        self.assertRegex(done.stderr, "fitted medium: eta = 0.6 is where a bound of fit.bounds holds it")
+        self.assertRegex(done.stderr, "fitted medium: eta = 0.6 lies at a bound of fit.bounds")
         self.assertRegex(done.stderr, "fitted medium: the fit is poor, chi2 = ")
         self.assertRegex((self.folder / "out/log.txt").read_text(), "warning.*fitted medium: eta")
 
@@ -319,7 +319,7 @@ class OfARunTest(FitTest):
         stopped = json.loads((self.folder / "run/fit.json").read_text())
         self.assertEqual(stopped["termination"], "interrupted")
         done = self.expect(0, *command, "-s", "fit.starts=5")  # another search: from the beginning, without --force
-        self.assertNotIn("going on", done.stderr)
+        self.assertNotIn("resuming", done.stderr)
         self.assertEqual(len(json.loads((self.folder / "run/fit.json").read_text())["starts"]), 5)
 
 
