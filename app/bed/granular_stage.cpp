@@ -96,7 +96,7 @@ void report_cost(const Session& session, const std::vector<BedWork>& all) {
             }
     if (sum.particle_steps > 0.0)
         for (const std::string& line : cost_lines(sum, runs))
-            session.log->info("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
+            session.log->debug("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
 }
 
 void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
@@ -131,8 +131,8 @@ StageEnd conclude(const Session& session, const BedWork& one) {
         session.directory.write(one.of().folder + "summary.json",
                                 ensemble_json(one.plan.bed, finished, one.results.size()));
         session.directory.write(one.of().folder + "runs.csv", ensemble_csv(one.plan.bed.problem, finished));
-        session.log->info("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
-                          finished.size(), one.results.size());
+        session.log->debug("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
+                           finished.size(), one.results.size());
     }
     return end;
 }

@@ -220,7 +220,7 @@ void settle(fitting::Map& map, const scene::FitMap& keys, const fs::path& file, 
 } // namespace
 
 std::string FitMapData::label() const {
-    return run > 0 ? fmt::format("{}, run {}", file.string(), run) : file.string();
+    return run > 0 ? fmt::format("{}, run {}", file.filename().string(), run) : file.filename().string();
 }
 
 std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path& file,

@@ -169,7 +169,7 @@ std::vector<double> point_values(const FitPlan& plan, std::span<const double> va
     return {f, *value("eta"), value("xi").value_or(f / alpha)};
 }
 
-/// What a point force fitted to one line says.
+/// A point force fitted to one line alone.
 std::optional<fitting::Report> line_fit(const FitPlan& plan, const scene::FitCompare& compare) {
     if (!compare.line)
         return std::nullopt;
@@ -303,25 +303,37 @@ void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<s
 
 } // namespace
 
+std::string misfit_text(const FitResults& results) {
+    if (results.misfit.describes())
+        return "";
+    return fmt::format("; the model does not describe the data: {} (p {})", results.misfit.worst,
+                       *results.misfit.probability < 0.001
+                           ? std::string("< 0.001")
+                           : fmt::format("= {:.2g}", *results.misfit.probability));
+}
+
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
     std::vector<std::string> lines;
     add_wandering(plan, results, lines);
-    if (!results.misfit.describes())
-        lines.push_back(fmt::format("the model does not describe the data: {} (p {})", results.misfit.worst,
-                                    *results.misfit.probability < 0.001
-                                        ? std::string("< 0.001")
-                                        : fmt::format("= {:.2g}", *results.misfit.probability)));
     for (const auto& [name, one] : results.likelihood)
         add_likelihood(results, name, lines);
+    std::vector<std::string> predicted;
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
         if (const auto& excess = results.profiles[i].scale_factor;
             excess && plan.keys.profiles[i].role == scene::FitRole::predict)
-            lines.push_back(fmt::format(
+            predicted.push_back(fmt::format(
                 "{}: predicted; data over prediction {:.4g}{}, chi2 = {:.4g} for {} points",
                 plan.profiles[i].name, excess->scale,
                 std::isfinite(excess->standard_error) ? fmt::format(" +- {:.2g}", excess->standard_error)
                                                       : ", error unknown",
                 excess->chi2, excess->points));
+    if (!predicted.empty())
+        lines.push_back(fmt::format("{}", fmt::join(predicted, "; ")));
+    return lines;
+}
+
+std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results) {
+    std::vector<std::string> lines;
     for (std::size_t k = 0; k < results.compare.size(); ++k)
         if (const auto& line = results.compare[k].line) {
             std::string told;
@@ -330,7 +342,7 @@ std::vector<std::string> findings(const FitPlan& plan, const FitResults& results
                                     e.at_lower || e.at_upper ? " (at its bound)"
                                                              : fmt::format(" +- {:.2g}", e.standard_error));
             lines.push_back(fmt::format(
-                "{}: a point force fitted to {} by itself has {}, chi2 = {:.4g} for {} degrees of freedom",
+                "{}: a point force fitted to {} alone gives {}, chi2 = {:.4g} for {} degrees of freedom",
                 plan.keys.compare[k].name,
                 plan.profiles[static_cast<std::size_t>(*plan.keys.compare[k].line)].name, told, line->chi2,
                 line->dof));
