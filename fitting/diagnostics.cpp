@@ -199,14 +199,14 @@ void add_chi2(Diagnostics& diagnostics, const Problem& problem, const Report& re
     const double reduced = report.chi2 / static_cast<double>(report.dof);
     if (report.probability < poor_chi2)
         diagnostics.push_back(fmt::format(
-            "poor chi2: {:.4g} for {} degrees of freedom (probability {}); the model is "
-            "not exact or the sigmas are too small; if it is the sigmas, errors grow by {:.3g}",
+            "poor chi2: {:.4g} for {} degrees of freedom (probability {}); the model is not exact or the "
+            "errors of the data are underestimated; if it is the latter, errors of the parameters grow by a "
+            "factor of {:.3g}",
             report.chi2, report.dof, describe_probability(report.probability), std::sqrt(reduced)));
     else if (report.probability > 0.999)
-        diagnostics.push_back(
-            fmt::format("chi2 {:.4g} is small for {} degrees of freedom: the sigmas are too large, or "
-                        "neighbouring data share their noise",
-                        report.chi2, report.dof));
+        diagnostics.push_back(fmt::format("chi2 {:.4g} is small for {} degrees of freedom: the errors of the "
+                                          "data are overestimated, or neighbouring data share noise",
+                                          report.chi2, report.dof));
 }
 
 /// Ends more than one standard error, or a hundredth, away in some parameter that has an error.

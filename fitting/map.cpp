@@ -388,7 +388,7 @@ void require(const MapTerms& t) {
         throw InputError("a map needs force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no "
                          "displacement");
     if (has(amplitude) && !has(force))
-        throw InputError("amplitude is the monopole over its prediction: give force, which it multiplies");
+        throw InputError("amplitude scales the predicted monopole force: also give force");
 }
 
 } // namespace

@@ -16,7 +16,7 @@ namespace {
 void check(const PosteriorMethod& method) {
     if (method.chains < 1 || method.samples % method.chains != 0 || method.samples / method.chains < 8)
         throw InputError(
-            fmt::format("posterior: samples = {} must be a multiple of chains = {}, 8 a chain or more",
+            fmt::format("posterior: samples = {} must be a multiple of chains = {}, with 8 or more per chain",
                         method.samples, method.chains));
 }
 

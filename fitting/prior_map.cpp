@@ -36,7 +36,7 @@ PriorMap::PriorMap(const Prior& prior, const std::string& name)
         return;
     }
     if (!std::isfinite(low_) || !std::isfinite(high_))
-        refuse("improper, for it has no end: give both bounds");
+        refuse("a prior without limits cannot be normalised: give both bounds");
     if (prior.kind == PriorKind::log_uniform) {
         if (!(low_ > 0.0))
             refuse("low must be above 0");

@@ -95,11 +95,11 @@ void require_rods(const scene::Scene& scene, const measure::Tracks& tracks, cons
     const auto wanted = wanted_of_rods(m);
     if (wanted.empty())
         return;
-    const std::string of =
-        fmt::format("{}: {} of [measure] goes by rods, and the file has ", file, wanted[0]);
+    const std::string of = fmt::format("{}: {} in [measure] needs rods, and the file has ", file, wanted[0]);
     if (tracks.rods.empty())
         throw InputError(
-            of + "none: a column kind (bead, rod) tells them, see tracks.columns, or tracks.rods_file");
+            of +
+            "none: mark them in a column kind (bead, rod), see tracks.columns, or give tracks.rods_file");
     const std::size_t last = std::max(static_cast<std::size_t>(m.rod), std::size_t{m.pairs ? 1U : 0U});
     if (last >= tracks.rods.size())
         throw InputError(
@@ -108,9 +108,9 @@ void require_rods(const scene::Scene& scene, const measure::Tracks& tracks, cons
     const std::vector<FilmRod> rods = film_rods(tracks);
     if (rods[last].known == 0)
         throw InputError(
-            fmt::format("{}no heading of rod {}: name the column in tracks.columns = {{ heading = \"...\" "
-                        "}}, or give ends; "
-                        "with thin_end = \"ahead\" the rod must go by 1 a while its axis is followed",
+            fmt::format("{}no frame in which the heading of rod {} is known: name its column in "
+                        "tracks.columns = {{ heading = \"...\" }}, or give ends. With thin_end = \"ahead\" "
+                        "the rod must move by at least one bead radius in one unbroken track",
                         of, last));
 }
 

@@ -126,9 +126,8 @@ std::vector<scan::Point> points_of(const std::vector<GranularJob>& jobs, const R
 LoadedCheckpoint stored_checkpoint(const std::string& file) {
     auto loaded = load_checkpoint(file);
     if (!loaded)
-        throw InputError(
-            file + ": no such checkpoint (granular.restart_from); a finished run keeps its last state in "
-                   "final.rwc, one that goes on in checkpoint.rwc");
+        throw InputError(file + ": no such checkpoint (granular.restart_from); a finished run keeps its last "
+                                "state in final.rwc, an unfinished one in checkpoint.rwc");
     return std::move(*loaded);
 }
 

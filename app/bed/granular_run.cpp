@@ -128,7 +128,7 @@ private:
         if (c.build != build_name())
             log_->warn("{}: written by rodwake {}; this is {}, and digits may differ",
                        checkpoint_file_.string(), c.build, build_name());
-        log_->debug("run {}: going on from step {}", task_.run, c.state.step);
+        log_->debug("run {}: resuming from step {}", task_.run, c.state.step);
         return std::move(loaded->checkpoint);
     }
 
@@ -145,10 +145,9 @@ private:
         measure::Measures measures = bed_.measures->sums;
         if (loaded_) {
             if (loaded_->measure_keys != bed_.measures->key_text)
-                throw InputError(
-                    checkpoint_file_.string() +
-                    ": this run was begun with other [measure] keys; put them back to go on with it, "
-                    "or --force to start anew");
+                throw InputError(checkpoint_file_.string() +
+                                 ": this run was begun with other [measure] keys; restore them to resume it, "
+                                 "or --force to start again");
             measures.load(loaded_->measures, checkpoint_file_.string());
         }
         return measures;

@@ -96,7 +96,7 @@ void report_cost(const Session& session, const std::vector<BedWork>& all) {
             }
     if (sum.particle_steps > 0.0)
         for (const std::string& line : cost_lines(sum, runs))
-            session.log->info("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
+            session.log->debug("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
 }
 
 void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
@@ -131,8 +131,8 @@ StageEnd conclude(const Session& session, const BedWork& one) {
         session.directory.write(one.of().folder + "summary.json",
                                 ensemble_json(one.plan.bed, finished, one.results.size()));
         session.directory.write(one.of().folder + "runs.csv", ensemble_csv(one.plan.bed.problem, finished));
-        session.log->info("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
-                          finished.size(), one.results.size());
+        session.log->debug("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
+                           finished.size(), one.results.size());
     }
     return end;
 }
@@ -256,7 +256,7 @@ std::vector<FileKind> granular_files() {
             {"final.rwc", kept, "last state, for granular.restart_from"},
             {"archive.rwc", kept, "states at even intervals, for rodwake replay"},
             {"measure.rwc", kept, "what was measured while the run went on"},
-            {"checkpoint.rwc", progress, "state to go on from"},
+            {"checkpoint.rwc", progress, "state to resume from"},
             {"checkpoint.rwc.previous", progress, "the state before, in case that one is damaged"},
             {"rows.log", progress, "rows of the tables so far"},
             {"frames.log", progress, "frames so far"},

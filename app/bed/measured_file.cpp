@@ -71,10 +71,11 @@ void require_data(const MeasuredInput& input, std::int64_t blocks, long samples)
     if (std::ranges::none_of(input.grid.known, [](bool known) { return known; }))
         refuse(input.file, "no bin of /displacement has data (count is 0 everywhere): measure longer");
     if (samples > 0 && blocks < 2)
-        refuse(input.file, fmt::format("the errors of its field are unknown: it was measured in {} block of "
-                                       "time. Measure in more runs, for longer, or in shorter measure.block; "
-                                       "or set medium.measured.samples = 0 for a run without errors",
-                                       blocks));
+        refuse(input.file,
+               fmt::format("the errors of its field are unknown, because it was measured in {} block of "
+                           "time. Measure more runs, longer, or with a shorter measure.block; or set "
+                           "medium.measured.samples = 0 for a run without errors",
+                           blocks));
 }
 
 /// Where no error is known, that of every bin is taken to be the field's root mean square: all count alike.

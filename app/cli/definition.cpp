@@ -28,7 +28,7 @@ void add_scene(CLI::App& verb, Options& options) {
     verb.add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
         ->allow_extra_args(false);
     verb.add_option("-o,--output", options.output, "folder for the results [results/<scene name>]");
-    verb.add_option("--seed", options.seed, "seed of everything random, 0 to 2^63 - 1")
+    verb.add_option("--seed", options.seed, "seed of all random numbers, 0 to 2^63 - 1")
         ->check(whole_number_from(0, largest_seed));
 }
 
@@ -41,7 +41,7 @@ void add_force(CLI::App& verb, Options& options, const char* does = "replace a f
 }
 
 void add_dry_run(CLI::App& verb, Options& options) {
-    verb.add_flag("--dry-run", options.dry_run, "say what would be done, do nothing");
+    verb.add_flag("--dry-run", options.dry_run, "print what would be done, do nothing");
 }
 
 void add_threads(CLI::App& verb, Options& options) {
@@ -84,12 +84,12 @@ void add_scenes(CLI::App& app, Options& options) {
     scenes->add_option("-o,--output", options.output, "copy all into scenes and fitting of this folder")
         ->excludes(name);
     add_force(*scenes, options, "replace files that differ");
-    add_quiet(*scenes, options, "say nothing of the files copied");
+    add_quiet(*scenes, options, "do not list the files copied");
 }
 
 void add_new(CLI::App& app, Options& options) {
     CLI::App* verb = add_verb(app, options, Verb::new_scene, "new",
-                              "a scene of your own to begin with: three questions, or the options below",
+                              "write a new scene from three questions, or from the options below",
                               "  rodwake new my.toml\n"
                               "  rodwake new --kind rods --rods 3 --kappa 2 > three.toml\n"
                               "  rodwake new --kind bed --phi-b 0.7 bed.toml\n"
@@ -101,7 +101,7 @@ void add_new(CLI::App& app, Options& options) {
                                      question.kinds.empty() ? "" : "; for --kind " + question.kinds,
                                      question.fallback))
             ->check(question.legal);
-    add_force(*verb, options, "replace FILE if it is there");
+    add_force(*verb, options, "replace FILE if it exists");
 }
 
 void add_field(CLI::App& app, Options& options) {
@@ -139,15 +139,15 @@ void add_scan(CLI::App& app, Options& options) {
     scan->add_option("--part", options.part,
                      "i/n: only the i-th of n shares of the points (i from 1), into its own folder below -o");
     scan->add_flag("--merge", options.merge,
-                   "take over what the shares below -o hold, evaluate what is missing, write the results")
+                   "merge the shares below -o, evaluate missing points, write the results")
         ->excludes("--part");
-    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate points again that failed");
+    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate failed points again");
 }
 
 void add_tradeoff(CLI::App& app, Options& options) {
     CLI::App* tradeoff =
         add_verb(app, options, Verb::tradeoff, "tradeoff",
-                 "time and error of every way to solve a scene, or one part of it; the cheapest for an error",
+                 "benchmark solver settings of a scene; print the cheapest for a given error",
                  "  rodwake tradeoff scenes/pair.toml\n"
                  "  rodwake tradeoff scenes/pair.toml --for 1e-6\n"
                  "  rodwake tradeoff scenes/pair.toml --within 1ms --error path\n"
@@ -162,10 +162,9 @@ void add_tradeoff(CLI::App& app, Options& options) {
         ->add_option("--of", options.answers["of"],
                      "rods (or their scan), bed, fit or field [the first of these in the scene]")
         ->check(one_of({"rods", "bed", "fit", "field"}));
-    CLI::Option* error = tradeoff->add_option(
-        "--for", options.answers["for"],
-        "print the cheapest setting whose error is at most this, as keys of the scene: 1e-6; of a bed 2% or "
-        "\"T_xy 1%\"");
+    CLI::Option* error = tradeoff->add_option("--for", options.answers["for"],
+                                              "print the cheapest setting whose error is at most this, as "
+                                              "keys of the scene: 1e-6; for a bed 2% or \"T_xy 1%\"");
     tradeoff
         ->add_option("--within", options.answers["within"],
                      "print the most accurate setting that takes at most this: 5ms, 2s, 1min")
@@ -174,22 +173,20 @@ void add_tradeoff(CLI::App& app, Options& options) {
     tradeoff
         ->add_option(
             "--error", options.answers["error"],
-            "of what: of rods final_state, contact_time, outcome (share that differs) or path (at all output "
-            "times); of a bed rod_speed, T_xy, T_z, psi6, wake, ...; of a fit optimum, interval or "
-            "objective; of "
-            "a field displacement, strain or gradients [the first]")
+            "quantity whose error counts: for rods final_state, contact_time, outcome (fraction that "
+            "differs) or path (at all output times); for a bed rod_speed, T_xy, T_z, psi6, wake, ...; for a "
+            "fit optimum, interval or objective; for a field displacement, strain or gradients [the first]")
         ->option_text("KIND");
     tradeoff
-        ->add_option(
-            "--limit", options.answers["limit"],
-            "give up a setting that takes longer; of a bed the CPU time each setting is measured for [60s]")
+        ->add_option("--limit", options.answers["limit"],
+                     "abandon settings that take longer; for a bed, CPU time per setting [60s]")
         ->transform(seconds());
 }
 
 void add_design(CLI::App& app, Options& options) {
     CLI::App* design =
         add_verb(app, options, Verb::design, "design",
-                 "which start, density, errors and number of runs would tell the rivals of a fit apart",
+                 "rank candidate experiments by how well they would discriminate between the models of a fit",
                  "  rodwake design experiment.toml --vary rods.1.position.1=-1.5,-2,-3 --runs 1,5,20\n"
                  "  rodwake design experiment.toml --list designs.csv --sets 50 -o results/designs");
     add_scene(*design, options);
@@ -202,11 +199,12 @@ void add_design(CLI::App& app, Options& options) {
                      "values of a key of the scene: table.key=1,2,3; repeatable, all combinations")
         ->allow_extra_args(false);
     design
-        ->add_option("--list", options.answers["list"],
-                     "CSV with keys in its header and a design in each row")
+        ->add_option("--list", options.answers["list"], "CSV with keys in its header and one design per row")
         ->excludes("--vary");
     design->add_option("--runs", options.answers["runs"], "numbers of runs of each design: 1,5,20 [1]");
-    design->add_option("--sets", options.answers["sets"], "made-up experiments by each model and design [20]")
+    design
+        ->add_option("--sets", options.answers["sets"],
+                     "synthetic experiments for each model and design [20]")
         ->check(whole_number_from(2, 100000));
 }
 
@@ -214,28 +212,28 @@ void add_stage_verbs(CLI::App& app, Options& options) {
     add_stage_verb(app, options, Verb::rods, "rods", "integrate the rods of a scene",
                    "  rodwake rods scenes/pair.toml -o results/pair\n"
                    "  rodwake rods scenes/pair.toml -s coupling.kappa=100 -s rods_run.method=bdf");
-    add_stage_verb(app, options, Verb::dem, "dem",
-                   "granular run of a scene; the same command resumes one that was stopped",
+    add_stage_verb(app, options, Verb::dem, "dem", "simulate the granular bed of a scene; rerun to resume",
                    "  rodwake dem scenes/granular_quick.toml\n"
                    "  rodwake dem scenes/pair_crystal.toml -s granular.phi_b=0.70 -s granular.runs=50 -j 2 "
                    "-o results/fluid");
     add_stage_verb(
         app, options, Verb::measure, "measure",
-        "what [measure] names, of the granular run in the results folder or of measure.trajectory; what "
-        "[rods_order] names, of the rods there",
+        "compute the observables listed in [measure] from a granular run or a trajectory file, and those of "
+        "[rods_order] from its rods",
         "  rodwake measure scenes/wake.toml\n"
         "  rodwake measure scenes/wake.toml -s measure.displacement=lagrangian --force\n"
         "  rodwake measure scenes/wake.toml -s measure.trajectory=other/trajectory.h5md -o results/other\n"
         "  rodwake measure scenes/crowd.toml -s rods_order.link=1 --force");
-    add_stage_verb(app, options, Verb::fit, "fit",
-                   "elastic parameters and couplings from measured profiles and tracks, with their errors",
-                   "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
-                   "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
+    add_stage_verb(
+        app, options, Verb::fit, "fit",
+        "fit elastic parameters and couplings to measured profiles, maps and tracks, with standard errors",
+        "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
+        "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
     add_scan(app, options);
     add_tradeoff(app, options);
     add_design(app, options);
     CLI::App* run = add_stage_verb(app, options, Verb::run, "run",
-                                   "every stage the scene names, then figures and report.html",
+                                   "run every stage of the scene, then make figures and report.html",
                                    "  rodwake run scenes/quickstart.toml\n"
                                    "  rodwake run scenes/attraction.toml -o results/attraction --force");
     run->add_flag("--no-figures", options.no_figures,
@@ -244,16 +242,15 @@ void add_stage_verbs(CLI::App& app, Options& options) {
 
 void add_camera(CLI::App& app, Options& options) {
     CLI::App* camera = add_verb(
-        app, options, Verb::camera, "camera", "a bed's frames as the tracks that a camera would have of them",
+        app, options, Verb::camera, "camera",
+        "simulate imaging of a bed: tracks with noise, losses and distortion",
         "  rodwake camera results/rod_in_bed && rodwake run results/rod_in_bed/camera/camera.toml\n"
         "  rodwake camera results/bed -o film --pixel \"12.4 um\" --noise \"0.05 a\" --lost 0.1 --view 0.5");
     camera->add_option("RUN", options.target, "run directory with trajectory.h5md, or that file")->required();
     camera->add_option("-o,--output", options.output, "folder for tracks.csv and camera.toml [RUN/camera]");
     camera->add_option("--pixel", options.answers["pixel"],
-                       "what a pixel is worth: \"0.05 a\", \"12.4 um\" [0.05 a]");
-    camera
-        ->add_option("--every", options.answers["every"],
-                     "frames of the run from one picture to the next [1]")
+                       "size of a pixel: \"0.05 a\", \"12.4 um\" [0.05 a]");
+    camera->add_option("--every", options.answers["every"], "frames of the run per picture [1]")
         ->check(whole_number_from(1, 1000000));
     camera
         ->add_option("--exposure", options.answers["exposure"],
@@ -261,69 +258,69 @@ void add_camera(CLI::App& app, Options& options) {
         ->check(whole_number_from(1, 1000000));
     camera
         ->add_option("--view", options.answers["view"],
-                     "sides of the picture over those of the box, above 0 to 1 [1]")
+                     "side of the picture as a fraction of the box side, above 0 to 1 [1]")
         ->check(number_from(0.0, 1.0));
     camera
         ->add_option("--turned", options.answers["turned"],
-                     "by which the camera is turned, anticlockwise, degrees, -360 to 360 [0]")
+                     "rotation of the camera, anticlockwise, degrees, -360 to 360 [0]")
         ->check(number_from(-360.0, 360.0));
     camera
         ->add_option("--distortion", options.answers["distortion"],
-                     "shift at the corners over their distance, -0.1 to 0.1 [0]")
+                     "radial distortion: relative shift of the corners, -0.1 to 0.1 [0]")
         ->check(number_from(-0.1, 0.1));
     camera
         ->add_option("--lost", options.answers["lost"],
-                     "share of the spots that are not found, 0 to below 1 [0]")
+                     "fraction of particles not detected, 0 to below 1 [0]")
         ->check(number_from(0.0, 1.0));
     camera
         ->add_option("--memory", options.answers["memory"],
-                     "pictures without a particle after which its number changes [3]")
+                     "frames a particle may be missing before it gets a new ID [3]")
         ->check(whole_number_from(0, 1000000));
     camera->add_option("--noise", options.answers["noise"],
-                       "standard deviation of a spot's coordinate, a length [0]");
+                       "standard deviation of a detected coordinate, a length [0]");
     camera
         ->add_option("--images", options.answers["images"],
-                     "pictures that are drawn, from the first on: images/000000.png [0]")
+                     "number of pictures to draw, starting with the first: images/000000.png [0]")
         ->check(whole_number_from(0, 1000000));
     camera
         ->add_option("--blur", options.answers["blur"],
-                     "standard deviation of the lens in them, pixels, 0.1 to 20 [1]")
+                     "standard deviation of the blur in the pictures, pixels, 0.1 to 20 [1]")
         ->check(number_from(0.1, 20.0));
     camera
         ->add_option("--photons", options.answers["photons"],
-                     "that a white pixel of them counts: their noise, 1 to 1e9 [1000]")
+                     "photons of a white pixel, which set the shot noise, 1 to 1e9 [1000]")
         ->check(number_from(1.0, 1e9));
-    camera->add_option("--seed", options.seed, "of what is lost and of the noise, 0 to 2^63 - 1 [1]")
+    camera->add_option("--seed", options.seed, "seed of losses and noise, 0 to 2^63 - 1 [1]")
         ->check(whole_number_from(0, largest_seed));
-    add_force(*camera, options, "replace what a camera wrote there before");
+    add_force(*camera, options, "replace earlier tracks");
     add_quiet(*camera, options);
 }
 
 void add_replay(CLI::App& app, Options& options) {
     CLI::App* replay =
-        add_verb(app, options, Verb::replay, "replay", "frames of a finished bed, made again to the bit",
+        add_verb(app, options, Verb::replay, "replay", "recompute frames of a finished bed, bit for bit",
                  "  rodwake replay results/bed --from 3 --to 5 --frames 0.01\n"
                  "  rodwake replay results/bed --verify     # the whole run, and where bits first differ");
     replay->add_option("RUN", options.target, "run directory of a bed, or its archive.rwc")->required();
     replay->add_option("--from", options.replay.from, "time of the first frame, s [0]");
     replay->add_option("--to", options.replay.to, "time of the last frame, s [the end of the run]");
-    replay->add_option("--frames", options.replay.interval, "interval of the frames, s [that of the run]");
+    replay->add_option("--frames", options.replay.interval, "interval of the frames, s [as in the run]");
     replay->add_option("-o,--output", options.output, "folder for trajectory.h5md [RUN/replay]");
     replay->add_flag("--verify", options.verify,
-                     "make the whole run again, and compare it with the states that it kept");
+                     "recompute the whole run and compare it with its stored states");
     add_threads(*replay, options);
-    add_force(*replay, options, "replace a trajectory that is there");
+    add_force(*replay, options, "replace an existing trajectory");
     add_quiet(*replay, options);
 }
 
 void add_convert(CLI::App& app, Options& options) {
-    CLI::App* convert = add_verb(
-        app, options, Verb::convert, "convert",
-        "tracks and trajectories between CSV, H5MD, GSD, extended XYZ and LAMMPS dumps; from TrackMate",
-        "  rodwake convert results/bed -o bed.gsd\n"
-        "  rodwake convert results/bed -o bed.xyz --frames 0::10 --rods poses\n"
-        "  rodwake convert tracks.xml -o film.h5md\n"
-        "  rodwake convert dump.lammpstrj -o film.csv --rod-kind 2");
+    CLI::App* convert = add_verb(app, options, Verb::convert, "convert",
+                                 "convert tracks and trajectories between CSV, H5MD, GSD, extended XYZ and "
+                                 "LAMMPS dumps; read TrackMate",
+                                 "  rodwake convert results/bed -o bed.gsd\n"
+                                 "  rodwake convert results/bed -o bed.xyz --frames 0::10 --rods poses\n"
+                                 "  rodwake convert tracks.xml -o film.h5md\n"
+                                 "  rodwake convert dump.lammpstrj -o film.csv --rod-kind 2");
     app::ConvertRequest& c = options.convert;
     convert
         ->add_option("IN", options.target, "file of tracks, trajectory, or the folder of a run or ensemble")
@@ -351,22 +348,22 @@ void add_convert(CLI::App& app, Options& options) {
         ->allow_extra_args(false);
     convert->add_option("--time-column", c.columns.time,
                         "column of CSV, or key of extended XYZ, with the times in s");
-    add_force(*convert, options, "replace the file if it is there");
+    add_force(*convert, options, "replace the file if it exists");
     add_quiet(*convert, options);
 }
 
 void add_explore(CLI::App& app, Options& options) {
-    CLI::App* explore =
-        add_verb(app, options, Verb::explore, "explore",
-                 "a page for a browser: drag two rods, and their wakes, encounter and phase diagram follow",
-                 "  rodwake explore\n"
-                 "  rodwake explore scenes/pair.toml -o pair.html -s coupling.kappa=100");
+    CLI::App* explore = add_verb(app, options, Verb::explore, "explore",
+                                 "write an interactive page for a browser: drag two rods and see their "
+                                 "wakes, encounter and phase diagram",
+                                 "  rodwake explore\n"
+                                 "  rodwake explore scenes/pair.toml -o pair.html -s coupling.kappa=100");
     explore->add_option("SCENE", options.target, "scene file whose first two rods the page starts with");
     explore
         ->add_option("-s,--set", options.overrides, "change a key of the scene: table.key=value; repeatable")
         ->allow_extra_args(false);
     explore->add_option("-o,--output", options.output, "the page, one HTML file [explore.html]");
-    add_force(*explore, options, "replace the page if it is there");
+    add_force(*explore, options, "replace the page if it exists");
     add_quiet(*explore, options);
 }
 
@@ -375,7 +372,7 @@ void add_verbs(CLI::App& app, Options& options) {
     add_new(app, options);
     CLI::App* check =
         add_verb(app, options, Verb::check, "check",
-                 "validate a scene; say what will be modelled and what not, and what each part will cost",
+                 "validate a scene; print what will be modelled and what not, and what each part will cost",
                  "  rodwake check scenes/quickstart.toml\n"
                  "  rodwake check scenes/pair.toml -s coupling.kappa=100\n"
                  "  rodwake check scenes/pair.toml --quiet && echo valid");
@@ -383,9 +380,9 @@ void add_verbs(CLI::App& app, Options& options) {
     add_quiet(*check, options, "validate only: errors are printed, nothing is timed");
     add_field(app, options);
     add_stage_verbs(app, options);
-    CLI::App* impact =
-        add_verb(app, options, Verb::impact, "impact", "single impacts, one a row: the contact law by itself",
-                 "  rodwake impact --cases cases.csv > impacts.csv");
+    CLI::App* impact = add_verb(app, options, Verb::impact, "impact",
+                                "evaluate the contact law for single impacts, one per row",
+                                "  rodwake impact --cases cases.csv > impacts.csv");
     impact
         ->add_option("--cases", options.cases,
                      "CSV with columns Kxx,Kxy,Kxz,Kyy,Kyz,Kzz,vx,vy,vz,mu,e (- for standard input); "
@@ -397,14 +394,14 @@ void add_verbs(CLI::App& app, Options& options) {
     add_replay(app, options);
     add_explore(app, options);
     CLI::App* plot =
-        add_verb(app, options, Verb::plot, "plot", "figures and report from the results of a run",
+        add_verb(app, options, Verb::plot, "plot", "make figures and report from the results of a run",
                  "  rodwake plot results/quickstart --pdf\n"
                  "  rodwake plot results/pair --width column --style paper --film\n"
                  "  rodwake plot /archive/pair -o figures --font-size 9 --overlay");
     plot->add_option("RESULT", options.target, "run directory, or its result.h5")->required();
     plot->add_option("-o,--output", options.output,
                      "folder for figures and report, which then leaves RESULT as it is [RESULT]");
-    plot->add_flag("--pdf", options.pdf, "PDF beside each PNG");
+    plot->add_flag("--pdf", options.pdf, "PDF in addition to each PNG");
     plot->add_option(
         "--width", options.figure_width,
         "width of figures: column, page, or a length such as 86mm; several panels take two columns");
@@ -434,21 +431,21 @@ void add_verbs(CLI::App& app, Options& options) {
 
 void define_command_line(CLI::App& app, Options& options) {
     app.set_version_flag("-V,--version", "rodwake " + build_info().version);
-    app.footer("Start with:  rodwake scenes, or rodwake new\nHelp on a verb:  rodwake help run; "
-               "on a key or a column:  rodwake help coupling.kappa\n" +
+    app.footer("Start with:  rodwake scenes, or rodwake new\nHelp on a command:  rodwake help run; on a key "
+               "or a column:  rodwake help coupling.kappa\n" +
                std::string(exit_codes));
     app.require_subcommand(0, 1);
     add_verbs(app, options);
-    CLI::App* help =
-        add_verb(app, options, Verb::help, "help",
-                 "what a verb does; what a key of scenes, a result file or a column of one means",
-                 "  rodwake help run\n"
-                 "  rodwake help coupling.kappa\n"
-                 "  rodwake help '[scan]'\n"
-                 "  rodwake help scan.csv\n"
-                 "  rodwake help mean_speed0");
+    CLI::App* help = add_verb(app, options, Verb::help, "help",
+                              "explain a command, a key of scenes, a result file or one of its columns",
+                              "  rodwake help run\n"
+                              "  rodwake help coupling.kappa\n"
+                              "  rodwake help '[scan]'\n"
+                              "  rodwake help scan.csv\n"
+                              "  rodwake help mean_speed0");
     help->add_option("NAME", options.target,
-                     "verb, table or key of a scene, result file, column or value; without, all verbs");
+                     "command, table or key of a scene, result file, column or value; without it, all "
+                     "commands are listed");
 }
 
 std::vector<std::string> option_names(const CLI::Option& option) {

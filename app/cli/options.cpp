@@ -62,10 +62,11 @@ void check_field_options(const CLI::App& app, const Options& options) {
         throw CLI::ValidationError("field", "give either a SCENE or --points FILE");
     const CLI::App& field = *app.get_subcommand("field");
     if (options.points.empty() && field.count("--backend") > 0)
-        throw CLI::ValidationError("--backend", "is for --points; a scene says medium.field");
+        throw CLI::ValidationError("--backend", "applies to --points only; in a scene set medium.field");
     if (field.count("--table-tolerance") > 0 && options.backend != "table")
-        throw CLI::ValidationError("--table-tolerance", "is for --points with --backend table; a scene says "
-                                                        "medium.table.tolerance");
+        throw CLI::ValidationError(
+            "--table-tolerance",
+            "applies to --points with --backend table only; in a scene set medium.table.tolerance");
     if (!options.points.empty() && !options.output.empty())
         throw CLI::ValidationError(
             "--output", "field --points writes to standard output and makes no folder; use > FILE");
@@ -148,11 +149,11 @@ std::string unknown_option(const CLI::App& verb, const std::string& word) {
     const std::string name = word.substr(0, word.find('='));
     const Words known = option_names(verb);
     if (has(known, name)) // it was not taken as the verb's, so it stands before it
-        return fmt::format("{}: comes after the verb: {} {}", name, command_of(verb), name);
+        return fmt::format("{}: comes after the command: {} {}", name, command_of(verb), name);
     for (const CLI::App* other : verb.get_subcommands({}))
         if (has(option_names(*other), name))
-            return fmt::format("{}: comes after a verb, for example rodwake {} {}", name, other->get_name(),
-                               name);
+            return fmt::format("{}: comes after a command, for example rodwake {} {}", name,
+                               other->get_name(), name);
     return fmt::format("{}: {} has no such option{}", name, command_of(verb), suggestion(name, known));
 }
 
@@ -195,9 +196,9 @@ CLI::ValidationError unknown_verb(const CLI::App& app, const std::string& word) 
         verbs.push_back(verb->get_name());
     const std::string near = suggestion(word, verbs);
     return CLI::ValidationError(
-        word, word.ends_with(".toml") ? fmt::format("a verb comes first, for example rodwake run {}", word)
-              : near.empty()          ? fmt::format("no such verb; there are {}", fmt::join(verbs, ", "))
-                                      : "no such verb" + near);
+        word, word.ends_with(".toml") ? fmt::format("a command comes first, for example rodwake run {}", word)
+              : near.empty()          ? fmt::format("no such command; there are {}", fmt::join(verbs, ", "))
+                                      : "no such command" + near);
 }
 
 void refuse_misread_words(const CLI::App& app, std::span<const std::string> words) {

@@ -173,7 +173,7 @@ void end_well_without_memory() {
             if (const auto error = std::current_exception())
                 std::rethrow_exception(error);
             if (std::uncaught_exceptions() > 0) // it would have left a function that may not throw
-                end("rodwake: not enough memory, or an error that a library cannot tell\n");
+                end("rodwake: not enough memory, or an unknown error in a library\n");
         } catch (const std::bad_alloc&) {
             end("rodwake: not enough memory\n");
         } catch (...) { // a defect: abort tells more

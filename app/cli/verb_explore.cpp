@@ -22,8 +22,8 @@ int verb_explore(const Options& options) {
         start = {scene_of(options), fs::path(options.target).stem().string()};
     const std::string text = app::explorer_page(shipped_folder() / "explorer", start);
     if (fs::exists(page) && !options.force)
-        throw InputError(
-            fmt::format("{}: is there; --force replaces it, or name another file with -o", page.string()));
+        throw InputError(fmt::format("{}: already exists; --force replaces it, or name another file with -o",
+                                     page.string()));
     store::write_atomically(page, text);
     if (options.quiet)
         return 0;

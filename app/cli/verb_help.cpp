@@ -35,10 +35,10 @@ int verb_help(const Options& options) {
     const std::vector<std::string> similar = app::similar_names(name);
     const std::string verb = nearest_verb(name);
     if (!verb.empty() && name.find('.') == std::string::npos)
-        throw InputError(fmt::format("{}: no such verb{}", name, verb));
+        throw InputError(fmt::format("{}: no such command{}", name, verb));
     throw InputError(fmt::format(
-        "{}: no verb, no table or key of a scene, no result file, column or value has this name{}", name,
-        similar.empty() ? "; rodwake help lists the verbs, docs/scene.md all keys"
+        "{}: no command, table or key of a scene, result file, column or value has this name{}", name,
+        similar.empty() ? "; rodwake help lists the commands, docs/scene.md all keys"
                         : fmt::format("; near it: {}", fmt::join(similar, ", "))));
 }
 

@@ -204,10 +204,9 @@ int verb_new(const Options& options) {
         return 0;
     }
     if (!options.force && std::filesystem::exists(options.target))
-        throw InputError(options.target +
-                         ": is there already; choose another name, or --force to replace it");
+        throw InputError(options.target + ": already exists; choose another name, or --force to replace it");
     store::write_atomically(options.target, text);
-    tell(fmt::format("{}: written; rodwake check {} says what it models, rodwake run {} runs it\n",
+    tell(fmt::format("{}: written; rodwake check {} prints what it models, rodwake run {} runs it\n",
                      options.target, options.target, options.target));
     return 0;
 }

@@ -43,8 +43,9 @@ int verb_replay(const Options& options) {
     if (options.output.empty()) // a folder that the user names may be a link
         app::refuse_link(folder);
     if (fs::exists(folder / "trajectory.h5md") && !options.force)
-        throw InputError(fmt::format("{}: is there; --force replaces it, or name another folder with -o",
-                                     (folder / "trajectory.h5md").string()));
+        throw InputError(
+            fmt::format("{}: already exists; --force replaces it, or name another folder with -o",
+                        (folder / "trajectory.h5md").string()));
     const app::Replayed done = app::replay(options.target, options.replay, folder, context);
     if (done.interrupted)
         return signal_exit_code(stop_signal());

@@ -120,8 +120,8 @@ int copy_all(const Options& options) {
     });
     for (const auto& [to, source] : from)
         if (!options.force && fs::exists(to))
-            throw InputError(to.string() + ": is there and differs from the shipped one; copy into another "
-                                           "folder, or --force to replace it");
+            throw InputError(to.string() + ": already exists and differs from the shipped one; copy into "
+                                           "another folder, or --force to replace it");
     for (const auto& [to, source] : from)
         try {
             fs::create_directories(to.parent_path());

@@ -93,8 +93,8 @@ std::unique_ptr<scan::MpiJob> job_of(const Options& options) {
     if (!scan::started_as_rank())
         return nullptr;
     if (options.verb != Verb::scan && options.verb != Verb::dem)
-        throw InputError("only rodwake scan and rodwake dem work under mpiexec: the other verbs would do the "
-                         "same work on every rank");
+        throw InputError("only rodwake scan and rodwake dem work under mpiexec: other commands would repeat "
+                         "the same work on every rank");
     return scan::MpiJob::join();
 }
 
@@ -122,9 +122,8 @@ void end_in_time(const std::stop_token& ended, const Options& options) {
         if (late < 30)
             continue;
         const std::filesystem::path folder = output_folder(options);
-        tell(fmt::format(
-            "stopped by a signal; what was computed is in {}; the same command goes on from there\n",
-            folder.string()));
+        tell(fmt::format("stopped by a signal; results so far are in {}; the same command resumes\n",
+                         folder.string()));
         std::error_code ignored;
         std::filesystem::remove(folder / "rodwake.lock", ignored);
         std::_Exit(signal_exit_code(stop_signal()));

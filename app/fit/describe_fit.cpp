@@ -137,7 +137,7 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
             add_term(keys, name, "diffusion of the rods, of tracks", lines);
     for (const scene::FitModel& model : keys.models)
         lines.push_back(
-            {true, fmt::format("fit: rival \"{}\" with {}", model.name, fmt::join(model.set, ", "))});
+            {true, fmt::format("fit: model \"{}\" with {}", model.name, fmt::join(model.set, ", "))});
 }
 
 } // namespace

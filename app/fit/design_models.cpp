@@ -32,9 +32,9 @@ void require_experiment(const scene::Scene& scene) {
     need(track.sigma_position && track.sigma_heading,
          "give sigma_position and sigma_heading in [[fit.trajectories]]: how well rods would be seen");
     need(!track.contact_time, "a contact_time is no datum before the experiment: leave it out");
-    need(!scene.fit->models.empty(), "there are no rivals, [[fit.models]], to tell apart");
+    need(!scene.fit->models.empty(), "there are no models to compare: give [[fit.models]]");
     need(scene.fit->posterior.has_value(),
-         "[fit.posterior] is missing: its priors say which values of the parameters are tried");
+         "[fit.posterior] is missing: its priors give the range of the parameters");
 }
 
 } // namespace
@@ -86,9 +86,8 @@ DesignModels::DesignModels(const scene::Scene& base, const std::vector<std::stri
         models_.push_back(model_of(scene::apply_model(scene, rival), runs));
     const bool diffusive = diffuses(models_.front().keys);
     if (std::ranges::any_of(models_, [&](const Model& m) { return diffuses(m.keys) != diffusive; }))
-        throw InputError(
-            "design: rivals with D_r or D_t and rivals without cannot be weighed: hold it at 0 in "
-            "fit.fixed of those without");
+        throw InputError("design: models with and without D_r or D_t cannot be compared: set it to 0 in "
+                         "fit.fixed of the models without");
     models_.front().plan_of({models_.front().track.data.states}); // throws for what no fit can be made of
 }
 

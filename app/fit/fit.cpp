@@ -128,9 +128,8 @@ Problem track_problem(const FitPlan& plan) {
         bound_starts(problem, plan);
     const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
     if (known != 0 && known != static_cast<long>(plan.tracks.size()))
-        throw InputError(
-            "some of [[fit.trajectories]] have sigma_position and sigma_heading and some have none: "
-            "their weights cannot be compared; give all of them some, or none");
+        throw InputError("some of [[fit.trajectories]] have sigma_position and sigma_heading and some do "
+                         "not, so they cannot be weighted together: give them for all, or for none");
     problem.sigma_known = known != 0;
     return problem;
 }

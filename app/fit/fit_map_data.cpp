@@ -177,7 +177,7 @@ fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const std::size_t bin = slot(rows, y[i]) * map.x.size() + slot(columns, x[i]);
         if (map.known[bin])
-            throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} is there twice", file.string(),
+            throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} appears twice", file.string(),
                                          table.lines[i], x[i], y[i]));
         map.known[bin] = true;
         map.Ux[bin] = (*table.find("Ux"))[i];
@@ -220,7 +220,7 @@ void settle(fitting::Map& map, const scene::FitMap& keys, const fs::path& file, 
 } // namespace
 
 std::string FitMapData::label() const {
-    return run > 0 ? fmt::format("{}, run {}", file.string(), run) : file.string();
+    return run > 0 ? fmt::format("{}, run {}", file.filename().string(), run) : file.filename().string();
 }
 
 std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path& file,
@@ -236,9 +236,9 @@ std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path&
     const std::vector<fitting::Map> maps =
         table ? std::vector{of_table(file, keys.columns)} : of_measure(file);
     if (table && keys.box.empty())
-        refuse(file, "a table does not say how large its periodic box is: give fit.maps.box = [Lx, Ly]");
+        refuse(file, "a table does not contain the size of its periodic box: give fit.maps.box = [Lx, Ly]");
     if (table && needs_speed && !keys.speed)
-        refuse(file, "zeta, rho and eta_s go with the rod's speed, which a table does not say: give "
+        refuse(file, "zeta, rho and eta_s depend on the rod's speed, which a table does not contain: give "
                      "fit.maps.speed");
     const std::string name = keys.name.empty() ? file.filename().string() : keys.name;
     std::vector<FitMapData> found;

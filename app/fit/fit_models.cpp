@@ -253,10 +253,10 @@ void require_same_data(const FitPlan& plan, const FitPlan& rival, const std::str
                         name));
     if (a.residuals != b.residuals || a.independent != b.independent || a.sigma_known != b.sigma_known ||
         !sigmas)
-        throw InputError(
-            fmt::format("fit.models {}: its data are {} residuals, those of the fit as written {}{}: rivals "
-                        "are weighed on the same data alone",
-                        name, b.residuals, a.residuals, sigmas ? "" : ", or their errors differ"));
+        throw InputError(fmt::format("fit.models {}: it has {} residuals and the fit itself {}{}: models can "
+                                     "only be compared on the same data",
+                                     name, b.residuals, a.residuals,
+                                     sigmas ? "" : ", or their errors differ"));
 }
 
 /// Messages of a rival go to the log in its folder; the run's own tells one line of it.
@@ -328,7 +328,7 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
     write_models(folder, plan, models, evidence, text, context.command);
     log_models(models, text, log);
     if (plan.keys.posterior && plan.keys.posterior->evidence && !evidence)
-        log->warn("fit: not every model has an evidence, so the weights are those of AIC");
+        log->warn("fit: not every model has an evidence, so the weights are computed from AIC");
     for (const WeighedModel& m : models)
         forget_progress(folder / m.folder);
     return true;

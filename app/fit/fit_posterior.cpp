@@ -77,7 +77,7 @@ bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, store::Journal&
     method.done = journal.all<ChainBlock>();
     std::size_t count = method.done.size();
     if (count > 0)
-        log->info("posterior: going on after {} of {} blocks", count, fitting::block_count(method));
+        log->info("posterior: resuming after {} of {} blocks", count, fitting::block_count(method));
     Progress progress(context, "posterior", static_cast<double>(fitting::block_count(method)), "blocks");
     method.on_block_done = [&](const ChainBlock& block) {
         journal.add(block);

@@ -169,7 +169,7 @@ std::vector<double> point_values(const FitPlan& plan, std::span<const double> va
     return {f, *value("eta"), value("xi").value_or(f / alpha)};
 }
 
-/// What a point force fitted to one line says.
+/// A point force fitted to one line alone.
 std::optional<fitting::Report> line_fit(const FitPlan& plan, const scene::FitCompare& compare) {
     if (!compare.line)
         return std::nullopt;
@@ -270,8 +270,8 @@ void add_likelihood(const FitResults& results, const std::string& name, std::vec
     const double lowest = std::ranges::min(one.chi2), best = results.fit.objective;
     if (lowest < best - 1e-3 * (1.0 + 1e-3 * best))
         lines.push_back(fmt::format(
-            "on the way the likelihood of {} found an objective {:.3g} below that of the fit, at "
-            "{} = {:.5g}: begin there (fit.start), or with more fit.starts",
+            "the profile likelihood of {} found an objective {:.3g} lower than the fit, at {} = {:.5g}: "
+            "start there (fit.start), or increase fit.starts",
             name, best - lowest, name,
             one.value[static_cast<std::size_t>(std::ranges::min_element(one.chi2) - one.chi2.begin())]));
 }
@@ -293,36 +293,47 @@ void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<s
             longest = std::max(longest, track.data.times[i] - track.data.times[i - 1]);
         const double curved = e->value * longest * longest / std::sqrt(3.0) / track.data.sigma_position;
         if (curved > small)
-            lines.push_back(fmt::format(
-                "{}: with D_r = {:.3g} headings wander too far between rows for the filter (what that takes "
-                "from "
-                "the path is {:.2g} sigma_position, {} at most is good): errors are too small, of D_r above "
-                "all; give rows closer in time, or a larger sigma_position",
-                track.name, e->value, curved, small));
+            lines.push_back(
+                fmt::format("{}: the rods turn too much between rows for the Kalman filter at D_r = {:.3g} "
+                            "(path error {:.2g} sigma_position; limit {}). Errors, above all of D_r, are "
+                            "underestimated: use more closely spaced rows or a larger sigma_position",
+                            track.name, e->value, curved, small));
     }
 }
 
 } // namespace
 
+std::string misfit_text(const FitResults& results) {
+    if (results.misfit.describes())
+        return "";
+    return fmt::format("; the model does not describe the data: {} (p {})", results.misfit.worst,
+                       *results.misfit.probability < 0.001
+                           ? std::string("< 0.001")
+                           : fmt::format("= {:.2g}", *results.misfit.probability));
+}
+
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
     std::vector<std::string> lines;
     add_wandering(plan, results, lines);
-    if (!results.misfit.describes())
-        lines.push_back(fmt::format("the model does not describe the data: {} (p {})", results.misfit.worst,
-                                    *results.misfit.probability < 0.001
-                                        ? std::string("< 0.001")
-                                        : fmt::format("= {:.2g}", *results.misfit.probability)));
     for (const auto& [name, one] : results.likelihood)
         add_likelihood(results, name, lines);
+    std::vector<std::string> predicted;
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
         if (const auto& excess = results.profiles[i].scale_factor;
             excess && plan.keys.profiles[i].role == scene::FitRole::predict)
-            lines.push_back(fmt::format(
+            predicted.push_back(fmt::format(
                 "{}: predicted; data over prediction {:.4g}{}, chi2 = {:.4g} for {} points",
                 plan.profiles[i].name, excess->scale,
                 std::isfinite(excess->standard_error) ? fmt::format(" +- {:.2g}", excess->standard_error)
                                                       : ", error unknown",
                 excess->chi2, excess->points));
+    if (!predicted.empty())
+        lines.push_back(fmt::format("{}", fmt::join(predicted, "; ")));
+    return lines;
+}
+
+std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results) {
+    std::vector<std::string> lines;
     for (std::size_t k = 0; k < results.compare.size(); ++k)
         if (const auto& line = results.compare[k].line) {
             std::string told;
@@ -331,7 +342,7 @@ std::vector<std::string> findings(const FitPlan& plan, const FitResults& results
                                     e.at_lower || e.at_upper ? " (at its bound)"
                                                              : fmt::format(" +- {:.2g}", e.standard_error));
             lines.push_back(fmt::format(
-                "{}: a point force fitted to {} by itself has {}, chi2 = {:.4g} for {} degrees of freedom",
+                "{}: a point force fitted to {} alone gives {}, chi2 = {:.4g} for {} degrees of freedom",
                 plan.keys.compare[k].name,
                 plan.profiles[static_cast<std::size_t>(*plan.keys.compare[k].line)].name, told, line->chi2,
                 line->dof));

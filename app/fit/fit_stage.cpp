@@ -41,35 +41,57 @@ namespace fs = std::filesystem;
 
 constexpr const char* journal_file = "fit.log";
 
-void log_data(const FitPlan& plan, const Logger& log) {
+std::string counted(std::size_t count, const char* what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+/// All data in one line; their files only in log.txt.
+void log_sources(const FitPlan& plan, const Logger& log) {
+    std::vector<std::string> fitted, predicted;
+    if (!plan.maps.empty()) {
+        std::size_t used = 0, bins = 0;
+        for (const FitMapData& m : plan.maps) {
+            used += fitting::used_bins(m.data, plan.mask).size();
+            bins += m.data.bins();
+            log->debug("fit: map {}: {} of {} bins are fitted, {}", m.name,
+                       fitting::used_bins(m.data, plan.mask).size(), m.data.bins(), m.file.string());
+        }
+        fitted.push_back(fmt::format("{} ({} of {} bins)", counted(plan.maps.size(), "map"), used, bins));
+    }
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
         const FitProfileData& p = plan.profiles[i];
-        log->info("fit: {} {}: {} points from {}",
-                  plan.keys.profiles[i].role == scene::FitRole::fit ? "profile" : "to predict", p.name,
-                  p.data.place.size(), p.file.string());
+        const bool fit = plan.keys.profiles[i].role == scene::FitRole::fit;
+        (fit ? fitted : predicted)
+            .push_back(fmt::format("profile {} ({})", p.name, counted(p.data.place.size(), "point")));
+        log->debug("fit: profile {} from {}", p.name, p.file.string());
+    }
+    for (const FitTrackData& t : plan.tracks) {
+        fitted.push_back(fmt::format("trajectory {} ({}, {})", t.name, counted(t.rods, "rod"),
+                                     counted(t.data.times.size(), "row")));
+        log->debug("fit: trajectory {} from {}", t.name, t.file.string());
+    }
+    log->info("fit: data: {}{}{}", fmt::join(fitted, ", "),
+              predicted.empty() ? "" : "; to predict: ", fmt::join(predicted, ", "));
+}
+
+void log_data(const FitPlan& plan, const Logger& log) {
+    log_sources(plan, log);
+    for (const FitProfileData& p : plan.profiles)
         if (p.left_out > 0)
             log->warn("fit: {}: {} points without a sigma are left out", p.file.string(), p.left_out);
-    }
     for (const FitMapData& m : plan.maps) {
-        log->info("fit: map {}: {} of {} bins count, {}", m.name,
-                  fitting::used_bins(m.data, plan.mask).size(), m.data.bins(), m.file.string());
         if (m.left_out > 0)
             log->warn("fit: {}: {} bins without a sigma are left out", m.file.string(), m.left_out);
         if (m.mirrored)
-            log->info("fit: {}: both sides of the rod are the same numbers; those at y > 0 count",
+            log->info("fit: {}: both sides of the rod hold the same numbers; those at y > 0 are fitted",
                       m.file.string());
     }
     for (const FitTrackData& t : plan.tracks) {
-        log->info("fit: trajectory {}: {} rods, {} rows from {}", t.name, t.rods, t.data.times.size(),
-                  t.file.string());
         if (t.left_out > 0)
-            log->info("fit: {}: {} rows in which a rod is not known are left out", t.file.string(),
-                      t.left_out);
+            log->info("fit: {}: {} rows with an unknown rod are left out", t.file.string(), t.left_out);
         if (t.unwrapped)
-            log->info(
-                "fit: {}: headings that jump by more than half a turn between rows were brought nearer by "
-                "whole turns",
-                t.file.string());
+            log->info("fit: {}: headings that jump by more than half a turn between rows were unwrapped",
+                      t.file.string());
     }
     for (const std::string& remark : plan.problem.remarks) // here too: the fit may fail of it
         log->warn("fit: {}", remark);
@@ -77,7 +99,9 @@ void log_data(const FitPlan& plan, const Logger& log) {
 
 std::string with_unit(const std::string& unit) { return unit.empty() || unit == "1" ? "" : " " + unit; }
 
-std::string line_of(const FitPlan& plan, const fitting::Report& r, std::size_t i) {
+/// "eta = 2.18 +- 0.13" with the whole error: curvature, and what held constants, masks and runs add.
+std::string line_of(const FitPlan& plan, const FitResults& results, std::size_t i) {
+    const fitting::Report& r = results.report;
     const fitting::Estimate& e = r.estimates[i];
     const fitting::Parameter& p = plan.problem.parameters[i];
     const std::string value = fmt::format("{} = {:.6g}", e.name, e.value),
@@ -89,39 +113,42 @@ std::string line_of(const FitPlan& plan, const fitting::Report& r, std::size_t i
                fmt::format(" (at its {} bound), 95 % interval {:.5g} to {:.5g}",
                            e.at_lower ? "lower" : "upper", e.low, e.high);
     if (std::isfinite(e.standard_error))
-        return fmt::format("{} +- {:.2g}{}", value, e.standard_error, unit);
+        return fmt::format("{} +- {:.2g}{}", value, whole_error(results, e.name), unit);
     return value + unit + (std::isfinite(r.error_factor) ? ", not fixed by the data" : ", error unknown");
 }
 
+std::vector<std::string> value_lines(const FitPlan& plan, const FitResults& results) {
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < results.report.estimates.size(); ++i)
+        lines.push_back(line_of(plan, results, i));
+    for (const auto& [name, d] : results.derived)
+        lines.push_back(fmt::format("{} = {:.6g}{}{}", name, d.value,
+                                    d.not_fixed() ? ", not fixed by the data"
+                                    : d.known()   ? fmt::format(" +- {:.2g}", whole_error(results, name))
+                                    : std::isfinite(results.report.error_factor) ? ""
+                                                                                 : ", error unknown",
+                                    with_unit(fit_unit(plan.keys, name))));
+    return lines;
+}
+
+/// Each parameter once; of maps, which have many, in one line.
 void log_results(const FitPlan& plan, const FitResults& results, const Logger& log) {
     const fitting::Report& r = results.report;
-    for (std::size_t i = 0; i < r.estimates.size(); ++i)
-        log->info("fit: {}", line_of(plan, r, i));
-    for (const auto& [name, d] : results.derived)
-        log->info("fit: {} = {:.6g}{}{}", name, d.value,
-                  d.not_fixed()                   ? ", not fixed by the data"
-                  : d.known()                     ? fmt::format(" +- {:.2g}", d.error)
-                  : std::isfinite(r.error_factor) ? ""
-                                                  : ", error unknown",
-                  with_unit(fit_unit(plan.keys, name)));
-    log->info("fit: chi2 = {:.4g} for {} degrees of freedom; {} of {} starts ended there; {} ({})", r.chi2,
-              r.dof, r.same_optimum, results.fit.starts.size(), to_string(results.fit.termination),
-              results.fit.reason);
-    const auto with_all = [&](const std::string& name, double value) {
-        log->info("fit: {} = {:.6g} +- {:.2g} with what held constants, masks and runs add", name, value,
-                  whole_error(results, name));
-    };
-    if (!results.systematics.total.empty()) {
-        for (const fitting::Estimate& e : results.report.estimates)
-            if (e.free)
-                with_all(e.name, e.value);
-        for (const auto& [name, one] : results.derived)
-            with_all(name, one.value);
-    }
+    const std::vector<std::string> values = value_lines(plan, results);
+    if (!results.systematics.total.empty())
+        log->info("fit: {} (errors with those of held constants, masks and runs)", fmt::join(values, ", "));
+    else
+        for (const std::string& line : values)
+            log->info("fit: {}", line);
+    log->info("fit: chi2 = {:.4g} for {} degrees of freedom{}; {} of {} starts ended there", r.chi2, r.dof,
+              misfit_text(results), r.same_optimum, results.fit.starts.size());
+    log->debug("fit: {} ({})", to_string(results.fit.termination), results.fit.reason);
     for (const std::string& line : findings(plan, results))
         log->info("fit: {}", line);
-    for (const std::string& remark : r.diagnostics)
-        log->warn("fit: {}", remark);
+    for (const std::string& line : comparisons(plan, results))
+        log->debug("fit: {}", line);
+    if (!r.diagnostics.empty())
+        log->warn("fit: {}", fmt::join(r.diagnostics, "; "));
 }
 
 /// False if a signal stopped it. One that cannot be had does not take the fit with it.
@@ -165,7 +192,7 @@ fitting::Fit solve(const FitPlan& plan, fitting::Method& method, store::Journal&
                    const RunContext& context, const Logger& log) {
     method.done = journal.all<fitting::StartResult>();
     if (!method.done.empty())
-        log->info("fit: going on after {} of {} starts", method.done.size(), method.starts);
+        log->info("fit: resuming after {} of {} starts", method.done.size(), method.starts);
     Progress progress(context, "fit", static_cast<double>(method.starts), "starts");
     std::size_t count = method.done.size();
     method.on_start_done = [&](const fitting::StartResult& end) {
@@ -324,9 +351,9 @@ void warn(const fitting::Report& report, const FitPlan& plan, const Logger& log)
     for (const char* name : {"f_over_mu", "eta", "xi", "alpha"}) {
         const auto e = std::ranges::find(report.estimates, name, &fitting::Estimate::name);
         if (e != report.estimates.end() && at_bound(report, *e))
-            log->warn("fitted medium: {} = {:.4g} is where a bound of fit.bounds holds it, not where the "
-                      "data want it; "
-                      "what follows from it has no error",
+            log->warn("fitted medium: {0} = {1:.4g} lies at a bound of fit.bounds, so the data do not "
+                      "determine it, and quantities derived from it have no error: widen fit.bounds.{0}, or "
+                      "fix {0} in fit.fixed",
                       name, e->value);
     }
     if (plan.problem.sigma_known && report.dof > 0 && report.probability < 0.01)
@@ -342,8 +369,8 @@ void take_fitted_medium(Session& session, const FitResults& results, const FitPl
     const FittedMedium m = medium_of(results);
     require_known(m, results.report);
     session.directory.write("medium.json", medium_json(m, plan.keys.length_unit));
-    session.log->info("fitted medium: {}, {} f/mu, {}", with_error("eta", m.eta), with_error("xi", m.xi),
-                      with_error("alpha", m.alpha));
+    session.log->debug("fitted medium: {}, {} f/mu, {}", with_error("eta", m.eta), with_error("xi", m.xi),
+                       with_error("alpha", m.alpha));
     warn(results.report, plan, session.log);
     session.use_medium(m.eta.value, m.xi.value);
 }

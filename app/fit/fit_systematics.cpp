@@ -31,10 +31,9 @@ FitSystematics::Held held_constant(const FitPlan& plan, const fitting::Method& m
     try {
         return {name, error, fitting::change_with(remake, all, method, best, {index, error})};
     } catch (const InputError& wrong) {
-        throw RunError(
-            fmt::format("fit.fixed_errors.{} = {:g}: the fit cannot be made with the value one error "
-                        "away: {}; give a smaller error",
-                        name, error, wrong.what()));
+        throw RunError(fmt::format("fit.fixed_errors.{} = {:g}: the fit fails with the value moved by one "
+                                   "standard error: {}; give a smaller error",
+                                   name, error, wrong.what()));
     }
 }
 

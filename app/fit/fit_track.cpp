@@ -89,9 +89,8 @@ void refuse_degrees(const FitTrackData& track) {
                                      track.file.string(), in_deg, in_rad));
 }
 
-constexpr const char* scales_text = "f_over_mu and speed of [[fit.trajectories]] say what one f/mu and one "
-                                    "v0 are in the numbers of the file, and a "
-                                    "track in Python is in reduced units";
+constexpr const char* scales_text = "f_over_mu and speed of [[fit.trajectories]] convert the units of a "
+                                    "file, and a track in Python is in reduced units already";
 
 void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
     const Motion motion = motion_of(track.data, 1.0);

@@ -101,10 +101,9 @@ StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context
     Session& session = *held;
     const StageEnd end = run_recorded(session);
     if (end == StageEnd::interrupted)
-        session.log->warn(
-            "stopped by a signal; what was computed is in {}; the same command goes on from the last "
-            "checkpoint, or starts again where there is none yet",
-            folder.string());
+        session.log->warn("stopped by a signal; results so far are in {}; the same command resumes from the "
+                          "last checkpoint, or starts again if there is none yet",
+                          folder.string());
     const bool drawn_later = (only_measures(plan) && !(plan.scene.tracks && context.draws)) ||
                              only(plan, Stage::fit) || only(plan, Stage::scan);
     if (end == StageEnd::finished || end == StageEnd::incomplete)

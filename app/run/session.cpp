@@ -111,9 +111,9 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
         log->warn("{}: {} left its lock behind and is gone; taking over", directory.path().string(),
                   directory.lock().taken_over());
     if (directory.resumed())
-        log->info("{}: an earlier run did not finish; taking it up", directory.path().string());
+        log->info("{}: an earlier run did not finish; resuming it", directory.path().string());
     else if (directory.extended())
-        log->info("{}: going on with a finished run", directory.path().string());
+        log->info("{}: continuing a finished run", directory.path().string());
     tell_lost();
     tell_threads();
     for (const Stage stage : plan.stages)
@@ -142,7 +142,7 @@ void Session::tell_lost() const {
 void Session::tell_threads() const {
     const std::size_t wanted = context.thread_count(), started = Team(wanted).started();
     if (started < wanted)
-        log->warn("only {} of {} threads can be started (a limit of the system's); going on with these",
+        log->warn("only {} of {} threads can be started (a limit of the system's); continuing with these",
                   started, wanted);
 }
 

@@ -64,7 +64,7 @@ fs::path find_file(const scene::Scene& scene) {
     if (fs::exists(name))
         return name;
     throw InputError(scene.path + ": scan.file = \"" + name.string() +
-                     "\": no such file, neither beside the scene nor here");
+                     "\": no such file, neither in the folder of the scene nor in the working folder");
 }
 
 } // namespace

@@ -52,20 +52,19 @@ public:
         if (run && !rods)
             add("rods_run", "[rods_run] needs [[rods]], or [rods_random]");
         if (has("rods_order") && !run && !bed)
-            add("rods_order", "[rods_order] needs [rods_run], or [granular] with motile rods: the run that "
-                              "is looked at");
+            add("rods_order",
+                "[rods_order] needs rods to analyse: add [rods_run], or motile rods in [granular]");
         if (field && !has("medium"))
             add("field", "[field] needs [medium]");
         if (scene_.rods.size() > 1 && has("coupling") && !has("medium"))
-            add("coupling", "[coupling] of two or more rods needs [medium]");
+            add("coupling", "[coupling] with two or more rods needs [medium]");
         if (has("variants") && !rods && !bed)
             add("variants", "[[variants]] run the rods or the bed again: they need [[rods]] or [granular]");
         if (has("measure") && !bed && !tracks)
             add("measure", "[measure] needs [granular], the bed that is measured, or [tracks]");
         if (tracks && bed)
             add("tracks",
-                "[tracks] and [granular] are given: what a camera saw stands in place of a bed; leave one "
-                "out");
+                "[tracks] and [granular] are given, but tracks replace a simulated bed: leave one out");
         if (tracks && !has("measure"))
             add("tracks", "[tracks] needs [measure], for example with order = true");
     }
@@ -167,9 +166,9 @@ private:
         for (std::size_t i = 0; i < fit.models.size(); ++i)
             if (fit.models[i].name == fit.name)
                 add(fmt::format("fit.models.{}.name", i),
-                    fmt::format(
-                        "the name \"{}\" is that of the fit as written: choose another, or give fit.name",
-                        fit.name));
+                    fmt::format("the name \"{}\" is already taken by the fit itself (fit.name): choose "
+                                "another name, or set fit.name",
+                                fit.name));
     }
 
     template<class Named>

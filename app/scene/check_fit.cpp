@@ -231,7 +231,7 @@ std::string lacks(const Fit& fit, const std::string& name) {
         return tracks || has_profiles(fit, nullptr, fitted_only) ? ""
                                                                  : fmt::format("[[fit.profiles]]{}", role);
     if (name == "f_over_mu" && fit_has(fit, "alpha") && tracks && !has_profiles(fit, nullptr, fitted_only))
-        return "[[fit.profiles]]; tracks alone give alpha by itself";
+        return "[[fit.profiles]]; tracks alone determine only alpha";
     return has_profiles(fit, nullptr, fitted_only) ? "" : fmt::format("[[fit.profiles]]{}", role);
 }
 
@@ -249,7 +249,9 @@ void wanted(const Fit& fit, const Report& report) {
                           ? "[fit] has no data: give [[fit.profiles]], [[fit.maps]] or [[fit.trajectories]]"
                           : "[fit] has no data to fit: every one of [[fit.profiles]] has role = \"predict\"");
     if (fit.parameters.empty() && !(fit.profiles.empty() && fit.maps.empty()))
-        report("fit.parameters", "fit.parameters names nothing to fit; of tracks alone there may be none");
+        report(
+            "fit.parameters",
+            "fit.parameters is empty: name at least one parameter (only fits of tracks alone may have none)");
     for (const std::string& name : fit_used(fit))
         if (const std::string what = lacks(fit, name); !what.empty())
             report(place_of(fit, name), fmt::format("no data depend on {}: it needs {}", name, what));
@@ -266,8 +268,9 @@ void needed(const Fit& fit, const Report& report) {
     const bool xi = fit_has(fit, "xi"), alpha = fit_has(fit, "alpha");
     need(!profiles || has_wake(fit), "profiles need f_over_mu or f2d_over_mu");
     const bool noise = fit_has(fit, "D_r") || fit_has(fit, "D_t");
-    need(!tracks || has_coupling(fit) || fit_has(fit, "gamma_rows") || noise || fit.parameters.empty(),
-         "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
+    if (tracks && !has_coupling(fit) && !fit_has(fit, "gamma_rows") && !noise && !fit.parameters.empty())
+        report("fit.parameters", "[[fit.trajectories]]: nothing turns the rods. Put kappa, gamma1, gamma2, "
+                                 "gamma_flow or gamma_rows into fit.parameters, fit.fixed or fit.tied");
     need(!fit_has(fit, "rows_direction") || fit_has(fit, "gamma_rows"), "rows_direction needs gamma_rows");
     if (has_wake(fit) || has_coupling(fit)) {
         need(fit_has(fit, "eta"), "the field needs eta");
@@ -276,8 +279,8 @@ void needed(const Fit& fit, const Report& report) {
     need(!(xi && alpha), "give xi or alpha = f_over_mu/xi, not both");
     need(!profiles || !alpha || fit_has(fit, "f_over_mu"), "alpha = f_over_mu/xi needs f_over_mu");
     need(!(profiles && tracks && xi),
-         "profiles and trajectories together need alpha in place of xi, which is in the "
-         "profiles' unit for the ones and in f/mu for the others");
+         "profiles and trajectories together need alpha in place of xi, because xi would be in the profiles' "
+         "unit for the former and in f/mu for the latter");
 }
 
 /// A likelihood of its own needs the errors of the measurement.
@@ -287,10 +290,10 @@ void noise(const Fit& fit, const Report& report) {
     for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
         if (!fit.trajectories[i].sigma_position || !fit.trajectories[i].sigma_heading)
             report(fmt::format("fit.trajectories.{}", i),
-                   "the noise of rods (D_r, D_t) is told from that of the measurement: give sigma_position "
-                   "and sigma_heading");
+                   "fitting D_r or D_t needs known measurement errors: set sigma_position and sigma_heading "
+                   "in [[fit.trajectories]]");
     if (fit.search.loss != fitting::Loss::squares)
-        report("fit.loss", "the noise of rods (D_r, D_t) is normal: loss = \"squares\"");
+        report("fit.loss", "D_r and D_t can only be fitted with loss = \"squares\" (Gaussian errors)");
 }
 
 void model(const Fit& fit, const Report& report) {
@@ -304,7 +307,8 @@ void model(const Fit& fit, const Report& report) {
     of_profiles(fit.independent_spacing.has_value() && fit.maps.empty(), "independent_spacing");
     of_profiles(fit.heading != unset.heading, "heading");
     if (fit.heading != unset.heading && !fit.box)
-        report("fit.heading", "heading is that of the rod against the sides of box; there is no box");
+        report("fit.heading", "heading is the angle of the rod to the sides of the periodic box: give "
+                              "fit.box, or leave heading out");
     if (fit.search.loss_width != unset.search.loss_width && fit.search.loss == fitting::Loss::squares)
         report("fit.loss_width", "loss_width belongs to loss = \"huber\" and \"cauchy\" only");
     if (fit.length_unit.empty())
@@ -361,22 +365,25 @@ void needed_by_maps(const Fit& fit, const Report& report) {
     if (fit_is_isotropic(fit)) {
         const auto refuse = [&](const char* name) {
             need(!fit_has(fit, name),
-                 fmt::format("maps with f_over_mu and eta are in units of mu: no {}", name).c_str());
+                 fmt::format("maps with f_over_mu and eta are in units of mu: leave out {}", name).c_str());
         };
         for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
             refuse(name);
         need(fit_has(fit, "f_over_mu"), "maps with eta need f_over_mu");
         need(fit_has(fit, "xi") + fit_has(fit, "alpha") + fit_has(fit, "drag_area") < 2,
              "give one of xi, alpha and drag_area");
-        return need(fit.trajectories.empty() && !has_profiles(fit, nullptr, true),
-                    "maps with f_over_mu and eta are fitted by themselves: profiles may be predicted");
+        if (!fit.trajectories.empty() || has_profiles(fit, nullptr, true))
+            report("fit.parameters",
+                   "maps fitted by f_over_mu and eta cannot be combined with other fitted data: set role = "
+                   "\"predict\" in [[fit.profiles]], and leave out [[fit.trajectories]]");
+        return;
     }
     need(!fit_has(fit, "drag_area"), "drag_area belongs to maps with f_over_mu and eta");
     constexpr std::array sources = {"force", "p_xx", "p_yy", "q_xxx", "q_xyy", "q_yxy"};
     need(std::ranges::any_of(sources, [&](const char* name) { return fit_has(fit, name); }),
          "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no displacement");
     need(!fit_has(fit, "amplitude") || fit_has(fit, "force"),
-         "amplitude is the monopole over its prediction: it needs force, which it multiplies");
+         "amplitude scales the predicted monopole force: also give force");
     for (const char* name : {"c11", "c22", "c12", "c66"})
         need(fit_has(fit, name), fmt::format("maps need {}", name).c_str());
 }
@@ -390,7 +397,7 @@ void measured_by_run(const Scene& scene, const Report& report) {
     if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
         report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
     if (!scene.measure || !scene.measure->mechanics)
-        report(path, name + " is measured by measure.mechanics, which this scene does not ask for");
+        report(path, name + " is measured by measure.mechanics, which this scene does not set");
 }
 
 void fixed_errors(const Fit& fit, const Report& report) {

@@ -14,7 +14,7 @@ constexpr double max_steps = 1e12, max_frames = 1e6, max_rows = 1e7;
 
 void start(const Granular& bed, const Report& report) {
     if (bed.start == GranularStart::restart && bed.restart_from.empty())
-        report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to go on from");
+        report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to resume");
     if (bed.start == GranularStart::restart && bed.box.fit)
         report("granular.box",
                "box = \"fit\" is made for a lattice and the rods in it, and the stored bed has a box: "
@@ -24,8 +24,8 @@ void start(const Granular& bed, const Report& report) {
     if (bed.beads == 0 && bed.rods.empty())
         report("granular.beads", "beads = 0 and no [[granular.rods]]: nothing to simulate");
     if (!bed.count_rod_area && bed.beads)
-        report("granular.count_rod_area",
-               "count_rod_area belongs to phi_b: with beads the number of beads is given");
+        report("granular.count_rod_area", "count_rod_area has no effect with beads, which fixes the number "
+                                          "of beads: give phi_b, or leave count_rod_area out");
     if (bed.stop_at_travel && bed.rods.empty())
         report("granular.stop_at_travel", "stop_at_travel needs [[granular.rods]]: it is their travel");
 }
@@ -38,8 +38,8 @@ void room(const Granular& bed, const Report& report) {
         return;
     }
     if (bed.box.x > 0.0)
-        report("granular.box", "box is that of a periodic bed, and [granular.container] puts a wall around "
-                               "it: leave one of them out");
+        report("granular.box", "box makes the bed periodic and [granular.container] encloses it in a wall: "
+                               "leave one of them out");
     const bool round = bed.container->kind == granular::ContainerKind::circle;
     if (round && !bed.container->radius)
         report("granular.container.radius", "kind = \"circle\" needs radius, for example radius = \"40 a\"");
@@ -138,16 +138,15 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
     const bool moving = bed.body_force && bed.body_force->kind == granular::BodyForceKind::gaussian;
     if (m.displacement && count == 0 && !moving)
         report("measure.displacement", "displacement needs [[granular.rods]], or a [granular.body_force] of "
-                                       "kind \"gaussian\": it is seen from there");
+                                       "kind \"gaussian\", as the origin of its frame");
     want_rod(m.heading_diffusion, "heading_diffusion");
     if (m.mechanics && bed.body_force && bed.body_force->kind != granular::BodyForceKind::uniform)
         report("measure.mechanics",
                "mechanics has to know all of the force on the bed: make [granular.body_force] kind = "
                "\"uniform\", or leave out it or mechanics");
     if (m.inertia_error && !m.inertia_factor)
-        report("measure.inertia_error",
-               "inertia_error is that of inertia_factor: give inertia_factor (1 or a little more), or leave "
-               "both out");
+        report("measure.inertia_error", "inertia_error is the error of inertia_factor, which is not set: "
+                                        "give inertia_factor (1 or a little more), or leave both out");
     want_rod(m.from_travel.has_value(), "from_travel (or a distance in from)");
     if (m.pairs && count != 2)
         report("measure.pairs", fmt::format("pairs needs two [[granular.rods]]; there are {}", count));
@@ -196,8 +195,8 @@ void times(const Measure& m, const Granular& bed, const Report& report) {
         report("measure.flow_lag",
                fmt::format("flow_lag = {:g} s is longer than block = {:g} s", m.flow_lag, m.block));
     if (m.bead_drag_error && !m.bead_drag)
-        report("measure.bead_drag_error", "there is no bead_drag that it is the error of: give "
-                                          "measure.bead_drag, or leave the error out");
+        report("measure.bead_drag_error", "measure.bead_drag_error is set but measure.bead_drag is not: set "
+                                          "measure.bead_drag, or remove the error");
     if (m.s_low && m.s_high && !(*m.s_low < *m.s_high))
         report("measure.s_high",
                fmt::format("s_high = {:g} must be above s_low = {:g}", *m.s_high, *m.s_low));

@@ -27,7 +27,8 @@ void one_prior(const Fit& fit, const std::string& name, const Prior& prior, cons
     else if (prior.kind == PriorKind::normal && !(prior.sd > 0.0))
         report(path, fmt::format("sd = {:g}: a normal prior needs mean, and sd above 0", prior.sd));
     else if (prior.kind != PriorKind::normal && !(std::isfinite(low) && std::isfinite(high)))
-        report(path, fmt::format("improper: {} has no bounds, so give low and high", name));
+        report(path, fmt::format("{0}: a {1} prior needs low and high, because fit.bounds.{0} is not set",
+                                 name, prior.kind == PriorKind::log_uniform ? "log_uniform" : "uniform"));
     else if (prior.kind == PriorKind::log_uniform && !(low > 0.0))
         report(path, fmt::format("low = {:g}: log_uniform needs low above 0", low));
 }
@@ -43,15 +44,15 @@ void check_posterior(const Fit& fit, const Report& report) {
     for (const std::string& name : fit.parameters)
         if (!posterior.priors.contains(name) && !fit_bounds(fit, name))
             report("fit.posterior",
-                   fmt::format("{0} has neither bounds nor a prior, which would be improper: give "
-                               "fit.bounds.{0} or fit.posterior.priors.{0}",
+                   fmt::format("{0} has neither bounds nor a prior, so its posterior cannot be normalised: "
+                               "give fit.bounds.{0} or fit.posterior.priors.{0}",
                                name));
     if (posterior.samples % posterior.chains != 0 || posterior.samples / posterior.chains < 8)
         report("fit.posterior.samples",
-               fmt::format("samples = {} must be a multiple of chains = {}, 8 a chain or more",
+               fmt::format("samples = {} must be a multiple of chains = {}, with 8 or more per chain",
                            posterior.samples, posterior.chains));
     if (fit.search.loss != fitting::Loss::squares)
-        report("fit.loss", "a posterior is that of normal errors, loss = \"squares\"");
+        report("fit.loss", "a posterior needs Gaussian errors: loss = \"squares\"");
 }
 
 } // namespace rodwake::scene

@@ -74,11 +74,10 @@ void noise(const Scene& scene, const Report& report) {
                            *scene.noise->capture_error));
     if (scene.medium && scene.medium->field == FieldBackend::measured && scene.medium->measured &&
         scene.medium->measured->samples > 0)
-        report(
-            "medium.measured.samples",
-            fmt::format("medium.measured.samples = {}: an ensemble is drawn from the errors of the field or "
-                        "from [noise], not both: set samples to 0",
-                        scene.medium->measured->samples));
+        report("medium.measured.samples",
+               fmt::format("medium.measured.samples = {}: an ensemble is drawn from the errors of the field "
+                           "or from [noise], not both: set samples to 0",
+                           scene.medium->measured->samples));
 }
 
 void order_of_rods(const Scene& scene, const Report& report) {
@@ -112,10 +111,9 @@ void rods_of_bed(const Scene& scene, const Report& report) {
         return rod.shape.kind == granular::RodKind::motile;
     });
     if (motile < 2)
-        report("rods_order",
-               fmt::format("[rods_order] without [rods_run] looks at the motile rods of the bed, "
-                           "of which [[granular.rods]] has {}: at least 2",
-                           motile));
+        report("rods_order", fmt::format("[rods_order] without [rods_run] analyses the motile rods of the "
+                                         "bed and needs at least 2; [[granular.rods]] has {}",
+                                         motile));
     const bool foreign = scene.measure && !scene.measure->trajectory.empty();
     if (!foreign && std::ranges::count(scene.granular->output.formats, "h5md") == 0)
         report("rods_order", "[rods_order] of a bed is made from its frames: granular.output.formats must "
@@ -172,8 +170,8 @@ void dynamic_run(const RodsRun& run, const Report& report) {
 void dynamic(const Scene& scene, const Report& report) {
     const Medium& m = *scene.medium;
     if (m.periodic)
-        report("medium.periodic", "medium.periodic is given beside medium.field = \"dynamic\", whose box is "
-                                  "medium.dynamic.box: leave one out");
+        report("medium.periodic", "medium.periodic cannot be combined with medium.field = \"dynamic\", whose "
+                                  "box is medium.dynamic.box: leave one out");
     std::vector<rods::Pose> rods;
     for (const Rod& rod : scene.rods)
         rods.push_back({rod.position[0], rod.position[1], rod.heading});
@@ -188,8 +186,8 @@ void dynamic(const Scene& scene, const Report& report) {
         report("medium.dynamic", fmt::format("[medium.dynamic]: {}", error.what()));
     }
     if (noisy(scene))
-        report("noise", "[noise] beside medium.field = \"dynamic\": rods with noise are integrated in the "
-                        "exact field, a table or a measured one; leave out one of the two");
+        report("noise", "[noise] cannot be combined with medium.field = \"dynamic\": rods with noise are "
+                        "integrated in the exact field, a table or a measured one; leave one out");
     if (scene.rods_run)
         dynamic_run(*scene.rods_run, report);
 }

@@ -72,7 +72,9 @@ void check_axis(const Scene& scene, const ScanAxis& axis, const std::string& pat
     else if (!axis.values.empty() && scan.design != ScanDesign::grid)
         report(path + ".values", fmt::format("{}.values: only design = \"grid\" takes listed values", path));
     else if (range && scan.design == ScanDesign::grid && axis.count == 1)
-        report(path + ".count", fmt::format("{}.count = 1 leaves out to: give values = [...]", path));
+        report(path + ".count", fmt::format("{}.count = 1 would use only \"from\" and ignore \"to\". For a "
+                                            "single value write values = [...]",
+                                            path));
     else if (range)
         check_ends(axis, path, report);
 }
@@ -84,14 +86,13 @@ void check_resolution(const Scan& scan, const ScanAxis& axis, const std::string&
     if (!halves)
         report(path + ".count",
                fmt::format("{}.count = {}: with design = \"adaptive\" cells are halved until there are "
-                           "scan.resolution = {} a side, which must be count times a power of two",
+                           "scan.resolution = {} per side, which must be count times a power of two",
                            path, axis.count, scan.resolution));
     else if (axis.count != scan.axes.front().count)
-        report(
-            path + ".count",
-            fmt::format("{}.count = {}: with design = \"adaptive\" all axes have the same, and that of the "
-                        "first is {}",
-                        path, axis.count, scan.axes.front().count));
+        report(path + ".count",
+               fmt::format(
+                   "{}.count = {}: with design = \"adaptive\" all axes need the same count; the first has {}",
+                   path, axis.count, scan.axes.front().count));
 }
 
 /// What another design would take.
@@ -120,17 +121,15 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
     else if (scene.rods.size() < 2)
         report("scan", "[scan] of rods needs two or more [[rods]]: a single rod has no outcome");
     else if (scene.rods.size() > rods::most_followed_rods)
-        report("scan",
-               fmt::format(
-                   "[scan] compares how encounters end, which is followed for up to {} rods: here are {}",
-                   rods::most_followed_rods, scene.rods.size()));
+        report("scan", fmt::format("[scan] classifies the outcome of encounters of at most {} rods, and this "
+                                   "scene has {}: use fewer rods",
+                                   rods::most_followed_rods, scene.rods.size()));
     if (scene.scan->decide && scene.noise)
         report("scan.decide", "scan.decide is for rods without [noise]: leave one out");
     if (scene.rods_run && scene.rods_run->t_end_limit) {
         if (!scene.scan->decide)
-            report("rods_run.t_end_limit",
-                   "rods_run.t_end_limit needs scan.decide = true, whose points go on "
-                   "until their outcome is decided");
+            report("rods_run.t_end_limit", "rods_run.t_end_limit needs scan.decide = true, which continues "
+                                           "points until their outcome is decided");
         if (*scene.rods_run->t_end_limit < scene.rods_run->t_end)
             report("rods_run.t_end_limit", "rods_run.t_end_limit must be at least t_end");
     }

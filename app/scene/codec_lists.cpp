@@ -132,7 +132,7 @@ struct As<Words> : Whole<Words> {
         if (!codec_of<std::string>().parse(in, &name))
             return;
         if (contains(value, name))
-            in.wrong("stands in the list already");
+            in.wrong("is in the list already");
         value.push_back(name);
     }
     static std::string text(const Key&, const Words& value, const Units&) {

@@ -97,9 +97,8 @@ bool refuse_given(Visitor& v, const EtaForms& k, const std::optional<double>& xi
     for (const auto& [name, is_given] : keys)
         if (is_given) {
             any = true;
-            v.complain(
-                name,
-                "is given beside medium.fitted = true, which takes eta and xi from [fit]: leave one out");
+            v.complain(name, "is given together with medium.fitted = true, which takes eta and xi from "
+                             "[fit]: leave one out");
         }
     return any;
 }

@@ -221,15 +221,13 @@ void check_measured_tracks(const Scene& scene, const Report& report) {
     const Measure& m = *scene.measure;
     for (const OfBedsOnly& of : of_beds_only)
         if (of.is_asked(m))
-            report(
-                std::string("measure.") + of.key,
-                fmt::format("{} needs a bed ([granular]): it goes by forces or velocities, and [tracks] have "
-                            "places and headings; leave it out",
-                            of.key));
+            report(std::string("measure.") + of.key,
+                   fmt::format("{} needs a bed ([granular]), because it uses forces or velocities, and "
+                               "[tracks] contain only positions and headings; leave it out",
+                               of.key));
     if (!m.order && !m.microrheology && !m.displacement && !m.flow && !m.pairs && !m.heading_diffusion)
-        report("measure",
-               "[measure] asks for nothing that tracks have: give order, microrheology, displacement, "
-               "flow, pairs or heading_diffusion");
+        report("measure", "[measure] lists nothing that can be measured on tracks: give order, "
+                          "microrheology, displacement, flow, pairs or heading_diffusion");
     if (m.pairs && !m.contact_distance)
         report("measure.pairs", "pairs of [tracks] needs contact_distance, between the rods' places: half a "
                                 "rod's length, for example contact_distance = \"12 a\"");

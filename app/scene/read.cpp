@@ -199,15 +199,16 @@ void check_models(const Node& root, const Scene& scene, Problems& problems) {
         if (!own.empty() || !rival.fit)
             continue;
         if (const char* key = other_data(*scene.fit, *rival.fit))
-            problems.add(
-                set->key_place, path + ".set",
-                fmt::format("{}.set changes the data (fit.{}): rivals are weighed on the same data alone; "
-                            "leave it out, or fit them apart",
-                            path, key));
+            problems.add(set->key_place, path + ".set",
+                         fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
+                                     "same data; leave it out, or make a separate fit",
+                                     path, key));
         const auto same = std::ranges::find(seen, model_of(*rival.fit));
         if (same != seen.end())
             problems.add(set->key_place, path + ".set",
-                         fmt::format("{}.set leaves the same model as {}: change a key of [fit]", path,
+                         fmt::format("{}.set gives the same model as {}: change a key of [fit] that alters "
+                                     "the model, such as fit.parameters or fit.fixed",
+                                     path,
                                      same == seen.begin()
                                          ? "the fit as written"
                                          : fmt::format("fit.models[{}]", same - seen.begin() - 1)));

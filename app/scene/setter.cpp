@@ -193,9 +193,9 @@ std::string Setter::misfit(const Key& key, const Progress& p, const void* value,
 void Setter::learn(const Key& key, const Progress& p, bool is_quantity) {
     SetterTarget& target = found_[static_cast<std::size_t>(&p - progress_.data())];
     if (key.is_unit)
-        fail(
-            fmt::format("{} says what the numbers of the scene mean: it can be set only before they are read",
-                        target.key));
+        fail(fmt::format(
+            "{} defines the units of the scene, so it can only be set before the numbers are read",
+            target.key));
     target.is_quantity = is_quantity;
     target.dimension = key.dimension;
     target.units = units_;

@@ -142,10 +142,9 @@ bool split_quantity(const std::string& text, double& number, std::string& word) 
 
 /// Of a length in files whose unit is a mere name.
 std::string inconvertible(const Units& units) {
-    return fmt::format(
-        "the data are in {0} (fit.length_unit), and what a {0} is nobody said: give a plain number, "
-        "in {0}",
-        units.word);
+    return fmt::format("cannot convert to \"{0}\": fit.length_unit = \"{0}\" is not a unit rodwake knows. "
+                       "Write the value as a plain number in {0}",
+                       units.word);
 }
 
 Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }

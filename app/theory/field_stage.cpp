@@ -157,8 +157,8 @@ StageEnd run_field(Session& session) {
         store_cut(session, field, i);
     if (session.context.stopped())
         return StageEnd::interrupted;
-    session.log->info("field: {} grid points, {} cuts", table.x.empty() ? 0 : table.nx * table.ny,
-                      table.cuts.size());
+    session.log->debug("field: {} grid points, {} cuts", table.x.empty() ? 0 : table.nx * table.ny,
+                       table.cuts.size());
     return StageEnd::finished;
 }
 

@@ -74,7 +74,7 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
     store::Journal journal(file, runs_key_of(plan.of.scene, field), store::Journal::OfAnother::replace);
     sums = sums_in(journal, rods::no_runs(problem));
     if (!sums.ends.empty())
-        session.log->info("noise{}: going on from run {}", plan.of.suffix(), sums.ends.size());
+        session.log->info("noise{}: resuming from run {}", plan.of.suffix(), sums.ends.size());
     else if (journal.replaced())
         session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
                           file.string());

@@ -62,7 +62,7 @@ void resume(const Session& session, Work& one) {
     one.options.resume_from =
         session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene, one.field_key());
     if (one.options.resume_from)
-        session.log->info("rods: going on from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+        session.log->info("rods: resuming from the checkpoint at t = {:.6g}", one.options.resume_from->time);
     else if (std::filesystem::exists(file))
         session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
                           file.string());
@@ -274,9 +274,9 @@ void report_capture(const Session& session, const Work& one, const rods::NoiseSu
     const NoisePlan& plan = *one.plan->noise;
     const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
     if (wide && sums.ends.size() >= plan.most_runs)
-        session.log->warn(
-            "noise{}: noise.most_runs = {} ended it before noise.capture_error = {:g} was reached",
-            one.of().suffix(), plan.most_runs, *plan.capture_error);
+        session.log->warn("noise{}: stopped at noise.most_runs = {} before the error of the capture "
+                          "probability fell to noise.capture_error = {:g}",
+                          one.of().suffix(), plan.most_runs, *plan.capture_error);
 }
 
 /// One case after the other, each over all threads.
@@ -432,8 +432,8 @@ std::vector<FileKind> rods_files() {
              "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
              "also where each rod feels those of the others alone; with the rods' places and headings"},
             {"medium_film.log", progress, "frames so far"},
-            {"noise.log", progress, "runs with noise that are done, to go on from"},
-            {"checkpoint.json", progress, "state to go on from"}};
+            {"noise.log", progress, "finished runs with noise, to resume from"},
+            {"checkpoint.json", progress, "state to resume from"}};
 }
 
 /// Runs, and the time of a right-hand side at the start. A step of a dynamic medium has no part that could be

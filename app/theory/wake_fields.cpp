@@ -131,7 +131,7 @@ Table kept(const RunContext& context, const fs::path& file, const Table& wanted,
         if (auto table = file.empty() ? std::nullopt : read(file, wanted))
             return std::move(*table);
     } catch (const std::exception& error) {
-        tell(Severity::warning, fmt::format("{}; it is made anew", error.what()));
+        tell(Severity::warning, fmt::format("{}; it will be recomputed", error.what()));
     }
     Table table = make();
     tell(Severity::info, told(table) + (file.empty() ? "" : ", " + file.string()));

@@ -17,7 +17,7 @@ def find_package(program):
         if any((folder / "rodwake").glob("_core.*")):
             sys.path.insert(0, str(folder))
             return
-    sys.exit(f"rodwake: this command needs the Python package rodwake, which stands neither in {program.parent}/python nor below "
+    sys.exit(f"rodwake: this command needs the Python package rodwake, which is neither in {program.parent}/python nor below "
              f"{program.parents[1]}/lib; build with RODWAKE_PYTHON_PACKAGE=ON, or pip install rodwake")
 
 

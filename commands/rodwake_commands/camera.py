@@ -1,4 +1,4 @@
-"""rodwake camera: a bed's frames as the tracks that a camera would have of them, and a scene that measures them.
+"""rodwake camera: simulate imaging of a bed: tracks with noise, losses and distortion, and a scene that measures them.
 
 Measured again, tracks of a bed whose truth is known show how the faults of a camera change a measure. A point r of the bed, relative to
 the middle of its box, appears at R(-turned) r (1 + distortion r^2/d^2) from the middle of the picture, where d is half of the picture's

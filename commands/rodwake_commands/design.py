@@ -1,4 +1,4 @@
-"""rodwake design: which start, density, errors and number of runs would tell the rivals of a fit apart, before any is done.
+"""rodwake design: rank candidate experiments by how well they would discriminate between the models of a fit, before any is done.
 
 For each design every model of the scene in turn makes sets of tracks, which all models weigh (DesignModels of the bindings says how), all
 equally probable beforehand. The expected information on which model it is, in bits, is log2(models) + <log2 p(true model | tracks)>: the
@@ -130,7 +130,7 @@ def write(folder, names, weighed, sets, command):
 
 
 def print_table(names, weighed):
-    print(f"{', '.join(names)} told apart, of {math.log2(len(names)):.3g} bits:\n"
+    print(f"information on {', '.join(names)}, of {math.log2(len(names)):.3g} bits:\n"
           f"{'bits':>14}  {'wins':>7}  {'log Bayes, least':>13}  {'runs':>4}  design")
     for design in sorted(weighed, key=lambda design: -design.information):
         bits = f"{design.information:.2f} +- {design.error:.2f}"
@@ -152,7 +152,7 @@ def main(request):
     threads = request.whole("threads", len(os.sched_getaffinity(0)))
     weighed = weigh(designs, 1 if dry_run else sets, seed, threads, not request.flag("quiet"))
     if dry_run:
-        print(f"{len(designs)} designs would be weighed, {sets} sets of tracks by each of {', '.join(names)}, results in {folder}")
+        print(f"{len(designs)} designs would be evaluated, {sets} sets of tracks for each of {', '.join(names)}, results in {folder}")
         return 0
     write(folder, names, weighed, sets, request.text("command"))
     plotted = subprocess.run([request.program, "plot", str(folder), "--quiet"], check=False).returncode

@@ -16,7 +16,7 @@ def refuse_link(path):
 def refuse_present(path):
     """Results stay unless --force says otherwise."""
     if path.exists():
-        raise InputError(f"{path}: is there; --force replaces it, or name another folder with -o")
+        raise InputError(f"{path}: already exists; --force replaces it, or name another folder with -o")
 
 
 def number(x):

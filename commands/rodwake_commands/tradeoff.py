@@ -177,7 +177,7 @@ def answer_of_part(request, study, wanted):
     else:
         request.say(f"{q.quantity} {best.error:.2g} ({q.unit}) in {time_text(best.seconds)}")
     if wanted and q.bias_error > error:
-        request.say("its bias is known less well than what was asked for: a longer --limit with --force knows more")
+        request.say("its bias is less certain than the requested error: use a longer --limit with --force")
     print_keys(best.candidate.keys + ([f"granular.runs={best.runs}"] if q.scatter > 0 else []))
 
 

@@ -210,7 +210,7 @@ class FitTarget(Target):
         for name in [name for table in tables for name in table.get("files", [table.get("file")])]:
             found = next((place / name for place in (folder, Path(path).parent, Path()) if (place / name).is_file()), None)
             if found is None:
-                raise InputError(f"{path}: {name}: no such file, in {folder}, beside the scene or here")
+                raise InputError(f"{path}: {name}: no such file in {folder}, in the folder of the scene or in the working folder")
             digest.update(found.read_bytes())
         self.work = json.dumps({"fit": fit, "data": digest.hexdigest()}, sort_keys=True)
         self.names = ", ".join(f'"{name}"' for name in fit["parameters"])
@@ -296,8 +296,8 @@ class FieldTarget(Target):
         if "field" not in scene or not medium:
             raise InputError(f"{path}: no [field] table, so there is no map whose cost and error could be measured")
         if medium.get("fitted") or medium["field"] == "measured":
-            raise InputError(f"{path}: the field of this scene is measured or fitted: there is one way to map it; give eta and xi in [medium] to "
-                             "compare the others")
+            raise InputError(f"{path}: the field of this scene is measured or fitted, so there are no settings to compare; give eta and xi in "
+                             "[medium]")
         fixed = {key: value for key, value in medium.items() if key not in ("field", "table")}
         self.work = json.dumps({"medium": fixed, **{name: scene[name] for name in ("units", "scales", "field") if name in scene}}, sort_keys=True)
         box = medium.get("periodic")

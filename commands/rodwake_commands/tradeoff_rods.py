@@ -36,7 +36,7 @@ def require_rods(scene, path):
     if medium.get("fitted"):
         raise InputError(f"{path}: medium.fitted = true takes eta and xi from [fit]: give eta and xi in [medium]")
     if "dynamic" in medium:
-        raise InputError(f"{path}: rods in a dynamic medium are integrated in one way, to rods_run.rtol: there is nothing to choose")
+        raise InputError(f"{path}: rods in a dynamic medium have one method, controlled by rods_run.rtol: there are no settings to compare")
     if "scan" in scene and "granular" in scene:
         raise InputError(f"{path}: the scan is one of beds, whose cost and error rodwake tradeoff does not measure yet")
     noise = scene.get("noise", {})

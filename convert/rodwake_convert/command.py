@@ -36,7 +36,7 @@ def arguments(argv):
         if not options.frames[2]:
             raise ValueError
     except ValueError:
-        parser.error(f"--frames {options.frames}: expected FROM:TO:STRIDE, whole numbers, of which each may be absent")
+        parser.error(f"--frames {options.frames}: expected FROM:TO:STRIDE, whole numbers, each optional")
     pairs = [pair.partition("=") for pair in options.column]
     if bad := [key for key, equal, name in pairs if key not in ("id", "x", "y", "heading", "kind") or not name]:
         parser.error(f"--column {bad[0]}: expected id=NAME, x=NAME, y=NAME, heading=NAME or kind=NAME")

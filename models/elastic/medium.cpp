@@ -129,8 +129,8 @@ FieldValues values(const Combination& sum, FieldRequest request, double unit, do
 
 void check(FieldRequest request) {
     if (request.gradients)
-        throw InputError("derivatives of the field's gradients by the medium are not available: ask for "
-                         "displacement, strain, polar or dipole");
+        throw InputError("derivatives of the field's gradients with respect to the medium are not available: "
+                         "request displacement, strain, polar or dipole");
 }
 
 } // namespace

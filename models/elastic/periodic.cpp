@@ -117,7 +117,7 @@ NearestImage PeriodicField::Impl::nearest(double x, double y) const {
     const Vector shift = turned(Vector{i * box.x, j * box.y}, cosine, -sine);
     const Vector offset{x - shift.x, y - shift.y};
     if (offset.x == 0.0 && offset.y == 0.0)
-        refuse_place(x, y, "the rod or one of its images is there, and the field singular: move the point");
+        refuse_place(x, y, "the field is singular there, at the rod or one of its images: move the point");
     return {lab.x - i * sides.x, lab.y - j * sides.y, shift, offset};
 }
 

@@ -28,7 +28,7 @@ void decide(DecayClass& c, double zero_chance, double farthest) {
         c.reason = fmt::format("no order is left at these distances: g_B = 0 within errors (P = {:.2g})",
                                zero_chance);
     } else if (!c.exponent.known()) {
-        c.reason = "eta_6 is not known: chi2 does not tell how well";
+        c.reason = "the error of eta_6 is unknown: chi2 does not determine it";
     } else if (eta - error > hexatic_bound) {
         c.decay = Decay::exponential;
         c.reason = shown + " is above 1/4, where a hexatic melts (KTHNY)";
@@ -37,7 +37,7 @@ void decide(DecayClass& c, double zero_chance, double farthest) {
         c.reason = fmt::format("{}: {}, so g_B stays at {:.4f}", shown,
                                eta < least_exponent ? "below 0.003" : "0 within 2 errors", c.plateau.value);
     } else if (flat) {
-        c.reason = shown + ": neither 0 nor 1/4 can be excluded; more frames or a longer run would tell";
+        c.reason = shown + ": neither 0 nor 1/4 can be excluded; use more frames or a longer run";
     } else if (c.chi2_algebraic - c.chi2_exponential > clear_chi2 && c.length.known() &&
                c.length.value < farthest) {
         c.decay = Decay::exponential;

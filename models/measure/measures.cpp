@@ -51,7 +51,7 @@ bool Measures::has_travelled(const Frame& frame) {
 
 std::vector<double> Measures::save() const {
     if (layout_.all_beads > 0)
-        throw RunError("measure: sums over tracks are not stored: they are made anew from the file");
+        throw RunError("measure: sums over tracks are not stored: they are recomputed from the file");
     StateWriter out;
     out.put(frames_);
     if (travel_.distance > 0.0)

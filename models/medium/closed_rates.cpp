@@ -18,7 +18,7 @@ ClosedRates::ClosedRates(const elastic::Medium& elastic, const DynamicMedium& me
       fields_(4 * modes_.size() * (medium.self_field ? 1 : rods)), total_(4 * modes_.size()) {
     validate(elastic, medium, rods);
     if (medium.closure == Closure::none)
-        throw InputError("rates of a closure are asked for in a medium without one");
+        throw InputError("rates of a closure are requested in a medium without a closure");
 }
 
 std::span<double> ClosedRates::field(std::size_t rod) {

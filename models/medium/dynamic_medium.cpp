@@ -40,12 +40,11 @@ void check_closure(const DynamicMedium& m) {
     if (m.closure == Closure::none)
         return;
     if (m.start == Start::rest)
-        throw InputError(
-            "start = \"rest\" beside a closure: fields that know nothing of the past have no start; "
-            "take start = \"steady\" or closure = \"none\"");
+        throw InputError("a closure has no initial state, so start = \"rest\" needs closure = \"none\": take "
+                         "start = \"steady\", or closure = \"none\"");
     if (m.evaluation == Evaluation::mesh || m.inertia > 0.0)
-        throw InputError("a closure goes with sums and without inertia: take evaluation = \"auto\" and "
-                         "inertia = 0, or closure = \"none\"");
+        throw InputError("a closure needs direct sums and no inertia: take evaluation = \"auto\" and inertia "
+                         "= 0, or closure = \"none\"");
 }
 
 } // namespace
@@ -87,11 +86,10 @@ void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::
             "all",
             most_fields, rods));
     if (mesh && !medium.self_field && medium.inertia > 0.0)
-        throw InputError(fmt::format("inertia = {} and self_field = false do not go with the mesh, which {} "
-                                     "rods get: what a rod's own "
-                                     "field does is known to it without inertia only; take self_field = "
-                                     "true, or sums for at most {} rods",
-                                     medium.inertia, rods, most_fields));
+        throw InputError(
+            fmt::format("inertia = {} with self_field = false is not available for {} rods, which are "
+                        "evaluated on a mesh: use self_field = true, or at most {} rods (direct sums)",
+                        medium.inertia, rods, most_fields));
     if (mesh && !medium.self_field && medium.force_width > most_own_width * elastic.xi)
         throw InputError(
             fmt::format("self_field = false with the mesh, which {} rods get, takes a rod's own "

@@ -63,8 +63,8 @@ void validate_film(const DynamicMedium& m, std::size_t rods, double t_end) {
         throw InputError(fmt::format("film_interval = {}: must be > 0 and finite; leave it out for no film",
                                      *m.film_interval));
     if (m.closure != Closure::none)
-        throw InputError("film_interval beside a closure, whose medium is not integrated: leave it out, or "
-                         "closure = \"none\"");
+        throw InputError("film_interval needs a medium that is integrated, and a closure replaces it: leave "
+                         "film_interval out, or set closure = \"none\"");
     check_grid(m);
     const double frames = std::floor(t_end / *m.film_interval) + 1.0,
                  bytes = 8.0 * frames * static_cast<double>(film_frame_size(m, rods));

@@ -27,7 +27,7 @@ using rods::RodProblem;
 RodProblem in_box(const MediumProblem& problem) {
     RodProblem rods = problem.rods;
     if (rods.box && *rods.box != problem.medium.box)
-        throw InputError(fmt::format("the rods' box of {} is not that of the dynamic medium, {}",
+        throw InputError(fmt::format("the rods' box, {}, differs from the box of the dynamic medium, {}",
                                      to_string(*rods.box), problem.medium.box));
     rods.box = problem.medium.box;
     return rods;

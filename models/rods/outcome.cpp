@@ -42,7 +42,7 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
         outcome.reason = "a single rod has no partner";
     else if (rods > most_followed_rods && outcome.ending != Ending::contact)
         outcome.reason =
-            fmt::format("of more than {} rods no pair is told apart; rods {} and {} came "
+            fmt::format("outcomes of pairs are not distinguished for more than {} rods; rods {} and {} came "
                         "closest, {:.6g} apart",
                         most_followed_rods, outcome.pair.first, outcome.pair.second, outcome.min_separation);
     else if (outcome.ending == Ending::contact && outcome.time == 0.0)

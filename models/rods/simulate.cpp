@@ -83,7 +83,7 @@ std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem) {
                                     sum_options(problem.couplings, problem.sums));
     const elastic::Medium& of = problem.field->medium();
     if (of.eta != problem.medium->eta || of.xi != problem.medium->xi || problem.field->box() != problem.box)
-        throw InputError("the field of a problem with rods is that of another medium or box");
+        throw InputError("the field of the problem was made for another medium or box");
     return problem.field;
 }
 

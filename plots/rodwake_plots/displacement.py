@@ -194,7 +194,7 @@ def caption_displacement_map(run, spec):
             f"there. {drawn(run)} {how(parts[0])}{bed_run.not_measured(run, FIELDS, 'displacement')}")
 
 
-# Measured displacement along a line of the rod's frame (paper, Figs. ufield a, c, e).
+# Measured displacement along a line of the rod's frame (paper, Fig. 6).
 
 
 
@@ -332,7 +332,7 @@ def defaults_profile(run):
     return [spec for spec in specs if bed_run.some(run, file_of(spec))]
 
 
-# Displacement along lines, measured in the bed at the left and by the theory at the right, a row a component (paper, Fig. ufield).
+# Displacement along lines, measured in the bed at the left and by the theory at the right, one row per component (paper, Fig. 6).
 
 ROWS = (("Ux", False), ("Uy", False), ("Ux", True))  # component, times |x|^(1/2); as in the paper
 BELOW = {("Ux", False): "<i>U<sub>x</sub></i> through the rod", ("Uy", False): "<i>U<sub>y</sub></i> beside the rod",
@@ -345,15 +345,46 @@ def draw_theory_beside_bed(run, spec):
     grid = figure.subplots(len(rows), 2, squeeze=False)
     for index, ((bed, theory), (left, right)) in enumerate(zip(rows, grid)):
         paint_profile(left, run, bed, bed_run.holders(run, file_of(bed)))
-        field.paint_cut(right, run, theory)
+        paint_theory(right, run, theory, left.get_xlim())
         for side, axes in enumerate((left, right)):
             canvas.letter(axes, 2 * index + side)
-    for axes, name in zip(grid[0], ("bed", "theory")):
+    for axes, name in zip(grid[0], ("bed, periodic box", "theory, infinite plane") if on_plane(run) else ("bed", "theory")):
         canvas.heading(axes, name)
     figure.align_ylabels(grid)
     if spec.title:
         figure.suptitle(style.safe(spec.title), fontsize=11)
     return figure
+
+
+def on_plane(run):
+    """Whether the bed is periodic and the theory is not."""
+    bed, medium = run.scene.get("granular") or {}, run.scene.get("medium") or {}
+    return bool(bed) and "container" not in bed and "periodic" not in medium
+
+
+def f_over_mu(run):
+    """Of the fitted medium in bead radii; None where the theory has units of its own."""
+    found = run.medium.get("f_over_mu_a") if isinstance(run.medium, dict) and not run.result.units.si else None
+    return found if words.is_number(found) and found > 0 else None
+
+
+def paint_theory(axes, run, spec, window):
+    """In bead radii and over the range of the bed, where f/mu is known in them."""
+    scale = f_over_mu(run)
+    if scale is None:
+        field.paint_cut(axes, run, spec)
+        return
+    cut = field.in_units(run.result.cut(spec.cut), scale)
+    kept = (cut.s >= window[0]) & (cut.s <= window[1])
+    s, values = cut.s[kept], field.scaled(cut, spec)[kept]
+    axes.axhline(0, color=style.GREY, linewidth=0.6)
+    axes.plot(*field.broken_at_rod(cut, s, values), color=style.LINE)
+    axes.set(xlim=window, ylim=field.cut_limits(cut, spec, s, values), xlabel=r"$x/a$", ylabel=ylabel(spec))
+    if tail := field.asymptote(run, run.result.cut(spec.cut), spec):
+        field.draw_tail(axes, s[s < 0], tail(s[s < 0] / scale) * scale ** 1.5)
+    field.mark_rod(axes, cut, s)
+    field.note(axes, [f"$y = {words.math_number(float(cut.at), 2)}" + (r"\,a$" if cut.at else "$"), *field.medium_lines(run)],
+               "best")
 
 
 def rows_of(run, spec):
@@ -381,7 +412,12 @@ def caption_theory_beside_bed(run, spec):
     rows = rows_of(run, spec)
     bed, theory = rows[0]
     below = ", and ".join(BELOW[one.component, one.sqrt_scaled] for one, _ in rows[1:])
-    return (f"Left, measured in the bed: {caption_profile(run, bed)} Right, of the theory: {field.caption_cut(run, theory)}"
+    scale = f_over_mu(run)
+    at = run.result.cut(theory.cut).at * scale if scale else 0.0
+    at = words.equation("<i>y</i>", at, "<i>a</i>" if at else "", 2) if scale else ""
+    units = (f" Both sides are in bead radii, with {words.equation('<i>f</i>/<i>μ</i>', scale, '<i>a</i>', 3)}."
+             + (" The bed is periodic and the theory is on the infinite plane, so they differ far from the rod." if on_plane(run) else "") if scale else "")
+    return (f"Left, measured in the bed: {caption_profile(run, bed)} Right, theory: {field.caption_cut(run, theory, at)}{units}"
             + (f" Below: {below}." if below else ""))
 
 

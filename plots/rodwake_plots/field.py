@@ -1,7 +1,7 @@
 """What the two maps of the field share: the window of the grid, the colour map, the rod."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib import patheffects
@@ -230,6 +230,11 @@ def paint_cut(axes, run, spec):
     note_line(run.result.units, axes, cut, free_corner(s, values, axes.get_ylim()[1]), medium_lines(run))
 
 
+def in_units(cut, scale):
+    """The cut with lengths and displacements times this."""
+    return replace(cut, s=scale * cut.s, at=scale * cut.at, Ux=scale * cut.Ux, Uy=scale * cut.Uy)
+
+
 def inside_cut(cut, spec):
     window = spec.x if cut.along == "x" else spec.y
     if not window:
@@ -309,23 +314,28 @@ def free_corner(s, values, top):
 
 
 def note_line(units, axes, cut, corner, more=()):
-    """The fixed coordinate and the medium: a legend without a handle."""
+    """The fixed coordinate and the medium."""
     other = "y" if cut.along == "x" else "x"
     axis = units.length(other, abs(cut.at))
-    text = units.equals(axis, other, cut.at)
-    note = axes.legend([Line2D([], [], linewidth=0)], ["\n".join([text, *more])], loc=corner, frameon=False, handlelength=0, handletextpad=0, fontsize=9)
-    note.get_texts()[0].set_linespacing(1.4)
+    note(axes, [units.equals(axis, other, cut.at), *more], corner)
+
+
+def note(axes, lines, corner):
+    """A legend without a handle."""
+    found = axes.legend([Line2D([], [], linewidth=0)], ["\n".join(lines)], loc=corner, frameon=False, handlelength=0, handletextpad=0, fontsize=9)
+    found.get_texts()[0].set_linespacing(1.4)
 
 
 def medium_lines(run):
     return list(filter(None, [heading_of(run, "")]))
 
 
-def caption_cut(run, spec):
+def caption_cut(run, spec, at=""):
+    """`at`: the fixed coordinate, where it is shown in other units."""
     cut, units = run.result.cut(spec.cut), run.result.units
     other = "y" if cut.along == "x" else "x"
     what = f"<i>U<sub>{spec.component[1]}</sub></i>"
-    point = words.equation(f"<i>{other}</i>", cut.at, units.length_html())
+    point = at or words.equation(f"<i>{other}</i>", cut.at, units.length_html() if cut.at else "")
     text = (f"Displacement {what} of the medium along <i>{cut.along}</i> at {point}, "
             f"one rod at the origin heading along +<i>x</i>. ")
     if spec.sqrt_scaled:

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from . import canvas, fit_words, style, words
+from . import canvas, fit_prediction, fit_words, style, words
 from .errors import PlotError
 from .schema import Kind
 
@@ -41,13 +41,12 @@ def chosen(fit, spec):
 
 
 def title(axes, unit, view, asked, index):
-    """What is shown; of a profile that was not fitted, by what the data exceed the prediction."""
+    """What is shown; for a profile that was not fitted, how far off the prediction is."""
     shown = fit_words.line_math(view.profile, unit)
     lines = [style.safe(asked) or shown if index is None else f"{words.letter(index)}  {shown}"]
     if fit_words.predicted(view.profile):
-        found = fit_words.excess(view.profile)
-        more = rf": data = ${fit_words.plain_math(fit_words.excess_html(found))}$ × theory" if found else ""
-        lines.append(f"prediction{more}")
+        size = fit_prediction.rms(view.points, view.points.used)[0]
+        lines.append("predicted, not fitted" + (rf": rms ${words.math_number(size, 2)}\,\sigma$" if math.isfinite(size) else ""))
     canvas.heading(axes, "\n".join(lines))
 
 
@@ -232,14 +231,14 @@ def caption_of(fit, views, spec):
     text = "Displacement of the medium around a rod that heads along +<i>x</i>: data (points"
     known = any(np.isfinite(view.points.sigma).any() for view in views)
     text += ", bars: standard error" if known else ", of unknown error"
-    text += f") and the theory of an isotropic medium (lines). {fitted_to(fit)}: {fit_words.values(fit.parameters.values())}. "
+    text += f") and the theory of an isotropic medium (lines). {fitted_to(fit)}: {fit_words.medium_values(fit) or fit_words.values(fit.parameters.values())}. "
     if any(np.nanmax(view.curve.band, initial=0.0) > 0 for view in views):
-        text += "Shaded: one standard error of the fitted curve. "
+        text += "Shaded: one standard error of the curve, from the noise of the data. "
     if spec.residuals:
         text += "Below each panel the residuals" + (" in standard errors; triangles at the edge: beyond it. " if known else "; triangles at the edge: beyond it. ")
     core = fit.number(fit.told, "core", 0.0)
-    text += f"Places within {words.equation('', core, fit_words.unit_html(fit.unit)).replace(' = ', '')} were left out. " if core > 0 else ""
-    text += "".join(panel_told(index, view, len(views), fit.unit) for index, view in enumerate(views))
+    text += f"Points within {words.equation('', core, fit_words.unit_html(fit.unit)).replace(' = ', '')} were left out. " if core > 0 else ""
+    text += "".join(panel_told(index, view, len(views), fit) for index, view in enumerate(views))
     text += "".join(not_shown(fit, one) for one in fit.profiles if all(one is not view.profile for view in views))
     return text + "".join(compared(fit, one) for one in fit.compared)
 
@@ -250,22 +249,18 @@ def fitted_to(fit):
     return "Fitted to " + words.listed(names or ["maps" if fit.maps else "trajectories"])
 
 
-def panel_told(index, view, count, unit):
-    """What is special of one panel."""
+def panel_told(index, view, count, fit):
+    """Of one panel: whether it is a prediction, and how good."""
     if not fit_words.predicted(view.profile):
         return ""
-    found = fit_words.excess(view.profile)
-    name = f"{words.letter(index)} " if count > 1 else ""
-    more = f'; the data are <span class="eq">{fit_words.excess_html(found)}</span> times as large' if found else ""
-    return f"{name}{fit_words.line_html(view.profile, unit)} was not fitted: a prediction{more}. "
+    name, found = f"{words.letter(index)} " if count > 1 else "", fit_prediction.html(fit, view.profile)
+    return f"{name}{fit_words.line_html(view.profile, fit.unit)} was predicted, not fitted{f': {found}' if found else ''}. "
 
 
 def not_shown(fit, profile):
-    """What the fit says of a predicted profile that has no panel, by its name."""
-    found = fit_words.excess(profile) if fit_words.predicted(profile) else None
-    if not found:
-        return ""
-    return f'{words.label_html(str(profile.get("name", "")))}: the data are <span class="eq">{fit_words.excess_html(found)}</span> times the prediction. '
+    """How good the prediction of a profile without a panel is, by its name."""
+    found = fit_prediction.html(fit, profile) if fit_words.predicted(profile) else ""
+    return f'{words.label_html(str(profile.get("name", "")))} was predicted, not fitted: {found}. ' if found else ""
 
 
 def compared(fit, one):

@@ -100,7 +100,7 @@ class Likelihood:
 
     def parabola(self, x):
         """Of the curvature at the best value; symmetric in the logarithm of a parameter searched there. None if flat."""
-        at, error = self.parameter.value, self.parameter.error
+        at, error = self.parameter.value, self.parameter.curvature
         if not (math.isfinite(error) and error > 0):
             return None
         return (np.log(x / at) * at / error) ** 2 if self.parameter.log and at > 0 else ((x - at) / error) ** 2

@@ -15,7 +15,7 @@ RISE_95 = 3.841459  # of chi2 of one parameter
 class Parameter(NamedTuple):
     name: str
     value: float
-    error: float  # inf: the data do not fix it; nan: it has none, being fixed, tied or held by a bound
+    error: float  # the whole one; inf: the data do not fix it; nan: it has none, being fixed, tied or at a bound
     low: float    # 95 % interval
     high: float
     free: bool
@@ -26,6 +26,7 @@ class Parameter(NamedTuple):
     start: float
     bounds: tuple  # of floats, infinite without a bound
     log: bool
+    curvature: float  # the part of the error that follows from the noise of the data
 
 
 class Points(NamedTuple):
@@ -55,6 +56,8 @@ class FitResult:
     def __init__(self, folder):
         self.path = folder / FILE
         self.told = files.Record(self.path)
+        # {name of a parameter: {curvature, held, masks, jackknife, total}}; empty without
+        self.systematics = (self.told.get("systematics") or {}).get("errors") or {}
         with files.reading(self.path, "parameters or free"):
             self.parameters = {name: self._parameter(name, one) for name, one in self.told["parameters"].items()}
             self.free = [self.parameters[name] for name in self.told.get("free") or []]
@@ -65,8 +68,6 @@ class FitResult:
         self.misfit = self.told.get("misfit") or {}
         rivals = folder / MODELS
         self.weighed = files.Record(rivals) if rivals.is_file() else None
-        # {name of a parameter: {curvature, held, masks, jackknife, total}}; nothing where none was asked for
-        self.systematics = (self.told.get("systematics") or {}).get("errors") or {}
 
     @property
     def models(self):
@@ -78,7 +79,7 @@ class FitResult:
     @property
     def derived(self):
         """{name: (value, error, unit)}."""
-        return {name: (self.number(one, "value"), self.number(one, "stderr", math.inf), str(one.get("unit") or ""))
+        return {name: (self.number(one, "value"), self._whole(name, self.number(one, "stderr", math.inf)), str(one.get("unit") or ""))
                 for name, one in (self.told.get("derived") or {}).items()}
 
     @property
@@ -125,8 +126,21 @@ class FitResult:
     def _parameter(self, name, one):
         held = bool(one.get("at_bound")) or not one.get("free")
         low, high = (list(one.get("bounds") or []) + [None, None])[:2]
-        return Parameter(name, float(one["value"]), self.number(one, "stderr", math.nan if held else math.inf),
-                         self.number(one, "low", -math.inf), self.number(one, "high", math.inf), bool(one.get("free")),
+        value, curvature, log = float(one["value"]), self.number(one, "stderr", math.nan if held else math.inf), bool(one.get("log"))
+        error = self._whole(name, curvature)
+        ends = self.number(one, "low", -math.inf), self.number(one, "high", math.inf)
+        return Parameter(name, value, error, *(interval(value, error, log) if error > curvature else ends), bool(one.get("free")),
                          bool(one.get("fixed")), str(one.get("tied_to") or ""), str(one.get("at_bound") or ""), str(one.get("unit") or ""),
                          self.number(one, "start"), (-math.inf if low is None else low, math.inf if high is None else high),
-                         bool(one.get("log")))
+                         log, curvature)
+
+    def _whole(self, name, curvature):
+        """With what held constants, masks and runs add, where the fit knows it."""
+        total = (self.systematics.get(name) or {}).get("total")
+        return float(total) if isinstance(total, (int, float)) and math.isfinite(curvature) else curvature
+
+
+def interval(value, error, log):
+    """95 %, in the logarithm of what was searched there."""
+    reach = math.sqrt(RISE_95) * error
+    return (value * math.exp(-reach / value), value * math.exp(min(reach / value, 700.0))) if log and value > 0 else (value - reach, value + reach)

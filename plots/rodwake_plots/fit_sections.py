@@ -1,4 +1,4 @@
-"""The part of the report that tells of a fit: what came out, how good it is, and how it was found."""
+"""The part of the report about a fit: results, quality and how they were found."""
 
 import math
 
@@ -15,15 +15,15 @@ def parts(run):
     yield named("Fitted parameters", ("Parameter", "Value", "95 % interval", "Start", "Bounds", "Remark"),
                 [*map(parameter_row, fit.parameters.values()), *derived_rows(fit)])
     yield named("Correlations", *correlations_table(fit))
-    yield named("Errors by their cause", *systematics_table(fit))
+    yield named("Errors by source", *systematics_table(fit))
     yield named("Maps", *maps_table(fit))
     yield named("Profiles", *profiles_table(fit))
     yield named("Trajectories", *trajectories_table(fit))
     yield named("Other values", *compared_table(fit))
     yield from posterior(run)
-    yield named("Models weighed", ("Model", "Weight", "Free parameters", "<i>χ</i>²", "AIC", "BIC", "Log evidence", "Foretold, less the best",
-                                   "Misfit"), [model_row(fit, one) for one in fit.models])
-    yield named("Misfit", ("Test", "Value", "Expected", "Probability"), list(misfit_rows(fit)))
+    yield named("Model comparison", ("Model", "Weight", "Free parameters", "<i>χ</i>²", "AIC", "BIC", "Log evidence", "Cross-validation, relative to the best",
+                                   "Goodness of fit"), [model_row(fit, one) for one in fit.models])
+    yield named("Goodness of fit", ("Test", "Value", "Expected", "Probability"), list(misfit_rows(fit)))
     yield named("Likelihood intervals", ("Parameter", "95 % interval"), likelihood_rows(fit))
     yield named("Search", ("Item", "Value"), list(search_rows(fit)))
 
@@ -41,7 +41,7 @@ def headline(run):
     """One line under the title."""
     fit = run.fit
     told = fit_words.medium_values(fit) or fit_words.values(fit.free)
-    return f'<p class="outcome"><span class="tag">fit</span>{told or "no free parameter"}; {chi2_words(fit)}.</p>'
+    return f'<p class="outcome"><span class="tag">fit</span>{told or "no free parameter"}.</p>'
 
 
 def chi2_words(fit):
@@ -69,14 +69,14 @@ def quality(fit):
     text = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof)) if math.isfinite(dof) else '?'} degrees of freedom"
     text += f", {chi2_words(fit)}" if dof > 0 else ""
     known = fit.number(told, "error_factor", 1.0) == 1.0
-    if known and dof > 0 and math.isfinite(chance):
+    if known and dof > 0 and math.isfinite(chance) and fit.misfit.get("describes") is not False:
         text += (f"; if theory and errors are right, so large a <i>χ</i>² or a larger one has the probability "
                  f"{words.number(chance, 2) if chance > 1e-300 else 'zero'}")
     if not known:
-        text += (f"; the errors of the data are not known or not trusted, and those of the parameters were multiplied by "
+        text += (f"; the errors of the data are unknown or not trusted, so the errors of the parameters were multiplied by "
                  f"{words.number(fit.number(told, 'error_factor'), 4)}")
     if told.get("rms") is not None:
-        text += f". Root mean square of what is left: {words.number(fit.number(told, 'rms'), 4)}" + (" standard errors" if known else "")
+        text += f". Root mean square of the residuals: {words.number(fit.number(told, 'rms'), 4)}" + (" standard errors" if known else "")
     if told.get("loss") not in (None, "squares"):
         text += f". Minimised: {words.escape(told['loss'])} loss, {words.number(fit.number(told, 'objective'), 6)} at the end"
     return f"<p>{text}.</p>"
@@ -85,7 +85,7 @@ def quality(fit):
 def remarks(fit):
     """In the program's words; flat directions too, unless a remark has told them already."""
     told = [*fit.remarks, *(text for one in fit.flat if (text := str(one.get("text", ""))) and text not in fit.remarks)]
-    return "<ul>\n" + "\n".join(f"<li>{words.escape(one)}</li>" for one in told) + "\n</ul>" if told else ""
+    return "<ul>\n" + "\n".join(f"<li>{words.escape(fit_words.without_folders(one))}</li>" for one in told) + "\n</ul>" if told else ""
 
 
 def medium(run):
@@ -132,7 +132,7 @@ def remark_cell(one):
     elif one.fixed:
         parts.append("fixed")
     if one.at_bound:
-        parts.append(f"<b>held by its {words.escape(one.at_bound)} bound</b>")
+        parts.append(f"<b>at its {words.escape(one.at_bound)} bound</b>")
     if one.free and one.log:
         parts.append("searched in the logarithm")
     return "; ".join(part for part in parts if part)
@@ -168,7 +168,7 @@ def maps_table(fit):
 
 
 def systematics_table(fit):
-    """Errors of the free parameters by where they come from."""
+    """Errors of the free parameters by source."""
     kinds = ("curvature", "held", "masks", "jackknife", "total")
     rows = []
     for name, one in fit.systematics.items():
@@ -289,14 +289,14 @@ def search_rows(fit):
             yield name, words.number(told[key]) if words.is_number(told[key]) else words.escape(told[key])
     if len(fit.starts) > 1:
         same = told.get("same_optimum")
-        reached = f", of which {words.number(same)} reached the same optimum" if words.is_number(same) else ""
+        reached = f", {words.number(same)} of which reached the same optimum" if words.is_number(same) else ""
         yield "Starts", words.number(len(fit.starts)) + reached
     if told.get("box") is not None:
         sides = told["box"] if isinstance(told["box"], list) else [fit.number(told, "box")]
         yield "Periodic box", f"{'sides' if len(sides) > 1 else 'side'} {' × '.join(map(words.number, sides))} {fit_words.unit_html(fit.unit)}"
     core, spacing = fit.number(told, "core", 0.0), fit.number(told, "independent_spacing", 0.0)
     if core > 0:
-        yield "Core left out", f"places within {words.number(core)} {fit_words.unit_html(fit.unit)}"
+        yield "Core left out", f"points within {words.number(core)} {fit_words.unit_html(fit.unit)}"
     if spacing > 0:
         yield "Independent spacing", (f"{words.number(spacing)} {fit_words.unit_html(fit.unit)}: closer points share data, and their "
                                       "errors were enlarged for it")

@@ -1,4 +1,4 @@
-"""Displacement maps, the fitted field of the orthotropic medium, and what is left; bins that were not fitted are hatched."""
+"""Displacement maps, the fitted field of the orthotropic medium, and the residuals; bins that were not fitted are grey."""
 
 import numpy as np
 from matplotlib.colors import Normalize
@@ -10,6 +10,7 @@ from .schema import Kind
 
 COLUMNS = ("data", "fit", "data − fit")
 DIFFERENCES = "RdBu_r"
+MASKED = "#b8b8b8"
 
 
 def draw_fit_map(run, spec):
@@ -19,8 +20,10 @@ def draw_fit_map(run, spec):
     for letter, line, (data, model) in zip("xy", panels, rows):
         norm = map_scale(data[used])
         for axes, values in zip(line, (data, model, data - model)):
-            image = axes.pcolormesh(x, y, values, norm=norm, cmap=DIFFERENCES, shading="nearest", rasterized=True)
-            hatch(axes, x, y, used)
+            shown = values if values is data else np.where(used, values, np.nan)  # the field is no fit inside the mask
+            image = axes.pcolormesh(x, y, shown, norm=norm, cmap=DIFFERENCES, shading="nearest", rasterized=True)
+            axes.set_facecolor(MASKED)
+            outline(axes, x, y, used)
             axes.set_aspect("equal")
         label = f"$U_{letter}$ / {fit_words.words_of(run.fit.unit)}"
         canvas.colour_bar(figure, image, list(line), label, pad=0.015, aspect=18, extend="both", extendfrac=0.05)
@@ -62,22 +65,21 @@ def map_scale(values):
     return Normalize(-(top or 1.0), top or 1.0)
 
 
-def hatch(axes, x, y, used):
+def outline(axes, x, y, used):
     if used.all():
         return
-    axes.contourf(x, y, np.where(used, 0.0, 1.0), levels=[0.5, 1.5], colors="none", hatches=["////"])
     axes.contour(x, y, np.where(used, 0.0, 1.0), levels=[0.5], colors=style.INK, linewidths=0.7)
 
 
 def caption_fit_map(run, spec):
     count, total = read_maps(run.fit)[-1], len(run.fit.maps)
-    told = [f"{fit_words.symbol_html(one.name)} = {fit_words.value(one)}" for one in run.fit.free]
+    told = fit_words.medium_values(run.fit) or fit_words.values(run.fit.free)
     text = "Measured displacement around the rod, which heads along +<i>x</i>; the fitted steady field of an "
     text += f"{run.fit.maps[0].get('medium') or 'orthotropic'} medium in the periodic box; "
-    text += "and what is left, in the same colours. Hatched: not fitted, masked or without data. "
+    text += "and the residuals, in the same colours. Outlined: masked or without data, so not fitted; fit and residuals are grey there. "
     if total > 1:
         text += f"Means of {words.number(count)} maps. " if count == total else f"Means of {count} of the {total} maps, those on one grid. "
-    return text + (f"Fitted: {', '.join(told)}. " if told else "")
+    return text + (f"Fitted: {told}. " if told else "")
 
 
 # Paths of rods and those of the fitted equations of motion, with what is left between them.

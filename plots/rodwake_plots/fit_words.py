@@ -137,6 +137,11 @@ def chance_html(probability):
     return "<i>p</i> &lt; 0.001" if probability < 0.001 else f"<i>p</i> = {words.number(probability, 2)}"
 
 
+def without_folders(text):
+    """A message of the program without the folders of its files."""
+    return re.sub(r"(?<![\w.])[\w.~-]*/(?:[^\s,;:/]+/)*(?=[^\s,;:/]+\.\w)", "", text)
+
+
 def predicted(profile):
     return profile.get("role") == "predict"
 

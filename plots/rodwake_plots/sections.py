@@ -2,7 +2,7 @@
 
 import math
 
-from . import bed_sections, fit_sections, fit_words, scan_words, schema, words
+from . import bed_sections, fit_prediction, fit_sections, fit_words, scan_words, schema, words
 from .trajectories import outcome_words, parameters as run_parameters
 
 
@@ -133,7 +133,8 @@ def solver(run):
 
 def texts(run):
     scene = f"<details>\n<summary>Resolved scene</summary>\n<pre>{words.escape(run.scene_text)}</pre>\n</details>"
-    log = f"<details>\n<summary>Log</summary>\n<pre>{words.escape(run.log)}</pre>\n</details>" if run.log.strip() else ""
+    told = "\n".join(line for line in run.log.splitlines() if " debug: " not in line)  # log.txt has all
+    log = f"<details>\n<summary>Log</summary>\n<pre>{words.escape(told)}</pre>\n</details>" if told.strip() else ""
     return scene + log
 
 
@@ -152,50 +153,64 @@ def sentences(run):
     """As HTML; none where nothing was compared."""
     told = []
     if run.has_fit:
-        told += [verdict(run.fit), deviation(run.fit), *weighing(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles), *(other_values(run.fit, one) for one in run.fit.compared)]
+        told += [verdict(run.fit), origin_of_xi(run.fit), *comparison(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles),
+                 long_wake(run.fit), *(other_values(run.fit, one) for one in run.fit.compared)]
     if run.has_scan:
         told.append(trust(run.scan))
     return [one for one in told if one]
 
 
 def verdict(fit):
-    """Of the data that were fitted; without known errors there is no yes or no."""
+    """One, of all tests of the residuals together; without known errors there is none."""
     chi2, dof, chance = (fit.number(fit.told, key) for key in ("chi2", "dof", "probability"))
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the maps" if fit.maps else "the trajectories"]
     data = words.listed(names)
     told = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
     if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.told, "error_factor", 1.0) != 1.0:
-        return f"Whether the theory fits {data} cannot be told: the errors of the data are not known, or no degree of freedom is left ({told})."
+        return f"Whether the theory fits {data} is unknown: the errors of the data are unknown, or no degree of freedom is left ({told})."
+    if fit.misfit.get("describes") is False:
+        worst, p = fit_words.without_folders(str(fit.misfit.get("worst", ""))), fit_words.chance_html(fit.number(fit.misfit, "probability"))
+        worst = told if worst.startswith("chi2 is ") else words.escape(worst).replace("chi2", "<i>χ</i>²")
+        overall = f", although {told} alone would pass" if chance >= FITS else ""
+        return f"The theory does not fit {data} within the errors: {worst} ({p}){overall}."
     how = "fits" if chance >= FITS else "fits only poorly" if chance >= POOR else "does not fit"
     return f"The theory {how} {data}: {told}, probability {words.number(chance, 2) if chance > 1e-300 else 'zero'}."
 
 
-def deviation(fit):
-    """Where the residuals are not those of noise."""
-    chance = fit.number(fit.misfit, "probability")
-    if fit.misfit.get("describes") is not False:
+def origin_of_xi(fit):
+    """The screening length follows from the drag that the run measured, not from the map."""
+    if "drag_area" not in fit.parameters or "xi" not in fit.derived:
         return ""
-    return f"Its residuals are not those of noise: {words.escape(str(fit.misfit.get('worst', '')))} ({fit_words.chance_html(chance)})."
+    area = fit.parameters["drag_area"]
+    held = [fit.number(one, "error") for one in (fit.told.get("systematics") or {}).get("held") or [] if one.get("name") == "drag_area"]
+    known = fit_words.with_unit(words.with_error(area.value, held[0] if held else area.error), area.unit)
+    name = fit_words.symbol_html("xi")
+    source = "measured in this run by the drift of the bed" if area.fixed else "fitted"
+    return (f'{name} is not read from the map: it is the drag of the plates, <span class="eq">{fit_words.symbol_html("drag_area")} = {known}</span>, '
+            f'{source}, divided by {fit_words.symbol_html("f_over_mu")}.')
 
 
-def weighing(fit):
-    """Of the rivals, as the program has it."""
+def long_wake(fit):
+    """Whether |x|^(-1/2) can show in the box of the maps."""
+    xi, box = fit.derived.get("xi"), max((float(side) for one in fit.maps for side in one.get("box") or []), default=0.0)
+    if not (xi and box > 0 and xi[0] > box):
+        return ""
+    return (f"The long wake of the paper, <i>U<sub>x</sub></i> ∝ |<i>x</i>|<sup>−1/2</sup>, cannot be seen here, because "
+            f"{fit_words.symbol_html('xi')} exceeds the box of {words.number(box, 3)} {fit_words.unit_html(fit.unit)}; "
+            "<code>scenes/tail.toml</code> has a box of many screening lengths.")
+
+
+def comparison(fit):
+    """Of the models, as the program has it."""
     return [words.escape(str(one)) for one in fit.weighed.get("text") or []] if fit.weighed is not None else []
 
 
 def prediction(fit, profile):
-    """How far off the theory is where it was not fitted, as a part of itself."""
-    found = fit_words.excess(profile) if fit_words.predicted(profile) else None
-    if not found:
+    """How far off the theory is where it was not fitted, on each side of the rod."""
+    if not fit_words.predicted(profile):
         return ""
-    off, error = found[0] - 1.0, found[1]
-    where = predicted_place(fit, profile)
-    if not (math.isfinite(error) and error > 0):
-        return f"The prediction of {where} is off by {words.with_error(off, None)}, of unknown error."
-    shape = misfit(fit, profile)
-    size = "does not agree in size" if abs(off) > 2 * error else "has the right size but not the right shape" if shape else "agrees"
-    return (f'The prediction of {where} {size}: the data are <span class="eq">{fit_words.excess_html(found)}</span> times the theory, '
-            f'off by <span class="eq">{words.with_error(off, error)}</span>{f", {shape}" if shape else ""}.')
+    found = fit_prediction.html(fit, profile)
+    return f"{predicted_place(fit, profile)} was predicted, not fitted: {found}{fit_prediction.size_html(fit, profile)}." if found else ""
 
 
 def predicted_place(fit, profile):
@@ -205,17 +220,8 @@ def predicted_place(fit, profile):
     return line if len(alike) < 2 else f"{line} (<q>{words.label_html(str(profile.get('name', '')))}</q>)"
 
 
-def misfit(fit, profile):
-    """chi2 where it is more than two standard deviations, sqrt(2 n), above its mean n, the number of independent points."""
-    chi2, points, share = (fit.number(profile, key, absent) for key, absent in (("chi2", math.nan), ("used", 0.0), ("independent", 1.0)))
-    count = points * share
-    if not (count > 0 and chi2 > count + 2 * math.sqrt(2 * count)):
-        return ""
-    return f"{words.equation('<i>χ</i>²', chi2)} for {words.number(round(count))} independent points"
-
-
 def by_itself(fit, one):
-    """What a line alone would say, and how far that is from the fit of the maps."""
+    """A point force fitted to one line, and how far it is from the fit of the maps."""
     found, units = one["line"].get("parameters") or {}, {"f_over_mu": fit.unit, "xi": fit.unit}
     told = words.listed([f'<span class="eq">{fit_words.symbol_html(name)} = '
                          f'{fit_words.with_unit(words.with_error(value["value"], value["stderr"]), units.get(name, ""))}</span>'
@@ -226,9 +232,9 @@ def by_itself(fit, one):
            and abs(value["value"] - fit.systematics[name]["value"])
            > 2 * math.hypot(value["stderr"], fit.systematics[name].get("total") or 0.0)]
     bound = len([name for name, value in found.items() if not words.is_number(value.get("stderr"))])
-    verdict = "which is not the medium of the maps" if off or bound else "which agrees with the maps"
+    verdict = "which differs from the medium of the maps" if off or bound else "which agrees with the maps"
     chi2 = words.equation("<i>χ</i>²", fit.number(one["line"], "chi2"))
-    return f"A point force fitted to {line} alone would say {told} ({chi2} for {one['line'].get('dof')}), {verdict}."
+    return f"A point force fitted to {line} alone gives {told} ({chi2} for {one['line'].get('dof')}), {verdict}."
 
 
 def other_values(fit, one):
@@ -237,15 +243,15 @@ def other_values(fit, one):
     chi2 = fit.number(one, "chi2")
     if not math.isfinite(chi2):
         return ""
-    return f"The values <q>{words.label_html(str(one.get('name', '')))}</q> give {words.equation('<i>χ</i>²', chi2)} against {words.number(fit.number(fit.told, 'chi2'))}."
+    return f"The values <q>{words.label_html(str(one.get('name', '')))}</q> give {words.equation('<i>χ</i>²', chi2)}, this fit {words.number(fit.number(fit.told, 'chi2'))}."
 
 
 def trust(scan):
-    """How far a phase diagram can be trusted where nobody looked."""
+    """How far a phase diagram can be trusted between its points."""
     missed = scan_words.missed_html(scan).strip()
     if missed:
         return missed
-    return "Places between the points of this scan were not checked." if scan.design == "adaptive" else ""
+    return "Points between those of this scan were not checked." if scan.design == "adaptive" else ""
 
 
 # The resolved scene as tables: keys with symbol, unit and meaning from schema.json, any others as they stand.

@@ -39,7 +39,7 @@ class Bed:
         if steps is None:
             steps = self._core.frame_every - self.step % self._core.frame_every if self.step >= 0 else -self.step
         if isinstance(steps, int) and steps < 1:
-            raise InputError(f"{steps} steps: a bed goes on by one at least")
+            raise InputError(f"{steps} steps: a bed must advance by at least one")
         self._core.advance(arguments.whole("steps", steps, 1))
 
     @property
@@ -73,7 +73,7 @@ class Bed:
         """Side of the periodic square, m; a rectangle has `sides`."""
         x, y = self.sides
         if x != y:
-            raise ValueError(f"the box is a rectangle of {x} m x {y} m: ask for sides")
+            raise ValueError(f"the box is a rectangle of {x} m x {y} m: use sides")
         return x
 
     @property

@@ -146,7 +146,7 @@ class Run:
         """The field of one rod on the grid of [field]: x (nx,), y (ny,), and Ux, Uy, exx, ... (ny, nx)."""
         names = [name for name in self.datasets() if name.startswith("field/grid/")]
         if not names:
-            raise InputError(f"{self.folder}: holds no field on a grid; [field] of the scene asks for it")
+            raise InputError(f"{self.folder}: holds no field on a grid; add [field] to the scene")
         return {name.removeprefix("field/grid/"): self.dataset(name) for name in names}
 
     def rods(self, name: str = "scene") -> RodPath:
@@ -275,7 +275,7 @@ def _manifest(folder: Path) -> dict[str, Any]:
         for name, entry in listing["files"].items():
             columns = entry.get("columns", ()) if isinstance(entry, dict) else [None]
             if not all(isinstance(one, dict) and {str} == {type(one.get(key)) for key in ("name", "unit")} for one in columns):
-                raise ValueError(f"not the manifest of a run: what it tells of {name!r} has no columns with names and units")
+                raise ValueError(f"not the manifest of a run: its entry {name!r} has no columns with names and units")
     return listing
 
 

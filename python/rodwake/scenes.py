@@ -43,7 +43,7 @@ class Scene:
         settings = [f"{key}={toml(value, key)}" for key, value in changes]
         for text in (self._text, *settings):
             if any("\ud800" <= letter <= "\udfff" for letter in text):  # what Python makes of a name that is not UTF-8
-                raise InputError(f"{text[:300]!a}: a scene is UTF-8 and cannot hold this name; put the scene beside the file, or rename the folder")
+                raise InputError(f"{text[:300]!a}: a scene is UTF-8 and cannot hold this name; put the scene in the folder of the file, or rename the folder")
         return _core.parse_scene(self._text, self._name, settings)
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
@@ -128,7 +128,7 @@ class Scene:
 
         end = _core.run(self._core, folder, stages, threads, seed, bool(force), command, log, progress, execute, shipped.converter())
         if end == "failed":
-            raise RunError(f"{folder}: the run failed: {'; '.join(errors) or 'its log.txt tells why'}")
+            raise RunError(f"{folder}: the run failed: {'; '.join(errors) or 'see its log.txt'}")
         return open_run(folder)
 
     def _command(self, folder: Folder, **options: Any) -> str:

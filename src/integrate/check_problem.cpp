@@ -40,8 +40,8 @@ void check_state(const OdeProblem& problem) {
 void check_constraints(const OdeProblem& problem, Method method) {
     const auto algebraic = static_cast<std::size_t>(std::ranges::count(problem.algebraic, true));
     require(problem.algebraic.empty() || problem.algebraic.size() == problem.initial_state.size(),
-            "{} components are told to be algebraic or not; there are {}", problem.algebraic.size(),
-            problem.initial_state.size());
+            "{} components are marked as algebraic or not, but there are {} components",
+            problem.algebraic.size(), problem.initial_state.size());
     require(algebraic == 0 || algebraic < problem.initial_state.size(),
             "every component is algebraic; nothing moves");
     require(algebraic == 0 || method == Method::bdf,

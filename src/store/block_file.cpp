@@ -85,7 +85,7 @@ private:
 
     void check_header() {
         if (peek<std::uint32_t>(bytes_, 12) == other_order)
-            fail("written on a machine of the other byte order; it can be taken up only on such a machine");
+            fail("written on a machine with the other byte order; it can only be resumed on such a machine");
         if (peek<std::uint64_t>(bytes_, 32) != xxh3(bytes_.substr(0, 32)))
             fail("damaged header");
         if (const auto found = peek<std::uint32_t>(bytes_, 8); found != block_version)
@@ -100,7 +100,7 @@ private:
         if (bytes_.size() < wanted)
             fail("truncated checkpoint: {} bytes, {} expected", bytes_.size(), wanted);
         if (bytes_.size() > wanted)
-            fail("damaged checkpoint: goes on after its end, {} bytes, {} expected", bytes_.size(), wanted);
+            fail("damaged checkpoint: longer than expected, {} bytes instead of {}", bytes_.size(), wanted);
     }
 
     /// Bytes that the block may use: what follows but the last checksum.
@@ -174,9 +174,8 @@ const Block& find_archive(std::span<const Block> blocks, std::string_view name, 
     const auto found = std::ranges::find(blocks, name, &Block::name);
     if (found != blocks.end() && found->layout == layout)
         return *found;
-    throw InputError(file +
-                     ": another version of rodwake wrote it, which keeps other numbers: go on with that "
-                     "version, choose another folder with -o, or --force to start anew");
+    throw InputError(file + ": written by another version of rodwake with a different layout: resume with "
+                            "that version, choose another folder with -o, or --force to start again");
 }
 
 void ByteWriter::append(const void* data, std::size_t size) {

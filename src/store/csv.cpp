@@ -101,7 +101,7 @@ Header read_names(std::string_view line, const LinesOfBlocks& lines, Place& at) 
             at.fail("empty column name in the header");
         numbers = numbers && is_number(name);
         if (!names.insert(found.emplace_back(name)).second && !numbers)
-            at.fail(fmt::format("column \"{}\" stands twice in the header", shown(name)));
+            at.fail(fmt::format("column \"{}\" appears twice in the header", shown(name)));
         header.named = index + 1;
     });
     at.column = 1;

@@ -57,11 +57,11 @@ std::optional<LoadedGeneration> load_generation(const fs::path& target) {
     const std::string why = newest.reason.empty() ? target.string() + ": is missing" : newest.reason;
     if (older.blocks)
         return LoadedGeneration{std::move(*older.blocks), previous,
-                                why + "; going on from " + previous.string()};
+                                why + "; resuming from " + previous.string()};
     if (newest.reason.empty() && older.reason.empty())
         return std::nullopt;
     throw InputError(why + (older.reason.empty() ? "" : "; " + older.reason) +
-                     "; no checkpoint can be used: remove what is there to start again");
+                     "; no checkpoint can be used: remove the files there to start again");
 }
 
 void remove_generations(const fs::path& target) {

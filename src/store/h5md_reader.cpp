@@ -99,8 +99,8 @@ double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std
         file.refuse(fmt::format("the {} of bead 0 is {}: not positive and finite", what, values[0]));
     for (std::size_t i = 1; i < info.beads; ++i)
         if (values[i] != values[0])
-            file.refuse(fmt::format("the {} of bead {} is {}, that of bead 0 {}: all beads must be alike",
-                                    what, i, values[i], values[0]));
+            file.refuse(fmt::format("the {} of bead {} is {}, of bead 0 {}: all beads must be alike", what, i,
+                                    values[i], values[0]));
     return values[0] * si_factor(file, spheres + what, unit);
 }
 
@@ -121,7 +121,7 @@ void count_rods(const Hdf5Input& file, TrajectoryInfo& info) {
     if (file.has("particles/trajectory_rods"))
         info.rods = read_column<double>(file, rods + "mass", H5T_IEEE_F64LE).size();
     if (info.rods == 0 && info.particles > info.beads)
-        file.refuse(fmt::format("{} particles are not beads, but particles/trajectory_rods tells of no rods",
+        file.refuse(fmt::format("{} particles are not beads, but particles/trajectory_rods contains no rods",
                                 info.particles - info.beads));
 }
 
@@ -172,7 +172,7 @@ public:
         ids_->read_rows(0, in_time ? 1 : count, first_.data());
         for (std::size_t i = 0; i < count; ++i)
             if (!body_.emplace(first_[i], i).second)
-                file.refuse(fmt::format("{} {} stands twice in frame 0", path_, first_[i]));
+                file.refuse(fmt::format("{} {} appears twice in frame 0", path_, first_[i]));
         if (!in_time)
             ids_.reset(); // the same in all frames
     }
@@ -194,7 +194,7 @@ public:
             if (at == body_.end())
                 refuse("is not in frame 0: all frames must hold the same bodies");
             if (seen[at->second])
-                refuse("stands twice");
+                refuse("appears twice");
             if ((i < beads) != (at->second < beads))
                 refuse("is a bead in one frame and none in another");
             seen[at->second] = true;

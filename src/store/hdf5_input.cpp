@@ -111,9 +111,9 @@ std::size_t Hdf5Table::check_type() const {
 void Hdf5Table::check_storage(std::size_t bytes) const {
     const Hdf5Handle made = file_->handle(H5Dget_create_plist(get()), H5Pclose, "read about " + path_);
     if (H5Pget_external_count(made.get()) > 0 || H5Pget_layout(made.get()) == H5D_VIRTUAL)
-        file_->refuse(path_ +
-                      " has its values in another file, which is not looked at; copy them into this one "
-                      "(h5repack does)");
+        file_->refuse(
+            path_ +
+            " has its values in another file, which is not read; copy them into this one (h5repack does)");
     const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
     const double needed = product(shape_) * static_cast<double>(bytes);
     if (H5Pget_layout(made.get()) == H5D_CHUNKED) {

@@ -229,7 +229,7 @@ void Journal::flush() {
         write_all(descriptor_, out, file_);
     } catch (const RunError& error) {
         throw RunError(std::string(error.what()) +
-                       "; what was written before is kept, and the same command goes on from there");
+                       "; what was written before is kept, and the same command resumes from there");
     }
 }
 

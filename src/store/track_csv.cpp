@@ -141,7 +141,7 @@ private:
             if (found == names.end())
                 return false;
             if (std::find(found + 1, names.end(), *found) != names.end())
-                fail(fmt::format("column \"{}\" stands twice in the header; rename one of them", *found));
+                fail(fmt::format("column \"{}\" appears twice in the header; rename one of them", *found));
             columns_.at[role] = static_cast<std::size_t>(found - names.begin());
             columns_.name[role] = *found;
             return true;

@@ -88,7 +88,7 @@ class CameraTest(ProgramTest):
         self.refuse(2, "view = 1: so turned and distorted .* take 0.7", "camera", "bed", "--turned", "45")
         self.refuse(2, "41 frames are fewer than two pictures", "camera", "bed", "--every", "41")
         self.expect(0, "camera", "bed", "--quiet")
-        self.refuse(2, "tracks.csv: is there; --force replaces it", "camera", "bed")
+        self.refuse(2, "tracks.csv: already exists; --force replaces it", "camera", "bed")
         self.expect(0, "camera", "bed", "--quiet", "--force", "--seed", "2")
         (self.folder / "bed/trajectory.h5md").unlink()
         self.refuse(2, "bed: holds no frames", "camera", "bed", "-o", "other")

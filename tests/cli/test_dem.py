@@ -54,9 +54,11 @@ class FilesTest(BedTest):
         for name in (*parts, "particle_steps"):
             self.assertEqual(both[name], sum(run["cost"][name] for run in runs))
         self.assertLess(sum(both[name] for name in parts), passed)
-        rate = float(re.search(r"cost .* of wall clock summed over 2 runs, (\S+) particle steps a second", done.stderr)[1])
+        log = self.out("out", "log.txt").read_text()
+        self.assertNotIn("cost", done.stderr)
+        rate = float(re.search(r"debug: dem: cost .* of wall clock summed over 2 runs, (\S+) particle steps a second", log)[1])
         self.assertAlmostEqual(rate / both["particle_steps_per_second"], 1.0, delta=0.01)  # three digits
-        told = {line.split("  ")[0] for line in re.findall(r"^  +(.*%)$", done.stderr, re.M)}
+        told = {line.split("  ")[0] for line in re.findall(r"debug:  +(.*%)$", log, re.M)}
         for words in ("flight, bounces off the plates", "motion of the rods", "search for contacts", "impulses between pairs",
                       "samples, rows of the table"):
             self.assertIn(words, told)

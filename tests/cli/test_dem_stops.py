@@ -146,18 +146,18 @@ class CheckpointTest(BedTest):
 
     def test_damaged(self):
         flip_byte(self.newest)
-        self.assertRegex(self.go_on(), r"checkpoint\.rwc: .*going on from .*checkpoint\.rwc\.previous")
+        self.assertRegex(self.go_on(), r"checkpoint\.rwc: .*resuming from .*checkpoint\.rwc\.previous")
 
     def test_missing(self):
         self.newest.unlink()
-        self.assertRegex(self.go_on(), r"checkpoint\.rwc: is missing; going on from .*checkpoint\.rwc\.previous")
+        self.assertRegex(self.go_on(), r"checkpoint\.rwc: is missing; resuming from .*checkpoint\.rwc\.previous")
 
     def test_both_damaged(self):
         for file in (self.newest, self.previous):
             flip_byte(file)
         before = snapshot(self.folder / "out")
         done = self.dem("out", *self.SETTINGS, code=2)
-        self.assertRegex(done.stderr, r"checkpoint\.rwc.*checkpoint\.rwc\.previous.*remove what is there to start again")
+        self.assertRegex(done.stderr, r"checkpoint\.rwc.*checkpoint\.rwc\.previous.*remove the files there to start again")
         after = snapshot(self.folder / "out")
         self.assertLessEqual({"checkpoint.rwc", "checkpoint.rwc.previous", "rows.log", "frames.log", "last_period.log"}, before.keys())
         for name in before:

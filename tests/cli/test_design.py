@@ -88,8 +88,8 @@ class DesignTest(ProgramTest):
         for old, new, message in (
             ("[fit.posterior]\n", "", r"\[fit.posterior\] is missing"),
             ("sigma_heading = 0.02\n", "", "sigma_position and sigma_heading"),
-            (EXPERIMENT[EXPERIMENT.index("[[fit.models]]"):], "", "no rivals"),
-            ('"fit.parameters" = []', '"fit.parameters" = ["D_r"]', "hold it at 0 in fit.fixed"),
+            (EXPERIMENT[EXPERIMENT.index("[[fit.models]]"):], "", "no models to compare"),
+            ('"fit.parameters" = []', '"fit.parameters" = ["D_r"]', "set it to 0 in fit.fixed"),
             ("[rods_run]\nt_end = 4.0\noutput_interval = 1.0\n", "", "rods_run"),
         ):
             with self.subTest(new=new):
@@ -102,7 +102,7 @@ class DesignTest(ProgramTest):
         self.expect(0, "design", "experiment.toml", "-o", "out", "--dry-run")
         self.assertFalse((self.folder / "out").exists())
         self.expect(0, "design", "experiment.toml", "-o", "out", "--sets", "2", "--quiet")
-        self.refuse(2, "is there; --force replaces it", "design", "experiment.toml", "-o", "out")
+        self.refuse(2, "already exists; --force replaces it", "design", "experiment.toml", "-o", "out")
 
 
 if __name__ == "__main__":

@@ -76,7 +76,7 @@ class DynamicTest(ProgramTest):
             self.stop(process, signal.SIGTERM, 10.0)
         self.assertTrue(checkpoint.exists())
         done = self.rods("out", *LONG)
-        self.assertIn("going on from the checkpoint at t = ", done.stderr)
+        self.assertIn("resuming from the checkpoint at t = ", done.stderr)
         self.assertEqual(self.results("out"), self.results("whole"))
 
     def film(self, run):
@@ -119,7 +119,7 @@ class DynamicTest(ProgramTest):
             self.assertIsNone(process.poll(), "the run ended before it could be stopped")
             self.stop(process, signal.SIGTERM, 10.0)
         self.assertLess(len(self.film("out")["t"]), len(self.film("whole")["t"]))
-        self.assertIn("going on from the checkpoint at t = ", self.rods("out", *film).stderr)
+        self.assertIn("resuming from the checkpoint at t = ", self.rods("out", *film).stderr)
         self.assertEqual(self.results("out"), self.results("whole"))
         self.assert_same_film("out", "whole")
 
@@ -176,7 +176,7 @@ class DynamicTest(ProgramTest):
             settings = [word for one in setting.split() for word in ("-s", one)]
             self.assertRegex(self.expect(2, "check", "pair.toml", *settings).stderr, said)
         done = self.expect(2, "tradeoff", "pair.toml")
-        self.assertIn("there is nothing to choose", done.stderr)
+        self.assertIn("there are no settings to compare", done.stderr)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,7 @@ class VerbTest(ProgramTest):
         page = (self.folder / "explore.html").read_text()
         self.assertLess(len(page.encode()), 2e6)
         self.assertEqual(browser.references(page), [])
-        self.refuse(2, "explore.html: is there; --force replaces it", "explore")
+        self.refuse(2, "explore.html: already exists; --force replaces it", "explore")
         self.expect(0, "explore", "--force", "--quiet")
 
     def test_what_a_scene_has_and_the_page_has_not(self):

@@ -166,7 +166,7 @@ class FilmRods(ProgramTest):
                                 '[fit]\nparameters = ["kappa", "alpha"]\nstart = { kappa = 0.3, alpha = 1.5 }\nfixed = { eta = 1.0 }\n'
                                 '[[fit.trajectories]]\nfile = "rod_tracks.csv"\n')
         done = self.expect(0, "run", "film.toml", "-o", "out")
-        self.assertRegex(done.stderr + done.stdout, r"rod_tracks.csv: \d+ rows in which a rod is not known are left out")
+        self.assertRegex(done.stderr + done.stdout, r"rod_tracks.csv: \d+ rows with an unknown rod are left out")
         found = json.loads((self.folder / "out/fit.json").read_text())["parameters"]
         self.assertAlmostEqual(found["kappa"]["value"], 0.5, delta=1e-6)  # the film has all digits
         self.assertAlmostEqual(found["alpha"]["value"], 1.0, delta=1e-6)

@@ -153,7 +153,7 @@ class ModelsTest(FitTest):
         self.assertFalse((self.folder / "out/models.json").exists())
         self.expect(0, *command)
         for folder in ("", "models/first/"):
-            self.assertRegex((self.folder / f"out/{folder}log.txt").read_text(), "going on after 160 of 160 blocks")
+            self.assertRegex((self.folder / f"out/{folder}log.txt").read_text(), "resuming after 160 of 160 blocks")
         self.assertEqual(list((self.folder / "out").rglob("fit.log")), [])
         resumed = self.files()
         self.expect(0, *command, "--force", "-j", "1")
@@ -181,7 +181,7 @@ class ModelsTest(FitTest):
         self.assertLess(abs(found["parameters"]["kappa"]["value"] - 0.8), 4.0 * found["parameters"]["kappa"]["stderr"] + 0.05)
         self.assertTrue(found["misfit"]["describes"])
         held, done = self.fit(alone.replace('["kappa", "D_r"]', '["kappa"]').replace("alpha = 0.8", "alpha = 0.8, D_r = 0.05") + sampled, "--force")
-        self.assertIn("headings wander too far between rows", done.stderr)  # 0.05 0.5^2/sqrt(3) is 0.7 of sigma_position
+        self.assertIn("the rods turn too much between rows", done.stderr)  # 0.05 0.5^2/sqrt(3) is 0.7 of sigma_position
         self.assertGreater(held["parameters"]["kappa"]["stderr"], found["parameters"]["kappa"]["stderr"])
         rows = list(csv.DictReader((self.folder / "out/posterior_trajectory_0.csv").read_text().splitlines()))
         last = [float(row["noise_high"]) - float(row["noise_low"]) for row in rows if row["coordinate"] == "2"][-1]
@@ -210,7 +210,7 @@ class ModelsTest(FitTest):
             ('"f_over_mu", "xi"]', '"f_over_mu", "xi", "offset"]', r"with fit.models\[0\] applied: .*offset has neither bounds nor a prior.*fit.bounds.offset"),
             ('"fit.fixed.eta" = 1.3', '"fit.fixed.eta" = 1.3, "fit.posterior.priors.xi" = { kind = "uniform", low = -10.0 }', r"fit.models\[0\] applied: .*xi"),
             ('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.samples" = 10', r"fit.models\[1\] applied: .*multiple of chains"),
-            ('set = { "fit.parameters" = ["f_over_mu", "eta"], "fit.fixed.xi" = 40.0 }', 'set = { "fit.posterior.samples" = 400 }', "leaves the same model"),
+            ('set = { "fit.parameters" = ["f_over_mu", "eta"], "fit.fixed.xi" = 40.0 }', 'set = { "fit.posterior.samples" = 400 }', "gives the same model"),
         ):
             with self.subTest(new=new):
                 self.write("fit.toml", FIT + NESTED.replace(old, new))
@@ -219,7 +219,7 @@ class ModelsTest(FitTest):
     def test_rivals_that_cannot_be_weighed_are_refused_before_anything_runs(self):
         self.make_pair("kappa = 0.8")
         for old, new, message in (
-            ('["gamma_flow"] }', '["kappa"] }', "leaves the same model as the fit as written"),
+            ('["gamma_flow"] }', '["kappa"] }', "gives the same model as the fit as written"),
             ('name = "rows"', 'name = "flow"', "is taken by"),
             ('["gamma_flow"] }', '["gamma_flow"], "fit.trajectories.0.sigma_heading" = 0.1 }', r"changes the data \(fit.trajectories\)"),
             ('["gamma_flow"] }', '["gamma_flow"], "fit.colour" = 1 }', "fit.models\\[0\\] applied"),

@@ -56,8 +56,8 @@ class FittedMediumTest(FitTest):
         medium = json.loads((self.folder / "out/medium.json").read_text())
         self.assertEqual((medium["eta"], medium["eta_stderr"]), (0.6, None))
         self.assertGreater(medium["xi_stderr"], 0.0)
-        self.assertIn("fitted medium: eta = 0.6, xi = ", done.stderr)
-        self.assertRegex(done.stderr, "fitted medium: eta = 0.6 is where a bound of fit.bounds holds it")
+        self.assertIn("debug: fitted medium: eta = 0.6, xi = ", (self.folder / "out/log.txt").read_text())
+        self.assertRegex(done.stderr, "fitted medium: eta = 0.6 lies at a bound of fit.bounds")
         self.assertRegex(done.stderr, "fitted medium: the fit is poor, chi2 = ")
         self.assertRegex((self.folder / "out/log.txt").read_text(), "warning.*fitted medium: eta")
 
@@ -297,7 +297,7 @@ class OfARunTest(FitTest):
         self.expect(0, "measure", "bed.toml", "-o", "run", "--quiet")
         self.write("profile_Ux_x.csv", "x,value\n1,2\n2,3\n3,4\n")  # that of the run comes first
         done = self.expect(0, "fit", "bed.toml", "-o", "run")
-        self.assertRegex(done.stderr, r"points from run/profile_Ux_x\.csv")
+        self.assertRegex((self.folder / "run/log.txt").read_text(), r"fit: profile \S+ from run/profile_Ux_x\.csv")
         found = json.loads((self.folder / "run/fit.json").read_text())
         self.assertEqual(found["free"], ["f_over_mu", "offset"])
         self.refuse(0, "holds a finished run", "fit", "bed.toml", "-o", "run")
@@ -319,7 +319,7 @@ class OfARunTest(FitTest):
         stopped = json.loads((self.folder / "run/fit.json").read_text())
         self.assertEqual(stopped["termination"], "interrupted")
         done = self.expect(0, *command, "-s", "fit.starts=5")  # another search: from the beginning, without --force
-        self.assertNotIn("going on", done.stderr)
+        self.assertNotIn("resuming", done.stderr)
         self.assertEqual(len(json.loads((self.folder / "run/fit.json").read_text())["starts"]), 5)
 
 

@@ -141,7 +141,7 @@ class MeasuredFieldTest(ProgramTest):
             h5.attrs.update(bead_radius=A, phi_b=0.78)
         self.refuse(2, r"has no displacement field \(/displacement\)", "rods", "scene.toml", "-o", "out")
         self.make(blocks=1)
-        self.refuse(2, "errors of its field are unknown: it was measured in 1 block", "rods", "scene.toml", "-o", "out")
+        self.refuse(2, "errors of its field are unknown, because it was measured in 1 block", "rods", "scene.toml", "-o", "out")
         self.rods("plain", "-s", "medium.measured.samples=0")
         self.make(blocks=1, sigma=np.nan)  # as measured: all bins count alike
         self.rods("unknown", "-s", "medium.measured.samples=0")

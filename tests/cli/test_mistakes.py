@@ -8,19 +8,19 @@ from rodwake import PAIR, ProgramTest
 # A command, and below it the whole of what is printed after "rodwake: ". my.toml is a pair of rods, points.csv has no point.
 MISTAKES = r"""
 rodwake rnu my.toml
-    rnu: no such verb (did you mean "run"?)
+    rnu: no such command (did you mean "run"?)
 rodwake Run my.toml
-    Run: no such verb (did you mean "run"?)
+    Run: no such command (did you mean "run"?)
 rodwake my.toml
-    my.toml: a verb comes first, for example rodwake run my.toml
+    my.toml: a command comes first, for example rodwake run my.toml
 rodwake frobnicate
-    frobnicate: no such verb; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, design, run, impact, camera, convert, replay, explore, plot, info, help
+    frobnicate: no such command; there are scenes, new, check, field, rods, dem, measure, fit, scan, tradeoff, design, run, impact, camera, convert, replay, explore, plot, info, help
 rodwake -j 2 run my.toml
-    -j: comes after the verb: rodwake run -j
+    -j: comes after the command: rodwake run -j
 rodwake --quiet
     --quiet: comes after a verb, for example rodwake scenes --quiet
 rodwake help rnu
-    rnu: no such verb (did you mean "run"?)
+    rnu: no such command (did you mean "run"?)
 rodwake help -j
     -j: rodwake help has no such option
 rodwake run
@@ -138,7 +138,7 @@ rodwake new --rods 21
 rodwake new --kind bed --kappa 1
     --kappa: a scene of kind bed has no use for it
 rodwake new my.toml
-    my.toml: is there already; choose another name, or --force to replace it
+    my.toml: already exists; choose another name, or --force to replace it
 """
 
 

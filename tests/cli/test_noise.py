@@ -98,7 +98,7 @@ class NoiseTest(ProgramTest):
     def test_too_few_runs_for_the_error_asked_for_are_told(self):
         self.write("pair.toml", PAIR.format(runs=8).replace("runs = 8", "runs = 8\ncapture_error = 0.01\nmost_runs = 20"))
         done = self.expect(0, "rods", "pair.toml", "-o", "out")
-        self.assertIn("noise.most_runs = 20 ended it before noise.capture_error = 0.01 was reached", done.stdout + done.stderr)
+        self.assertIn("stopped at noise.most_runs = 20 before the error of the capture probability fell to noise.capture_error = 0.01", done.stdout + done.stderr)
 
     def test_a_seed_makes_other_runs(self):
         self.write("pair.toml", PAIR.format(runs=3))
@@ -127,7 +127,7 @@ class NoiseTest(ProgramTest):
         self.assertEqual(self.status("out"), "interrupted")
         self.assertFalse((self.folder / "out/noise.json").exists())
         again = self.expect(0, "rods", "pair.toml", "-o", "out")
-        done = int(re.search(r"noise: going on from run (\d+)", again.stderr)[1])
+        done = int(re.search(r"noise: resuming from run (\d+)", again.stderr)[1])
         self.assertTrue(0 < done < 2000, done)
         self.assertEqual(self.results("out"), self.results("whole"))
         self.assertFalse(progress.exists())

@@ -69,10 +69,10 @@ class HelpTest(ProgramTest):
             self.assertRegex(told, pattern)
             self.assertNotRegex(told, r"unit +\S*\{")
         self.assertRegex(self.expect(0, "new", "--help").stdout, r"--start(.*\n)+? .*for --kind scan \[perpendicular\]")
-        self.refuse(2, "coupling.kapa: no verb.*near it: coupling.kappa", "help", "coupling.kapa")
+        self.refuse(2, "coupling.kapa: no command.*near it: coupling.kappa", "help", "coupling.kapa")
         self.refuse(2, "near it: .*mean_speed", "help", "mean_sped")
         self.refuse(2, "near it: .*contact_distance", "help", "contact_distanc")
-        self.refuse(2, "rodwake help lists the verbs", "help", "qwertyuiop")
+        self.refuse(2, "rodwake help lists the commands", "help", "qwertyuiop")
         self.refuse(2, "extra: not expected; rodwake help takes one NAME", "help", "coupling.kappa", "extra")
 
     def test_every_key_of_a_scene_has_help(self):

@@ -78,7 +78,7 @@ class ReplayTest(BedTest):
             self.refuse(2, "the run goes from 0 to 0.2 s", "replay", "bed", *times)
         self.refuse(2, "at least a step", "replay", "bed", "--frames", "1e-9")
         self.expect(0, "replay", "bed", "--from", "0.2", "--quiet")
-        self.refuse(2, "is there; --force replaces it", "replay", "bed")
+        self.refuse(2, "already exists; --force replaces it", "replay", "bed")
         self.expect(0, "replay", "bed", "--force", "--from", "0.2", "--quiet")
         flip_byte(self.folder / "bed/archive.rwc")
         self.refuse(2, "archive.rwc: .*damaged", "replay", "bed", "--verify")

@@ -33,7 +33,7 @@ class ResumeTest(ProgramTest):
 
     def go_on(self, run):
         done = self.expect(0, "rods", "crowd.toml", *SETTINGS, "-o", run)
-        self.assertRegex(done.stderr, "going on from the checkpoint at t = [1-9]")
+        self.assertRegex(done.stderr, "resuming from the checkpoint at t = [1-9]")
         self.assertFalse((self.folder / run / "checkpoint.json").exists())
         self.assert_no_temporaries()
 

@@ -15,7 +15,7 @@ class ExtendTest(ScanTest):
         self.scan("scan.toml", "out")
         ids = {row[0] for row in self.ledger("out")[0]}
         done = self.scan("scan.toml", "out", "-s", "scan.resolution=64")
-        self.assertIn("going on with a finished run", done.stderr)
+        self.assertIn("continuing a finished run", done.stderr)
         self.assertIn(f"{len(ids)} points are in the ledger already", done.stderr)
         rows, _ = self.ledger("out")
         self.assertLess(ids, {row[0] for row in rows})

@@ -51,7 +51,7 @@ class SignalTest(ScanTest):
 
     def test_it_says_how_to_go_on(self):
         _, _, err = self.stop_at_work(signal.SIGINT, "run")
-        self.assertIn("stopped by a signal; what was computed is in run; the same command goes on", err)
+        self.assertIn("stopped by a signal; results so far are in run; the same command resumes", err)
 
     def test_a_stop_before_the_first_point(self):
         for seconds in (0.0, 0.02, 0.05, 0.1):

@@ -79,7 +79,7 @@ class NewTest(ProgramTest):
         self.refuse(2, "--kappa: a scene of kind bed has no use for it", "new", "--kind", "bed", "--kappa", 1)
         self.refuse(2, 'bd is none of rods, bed, scan .did you mean "bed"', "new", "--kind", "bd")
         self.write("my.toml", "mine")
-        self.refuse(2, "my.toml: is there already", "new", "my.toml")
+        self.refuse(2, "my.toml: already exists", "new", "my.toml")
         self.expect(0, "new", "my.toml", "--force")
 
     def asked(self, answers, *options):

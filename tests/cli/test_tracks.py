@@ -222,7 +222,7 @@ class Tracks(ProgramTest):
         self.refuse(2, r'tracks.file = "tracks.csv": no such file; looked for', "run", "tracks.toml", "-o", "seen")
         self.refuse(2, r'tracks.toml:2:1: window = "periodic" needs box, for example box = "78 a"', "check", "tracks.toml", "-s", "tracks.window=periodic")
         self.refuse(2, r"phonons needs a bed", "check", "tracks.toml", "-s", "measure.phonons=true")
-        self.refuse(2, r"stands in place of a bed", "check", "tracks.toml", "-s", "granular.phi_b=0.7", "-s", "granular.box=\"30 a\"",
+        self.refuse(2, r"tracks replace a simulated bed", "check", "tracks.toml", "-s", "granular.phi_b=0.7", "-s", "granular.box=\"30 a\"",
                     "-s", "granular.duration=1.0")
         self.write("tracks.csv", "frame,particle,x,y\n0,1,1.0,1.0\n1,1,oops,1.0\n")
         done = self.expect(2, "run", "tracks.toml", "-o", "seen")

@@ -165,7 +165,7 @@ class SettingsTest(unittest.TestCase):
     def test_rods_without_a_choice_are_refused(self):
         _, pair = tables(PAIR)
         for scene, why in (({}, "no .rods_run. table"), (pair | {"medium": {"fitted": True}}, "give eta and xi"),
-                           (pair | {"medium": {"dynamic": {}}}, "nothing to choose"), (pair | {"noise": {"rotational_diffusion": 0.1}}, "no noise"),
+                           (pair | {"medium": {"dynamic": {}}}, "no settings to compare"), (pair | {"noise": {"rotational_diffusion": 0.1}}, "no noise"),
                            (pair | {"scan": {"axes": [{"key": "rods_run.rtol"}]}}, "varies rods_run.rtol")):
             with self.assertRaisesRegex(InputError, why):
                 tradeoff_rods.require_rods(scene, "pair.toml")

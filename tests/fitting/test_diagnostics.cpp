@@ -69,8 +69,8 @@ TEST_CASE("chi2 too large or too small is said, with the factor") {
     CHECK(poor.probability < 1e-10);
     const double factor = std::sqrt(poor.chi2 / 37.0);
     CHECK(factor == Approx(3.0).epsilon(0.4)); // 1 +- sqrt(2/37)/2, three times that
-    CHECK(says(poor, "errors grow by " + std::to_string(factor).substr(0, 3)));
-    CHECK(says(small, "the sigmas are too large"));
+    CHECK(says(poor, "grow by a factor of " + std::to_string(factor).substr(0, 3)));
+    CHECK(says(small, "the errors of the data are overestimated"));
     CHECK(fine.diagnostics.empty());
     CHECK(says(poor, "try fit.starts = 20"));
     Problem hopeless = times(toy::decay(40, 3), 1e3); // chi2 of 4e7

@@ -155,7 +155,7 @@ TEST_CASE("what does not go with constraints and projections is refused", "[inte
     problem.algebraic = {true, true};
     refused(problem, Method::bdf, "nothing moves");
     problem.algebraic = {true};
-    refused(problem, Method::bdf, "1 components are told to be algebraic or not; there are 2");
+    refused(problem, Method::bdf, "1 components are marked as algebraic or not, but there are 2 components");
     problem = rotors(1);
     problem.project = to_circle;
     refused(problem, Method::adams, "adams takes none");

@@ -205,6 +205,7 @@ TEST_CASE("what makes no film is refused in words") {
     refused([](DynamicMedium& m) { m.film_grid = 21; }, "such as 24");
     refused([](DynamicMedium& m) { m.film_grid = 2000; }, "film_grid = 2000: must be 4 to 1024");
     refused([](DynamicMedium& m) { m.film_interval = 1e-5, m.film_grid = 128; }, "52.4 GB: at most");
-    refused([](DynamicMedium& m) { m.closure = Closure::steady; }, "film_interval beside a closure");
+    refused([](DynamicMedium& m) { m.closure = Closure::steady; },
+            "film_interval needs a medium that is integrated");
     CHECK_THROWS_AS(FieldGrid(14), InputError);
 }

@@ -75,7 +75,7 @@ TEST_CASE("inertia that is none, or of which the mesh knows no own field, is ref
     for (const double bad : {-1.0, 2e6, 1e-200, std::numeric_limits<double>::quiet_NaN()})
         refused([=](P& p, O&) { p.medium.inertia = bad; }, "inertia = ");
     refused([](P& p, O&) { p.medium.inertia = 0.1, p.medium.evaluation = Evaluation::mesh; },
-            "inertia = 0.1 and self_field = false do not go with the mesh, which 2 rods get");
+            "inertia = 0.1 with self_field = false is not available for 2 rods");
     refused(
         [](P& p, O&) {
             p.rods.medium = elastic::Medium{1.0, 1e-3};
@@ -101,12 +101,13 @@ TEST_CASE("few rods are summed over, many get the mesh") {
 }
 
 TEST_CASE("other boxes, media and forms are refused") {
-    refused([](P& p, O&) { p.rods.box = 11.0; }, "the rods' box of 11 is not that of the dynamic medium, 10");
+    refused([](P& p, O&) { p.rods.box = 11.0; },
+            "the rods' box, 11, differs from the box of the dynamic medium, 10");
     refused([](P& p, O&) { p.rods.medium.reset(); }, "need its eta and xi");
     refused([](P& p, O&) { p.rods.medium->eta = -2.0; }, "eta");
     refused([](P&, O& o) { o.form = rods::Form::director; }, "form \"angle\"");
     refused([](P& p, O&) { p.rods.sums.turning_tolerance = 1e-3; }, "no turning_tolerance");
     refused([](P&, O& o) { o.ode.rtol = 1.0; }, "rtol = 1");
     refused([](P& p, O&) { p.medium.closure = Closure::steady, p.medium.start = Start::rest; },
-            "start = \"rest\" beside a closure");
+            "start = \"rest\" needs closure = \"none\"");
 }

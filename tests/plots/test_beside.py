@@ -45,9 +45,9 @@ class BesideTest(PlotCase):
         self.add_cut(1, 1.8)
         made, caption = self.draw()
         self.assertEqual([axes.get_title(loc="left") for axes in made.axes], [f"({letter})" for letter in "abcdef"])
-        self.assertEqual([axes.get_title() for axes in made.axes[:2]], ["bed", "theory"])
+        self.assertEqual([axes.get_title() for axes in made.axes[:2]], ["bed, periodic box", "theory, infinite plane"])
         self.assertEqual([axes.get_ylabel()[:4] for axes in made.axes], ["$U_x", "$U_x", "$U_y", "$U_y", "$|x|", "$|x|"])
-        self.assertIn("Right, of the theory", caption)
+        self.assertIn("Right, theory: Displacement", caption)
         self.assertIn("Below: <i>U<sub>y</sub></i> beside the rod, and |<i>x</i>|", caption)
 
     def test_the_tail_is_seen_from_farthest(self):

@@ -41,13 +41,19 @@ class ProfilesTest(FitCase):
         plain = re.sub("<[^>]*>", "", caption)
         self.assertIn("Fitted to Ux(x, 0) and Ux(0, y): f/μ = (2.200 ± 0.060) a, η = 1.31 ± 0.15, ξ = (21.6 ± 1.9) a.", plain)
 
-    def test_predictions_are_marked_with_their_excess(self):
+    def test_predictions_are_marked_with_their_deviation(self):
         made, caption = self.draw("fit")
         told = [title.splitlines()[1:] for title in titles(made)]
         self.assertEqual(told[:2], [[], []])
-        self.assertEqual(told[2], [r"prediction: data = $(2.20\,\pm\,0.21)$ × theory"])
-        self.assertIn("(2.20 ± 0.21)", caption)
-        self.assertEqual(caption.count("a prediction"), 2)
+        data = self.table("fit_profile_2.csv")
+        kept = data["used"] > 0
+        off = ((data["value"] - data["model"]) / data["sigma"])
+        rms = np.sqrt(np.mean(off[kept] ** 2))
+        self.assertEqual(told[2], [rf"predicted, not fitted: rms ${rms:.2g}\,\sigma$"])
+        self.assertEqual(caption.count("was predicted, not fitted"), 2)
+        for side, where in (("behind the rod", data["x"] < 0), ("ahead", data["x"] > 0)):
+            rms = np.sqrt(np.mean(off[kept & where] ** 2))
+            self.assertRegex(re.sub("<[^>]*>", "", caption), rf"{side} (?:within the errors|off by \d+ %) \(rms {rms:.2g} σ\)")
 
     def test_data_curve_band_and_comparison_are_the_files(self):
         made, caption = self.draw("fit", profiles=[0])
@@ -87,8 +93,7 @@ class ProfilesTest(FitCase):
 
     def test_predictions_without_a_panel_are_told_in_the_caption(self):
         _, caption = self.draw("fit", profiles=[0])
-        self.assertIn("(2.20 ± 0.21)", caption)
-        self.assertIn("times the prediction", caption)
+        self.assertRegex(re.sub("<[^>]*>", "", caption), r"was predicted, not fitted: behind the rod .*\(rms \S+ σ\), ahead .*\(rms \S+ σ\)")
 
     def test_the_range_is_that_of_the_data(self):
         """Neither the singularity of the curve nor a comparison that is far off."""

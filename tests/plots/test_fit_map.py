@@ -3,9 +3,11 @@
 import unittest
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from fit_case import FitCase
 from made_up_fit import FOUR
+from rodwake_plots import fit_tracks
 
 ERRORS = {"amplitude": {"value": 0.85, "curvature": 0.02, "held": 0.03, "masks": 0.04, "jackknife": None, "total": 0.0539}}
 
@@ -21,12 +23,15 @@ class MapsTest(FitCase):
         self.assertEqual(len(panels), 6)
         meshes = [np.ma.filled(axes.collections[0].get_array().astype(float), np.nan).ravel() for axes in panels]
         tables = [self.table(f"fit_map_{index}.csv") for index in range(2)]
+        used = np.any([one["used"] > 0 for one in tables], axis=0)
+        self.assertTrue(0 < used.sum() < used.size)
         for row, letter in enumerate("xy"):
             data = np.mean([one[f"U{letter}"] for one in tables], axis=0)  # the bin without data is nan in both
             np.testing.assert_allclose(meshes[3 * row], data, rtol=1e-9, atol=1e-12)
-            np.testing.assert_allclose(meshes[3 * row + 2], data - tables[0][f"model_U{letter}"], rtol=1e-9, atol=1e-11)
+            np.testing.assert_allclose(meshes[3 * row + 2], np.where(used, data - tables[0][f"model_U{letter}"], np.nan), rtol=1e-9, atol=1e-11)
+            np.testing.assert_allclose(meshes[3 * row + 1], np.where(used, tables[0][f"model_U{letter}"], np.nan), rtol=1e-9, atol=1e-12)
         self.assertIn("Means of 2 maps", caption)
-        self.assertIn("Hatched", caption)
+        self.assertIn("grey there", caption)
 
     def test_the_scale_is_that_of_what_was_fitted(self):
         made, _ = self.draw("fit_map")
@@ -35,14 +40,17 @@ class MapsTest(FitCase):
         self.assertLess(mesh.norm.vmax, np.nanmax(table["Ux"]))  # the ridge is above it
         self.assertEqual(mesh.norm.vmin, -mesh.norm.vmax)
 
-    def test_the_mask_is_hatched(self):
+    def test_the_mask_is_outlined_and_grey_in_the_fit(self):
         made, _ = self.draw("fit_map")
-        hatches = [one for axes in made.axes[:1] for one in axes.collections[1:]]
-        self.assertTrue(hatches)
+        for axes in made.axes[:3]:
+            self.assertTrue(axes.collections[1:])
+            self.assertEqual(to_hex(axes.get_facecolor()), fit_tracks.MASKED)
+        data, fitted = (np.ma.getmaskarray(axes.collections[0].get_array()).sum() for axes in made.axes[:2])
+        self.assertGreater(fitted, data)  # the data inside the mask are shown
 
     def test_report(self):
         page = self.words_of_page()
-        for part in ("orthotropic medium outside the mask", "Errors by their cause", "Jackknife over runs", "0.054", "run 1"):
+        for part in ("orthotropic medium outside the mask", "Errors by source", "Jackknife over runs", "0.054", "run 1"):
             self.assertIn(part, page)
 
     def test_wrong_input(self):

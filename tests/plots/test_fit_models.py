@@ -46,7 +46,7 @@ class ModelsTest(FitCase):
     def test_the_report_tells_of_models_and_misfit(self):
         self.ask(figure("fit_models"))
         words = self.words_of_page()
-        for part in ("Of 3 models flow has the most weight", "Its residuals are not those of noise: pair, headings, last third has chi2 80", "Models weighed",
+        for part in ("Of 3 models flow has the most weight", "within the errors: pair, headings, last third has χ² 80", "Model comparison",
                      "broken", "pair, headings, last third8038"):
             self.assertIn(part, words)
 

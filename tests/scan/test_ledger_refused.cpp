@@ -117,7 +117,7 @@ TEST_CASE("A full disk ends with an error, and what was committed stays") {
     const std::string told = store_test::on_small_disk(1'000'000, fill);
     INFO(told);
     CHECK(has(told, (scratch / "l").string() + ": "));
-    CHECK(has(told, "what was written before is kept, and the same command goes on from there"));
+    CHECK(has(told, "what was written before is kept, and the same command resumes from there"));
     Ledger ledger(scratch / "l", ledger_head());
     const std::int64_t kept = ledger.counts().points;
     CHECK(kept > 0);

@@ -87,7 +87,7 @@ void add_choices(const KeyInfo& info, std::vector<Refused>& all) {
     if (first.size() > 2) // else nothing is near
         add(first + "q", any + " (did you mean " + quoted(first) + "?)");
     if (is_list)
-        all.push_back({list_of(2, quoted(first)), "stands in the list already", "[1]", first.size() + 5});
+        all.push_back({list_of(2, quoted(first)), "is in the list already", "[1]", first.size() + 5});
 }
 
 /// "{ k0 = 1, k1 = 1 }"

@@ -38,9 +38,9 @@ TEST_CASE("tables that need each other") {
     says("schema = 1\n[rods_random]\ncount = 3\nextent = 9\n",
          "x.toml:2:1: [[rods]] need [rods_run] with t_end");
     says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[rods_order]\nlink = 1\n",
-         "[rods_order] needs [rods_run]");
+         "[rods_order] needs rods to analyse");
     says("schema = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n", "x.toml:2:1: [field] needs [medium]");
-    says(two_rods("[coupling]\nkappa = 1\n"), "x.toml:8:1: [coupling] of two or more rods needs [medium]");
+    says(two_rods("[coupling]\nkappa = 1\n"), "x.toml:8:1: [coupling] with two or more rods needs [medium]");
     says(
         "schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[variants]]\nname = \"v\"\n"
         "set = { \"medium.eta\" = 2 }\n",
@@ -148,7 +148,7 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
     says(scene("box = 1.9\n"), "[medium.dynamic]: box = 1.9 is less than 4 force_width = 2");
     says(scene("force_width = 1.5\n"), "rods[0] and rods[1] start 1 apart, closer than force_width = 1.5");
     says(scene("box = 5.0\n", "", "periodic = 5.0\n"),
-         "medium.periodic is given beside medium.field = \"dynamic\"");
+         "medium.periodic cannot be combined with medium.field = \"dynamic\"");
     says(scene("", "method = \"bdf\"\n"),
          "rods_run.method = \"bdf\": with medium.field = \"dynamic\" rods and medium");
     says(scene("", "form = \"director\"\n"),
@@ -157,12 +157,12 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
          "rods_run.turning_tolerance needs the exact field on the plane");
     says(scene("modes = 3\n"), "medium.dynamic.modes = 3: must be >= 4 and <= 2048");
     says(scene("inertia = 0.1\nevaluation = \"mesh\"\n"),
-         "[medium.dynamic]: inertia = 0.1 and self_field = false do not go with the mesh");
+         "[medium.dynamic]: inertia = 0.1 with self_field = false is not available");
     says(scene("start = \"still\"\n"), "medium.dynamic.start = \"still\": must be one of steady, rest");
     CHECK(parse(scene("closure = \"steady\"\n")).medium->memory().closure ==
           rodwake::medium::Closure::steady);
     says(scene("closure = \"steady\"\nstart = \"rest\"\n"),
-         "[medium.dynamic]: start = \"rest\" beside a closure");
+         "[medium.dynamic]: a closure has no initial state");
 }
 
 TEST_CASE("a film needs a medium that is integrated, an interval and points enough") {
@@ -178,7 +178,8 @@ TEST_CASE("a film needs a medium that is integrated, an interval and points enou
     says(scene("film_interval = -1.0\n"), "medium.dynamic.film_interval = -1.0: must be > 0");
     says(scene("film_interval = 0.5\nfilm_grid = 2\n"), "medium.dynamic.film_grid = 2: must be >= 4");
     says(scene("film_interval = 0.5\nfilm_grid = 64\n"), "film_grid = 64: its spacing box/film_grid = 0.625");
-    says(scene("film_interval = 0.5\nclosure = \"steady\"\n"), "film_interval beside a closure");
+    says(scene("film_interval = 0.5\nclosure = \"steady\"\n"),
+         "film_interval needs a medium that is integrated");
     says(scene("", "medium_film"), "a figure of kind medium_film needs medium.field = \"dynamic\" with "
                                    "medium.dynamic.film_interval");
     says(scene("film_interval = 0.5\n", "medium_instants", "field = \"exact\"\n"),
@@ -285,7 +286,7 @@ TEST_CASE("noise has a method of its own") {
     says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"measured\"\n"),
          "needs [medium.measured] with file");
     says(noisy_rods("", "[medium]\neta = 1\nxi = 1\nfield = \"dynamic\"\n"),
-         "[noise] beside medium.field = \"dynamic\"");
+         "[noise] cannot be combined with medium.field = \"dynamic\"");
 }
 
 TEST_CASE("places that an override gives have no line") {

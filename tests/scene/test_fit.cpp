@@ -166,14 +166,14 @@ TEST_CASE("data and parameters belong together") {
     says(fitted("", ux, "\"f_over_mu\", \"eta\", \"xi\", \"kappa\""),
          "no data depend on kappa: it needs [[fit.trajectories]]");
     says(fitted("", tracks, "\"eta\", \"alpha\""),
-         "trajectories need kappa, gamma1, gamma2, gamma_flow or gamma_rows");
+         "nothing turns the rods. Put kappa, gamma1, gamma2, gamma_flow or gamma_rows into fit.parameters");
     says(fitted("", tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
          "no data depend on f_over_mu: it needs [[fit.profiles]]");
     says(fitted("", ux + tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"xi\""),
          "profiles and trajectories together need alpha");
     CHECK(error_text(fitted("", ux + tracks, "\"f_over_mu\", \"kappa\", \"eta\", \"alpha\"")) == "");
     says(fitted("core = 8.0\n", tracks, "\"kappa\", \"eta\", \"alpha\""), "core belongs to [[fit.profiles]]");
-    says(fitted("heading = 0.5\n"), "there is no box");
+    says(fitted("heading = 0.5\n"), "heading is the angle of the rod to the sides of the periodic box");
     says(fitted("loss_width = 3.0\n"), "loss_width belongs to loss");
     says(fitted("length_unit = \"\"\n"), "length_unit must not be empty");
 }
@@ -199,9 +199,9 @@ TEST_CASE("a fitted medium takes eta and xi from the fit") {
     };
     CHECK(error_text(with("fitted = true\n", fitted(""))) == "");
     says(with("fitted = true\neta = 1.0\n", fitted("")),
-         "x.toml:4:7: medium.eta is given beside medium.fitted = true");
+         "x.toml:4:7: medium.eta is given together with medium.fitted = true");
     says(with("fitted = true\nalpha = 1.0\npoisson_ratio = 0.3\n", fitted("")),
-         "medium.poisson_ratio is given beside");
+         "medium.poisson_ratio is given together with");
     says(with("", fitted("")), "medium needs one of eta");
     says(with("fitted = true\n", fitted("fixed = { eta = 1.0 }\n", uy, "\"f2d_over_mu\", \"xi\"")),
          "medium.fitted = true needs f_over_mu, eta and xi or alpha in [fit]");

@@ -44,7 +44,7 @@ TEST_CASE("maps need a source and all four constants") {
     says(fitted("", maps, "\"p_yy\"", "c11 = 3.0, c22 = 3.0, c66 = 1.0"), "maps need c12");
     says(fitted("", maps, "\"offset\""), "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy");
     CHECK_NOTHROW(parse(fitted("", maps, "\"q_xyy\"")));
-    says(fitted("", maps, "\"amplitude\", \"p_yy\""), "it needs force, which it multiplies");
+    says(fitted("", maps, "\"amplitude\", \"p_yy\""), "amplitude scales the predicted monopole force");
     says(fitted("", maps, "\"force\"", "c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = -1.0"), "c66 must be above 0");
     says(fitted("", maps, "\"force\", \"kappa\""), "no data depend on kappa");
 }
@@ -77,11 +77,12 @@ TEST_CASE("maps by the theory's own parameters are in units of the shear modulus
     CHECK_NOTHROW(parse(text("")));
     CHECK_NOTHROW(parse(text("", "xi = 500.0")));
     says(text("", "xi = 500.0, drag_area = 860.0"), "give one of xi, alpha and drag_area");
-    says(text("", "c11 = 3.0"), "maps with f_over_mu and eta are in units of mu: no c11");
+    says(text("", "c11 = 3.0"), "maps with f_over_mu and eta are in units of mu: leave out c11");
     says(text("", "drag_area = -1.0"), "drag_area must be above 0");
     says(text("measured_drag = true\n"), "drag_area is measured and also fitted, fixed or tied");
     says(text("measured_drag = true\n", ""), "measured by measure.mechanics");
-    says(text("", "drag_area = 860.0", "[[fit.profiles]]\nfile = \"ux.csv\"\n"), "are fitted by themselves");
+    says(text("", "drag_area = 860.0", "[[fit.profiles]]\nfile = \"ux.csv\"\n"),
+         "cannot be combined with other fitted data");
     const std::string line =
         "[[fit.profiles]]\nfile = \"ux.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"line\"\n";
     CHECK_NOTHROW(parse(text("", "drag_area = 860.0", line + "line = 0\n")));

@@ -130,7 +130,7 @@ TEST_CASE("beads are given once") {
     CHECK(granular("", {"granular.phi_b=0.6"}).phi_b == 0.6);
     says(bed(), "nothing to simulate", {"granular.beads=0"});
     CHECK(error_text(bed(rod), {"granular.beads=0"}) == "");
-    says(bed("count_rod_area = false\n"), "count_rod_area belongs to phi_b", {"granular.beads=10"});
+    says(bed("count_rod_area = false\n"), "count_rod_area has no effect with beads", {"granular.beads=10"});
     CHECK(error_text(bed("count_rod_area = false\n")) == "");
     CHECK(granular().count_rod_area);
 }
@@ -188,7 +188,7 @@ TEST_CASE("overrides reach into the bed") {
 
 TEST_CASE("values of a bed that do not fit each other") {
     says(bed("[granular.output]\nformats = [\"xyz\", \"xyz\"]\n"),
-         "formats[1] = \"xyz\": stands in the list already");
+         "formats[1] = \"xyz\": is in the list already");
     says(bed("[granular.output]\nframes = 1e-5\n"), "frames = 1e-05 s is shorter than time_step = 0.0001 s");
     says(bed("[granular.output]\ntable = 1e-5\n"), "table = 1e-05 s is shorter than time_step");
     says(bed("[granular.output]\nframes = 1e-4\n"),

@@ -66,7 +66,7 @@ TEST_CASE("times and lengths of [measure] fit the run") {
     says(measured("interval = 0.1\nblock = 0.05\n"), "shorter than the interval of 0.1 s");
     says(measured("interval = 0.1\norder_interval = 0.25\n"), "no whole multiple of the interval");
     says(measured("s_low = 2.0\ns_high = 1.0\n"), "must be above s_low");
-    says(measured("bead_drag_error = 0.1\n"), "there is no bead_drag");
+    says(measured("bead_drag_error = 0.1\n"), "measure.bead_drag is not");
     says(measured("spacing = \"20 a\"\n"), "a quarter of the box");
     says(measured("far_from = \"25 a\"\n"), "0.45 of the box");
     says(measured("order_cutoff = \"3 a\"\norder_neighbours = \"delaunay\"\n"),

@@ -66,18 +66,18 @@ TEST_CASE("keys of medium and couplings hold what the rival's fit does not name"
 
 TEST_CASE("rivals that are no rivals are refused") {
     const std::string flow = "\"fit.parameters\" = [\"gamma_flow\"]";
-    says(with_models(model("a", flow) + model("b", flow)), "leaves the same model as fit.models[0]");
+    says(with_models(model("a", flow) + model("b", flow)), "gives the same model as fit.models[0]");
     says(with_models(model("a", "\"fit.parameters\" = [\"kappa\"]")),
-         "leaves the same model as the fit as written");
+         "gives the same model as the fit as written");
     says(with_models(model("a", flow) + model("a", "\"fit.parameters\" = [\"gamma1\"]")),
          "the name \"a\" is taken");
-    says(with_models(model("strain", flow)), "is that of the fit as written");
+    says(with_models(model("strain", flow)), "is already taken by the fit itself");
     says(with_models(model("a", "\"fit.parametres\" = [\"kappa\"]")), "with fit.models[0] applied");
     says(with_models(model("a", "\"fit.parameters\" = [\"gamma3\"]")), "gamma3");
     says(with_models(model("a", "\"fit.start.gamma1\" = 1.0")), "fit.start has gamma1");
     says(with_models(model("a", flow + ", \"fit.trajectories.0.file\" = \"other.csv\"")),
          "changes the data (fit.trajectories)");
-    says(with_models(model("a", "\"fit.parameters\" = [\"rows_direction\"]")), "trajectories need kappa");
+    says(with_models(model("a", "\"fit.parameters\" = [\"rows_direction\"]")), "nothing turns the rods");
     says(with_models("[[fit.models]]\nname = \"a\"\n"), "set");
 }
 

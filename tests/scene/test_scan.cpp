@@ -111,7 +111,7 @@ TEST_CASE("a scan needs rods that can meet, and axes") {
               .find("[scan] of rods needs two or more [[rods]]") != std::string::npos);
     CHECK(error_text("schema = 1\n[rods_random]\ncount = 101\nextent = 60\n[rods_run]\nt_end = 1\n[scan]\n" +
                      axis("key = \"coupling.kappa\"\nfrom = 0\nto = 1"))
-              .find("followed for up to 100 rods: here are 101") != std::string::npos);
+              .find("of at most 100 rods, and this scene has 101") != std::string::npos);
     says("", "x.toml:13:1: [scan] has no axes: give [[scan.axes]] with key, from and to");
     CHECK(error_text(scan(kappa) + "[[variants]]\nname = \"v\"\nset = { \"medium.eta\" = 2 }\n")
               .find("[scan] and [[variants]] do not go together: make the variants an axis") !=
@@ -148,7 +148,7 @@ TEST_CASE("an axis has two ends or values") {
          "scan.axes[0]: spacing \"log\" needs ends of one sign, found 0 and 2");
     says(axis(key + "from = -1.0\nto = 2.0\nspacing = \"log\"\n"), "found -1 and 2");
     CHECK(error_text(scan(axis(key + "from = -1.0\nto = -100\nspacing = \"log\"\n"))) == "");
-    says(axis(key + "from = 1.0\nto = 2.0\ncount = 1\n"), "scan.axes[0].count = 1 leaves out to");
+    says(axis(key + "from = 1.0\nto = 2.0\ncount = 1\n"), "scan.axes[0].count = 1 would use only");
     CHECK(error_text(scan(axis(key + "values = [1.0]\n"))) == "");
     says(axis(key + "from = 1.0\nto = nan\n"), "must be a finite number");
     says(axis(key + "from = [1.0]\nto = 2.0\n"), "expected a number, quantity or word");
@@ -180,8 +180,8 @@ TEST_CASE("the resolution of an adaptive scan is the count of its axes, doubled 
         says(adaptive(count, resolution),
              "scan.axes[0].count = " + std::to_string(count) + ": with design = \"adaptive\"");
     says(adaptive(64, 1024, axis("key = \"medium.eta\"\nfrom = 1\nto = 2\ncount = 32")),
-         "scan.axes[1].count = 32: with design = \"adaptive\" all axes have the same, and that of the first "
-         "is 64");
+         "scan.axes[1].count = 32: with design = \"adaptive\" all axes need the same count; the first has "
+         "64");
     std::string three;
     for (const char* key : {"medium.eta", "medium.alpha", "rods.1.heading"})
         three += axis("key = \"" + std::string(key) + "\"\nfrom = 1\nto = 2");

@@ -81,7 +81,7 @@ TEST_CASE("keys that cannot be set say why") {
     CHECK(why_not(scene, {"noise.rotational_diffusion"}) == "the scene has no [noise]");
     CHECK(why_not(scene, {"scan.seed"}) == "the scene has no [scan]");
     CHECK(why_not(scene, {"fit.start.etta"}).find("did you mean \"eta\"?") != std::string::npos);
-    CHECK(why_not(scene, {"units"}).find("says what the numbers of the scene mean") != std::string::npos);
+    CHECK(why_not(scene, {"units"}).find("defines the units of the scene") != std::string::npos);
 }
 
 TEST_CASE("a wrong value is told and leaves the scene as it was") {
@@ -104,7 +104,7 @@ TEST_CASE("a wrong value is told and leaves the scene as it was") {
          "medium.field = \"dynamics\": must be one of exact, table, measured, dynamic (did you mean"},
         {"rods_run.output_interval", 31.0,
          "rods_run.output_interval is 31 f/(mu v0): must be between t_end/1000000"},
-        {"medium.fitted", true, "medium.eta is given beside medium.fitted = true"},
+        {"medium.fitted", true, "medium.eta is given together with medium.fitted = true"},
         {"measure.order", std::int64_t{1}, "measure.order: expected true or false, found 1"},
         {"title", "two\nlines", "title = \"two\\u000Alines\": must be one line"}};
     for (const auto& [key, value, message] : cases) {

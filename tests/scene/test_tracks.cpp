@@ -47,7 +47,7 @@ TEST_CASE("what tracks do not go with is refused") {
     const std::string alone = filmed.substr(0, filmed.find("[measure]"));
     CHECK(mentions(problems_of(alone), "tracks", "needs [measure]"));
     CHECK(mentions(problems_of(filmed + "[granular]\nphi_b = 0.7\nbox = \"30 a\"\nduration = 1.0\n"),
-                   "tracks", "in place of a bed"));
+                   "tracks", "tracks replace a simulated bed"));
     CHECK(
         mentions(problems_of(filmed, {"tracks.time_column=t"}), "tracks.frames_per_second", "leave one out"));
     CHECK(mentions(problems_of(filmed, {"tracks.frames_per_second="}), "tracks.frames_per_second",
@@ -60,7 +60,8 @@ TEST_CASE("what tracks do not go with is refused") {
         problems_of(filmed, {"tracks.format=gsd", "tracks.frames_per_second=", "tracks.time_column=t"}),
         "tracks.time_column", "only CSV and extended XYZ have such columns"));
     CHECK(mentions(problems_of(filmed, {"tracks.box=30 a"}), "tracks.box", "belongs to window"));
-    CHECK(mentions(problems_of(filmed, {"measure.order=false"}), "measure", "nothing that tracks have"));
+    CHECK(mentions(problems_of(filmed, {"measure.order=false"}), "measure",
+                   "nothing that can be measured on tracks"));
     for (const char* key : {"force", "phonons", "mechanics"})
         CHECK(mentions(problems_of(filmed, {std::string("measure.") + key + "=true"}),
                        std::string("measure.") + key, "needs a bed"));

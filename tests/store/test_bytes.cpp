@@ -87,10 +87,10 @@ TEST_CASE("A struct of another layout is refused, and one that ends early") {
     std::array blocks = {store::to_block("pose", Pose{{1.0, 2.0}, 3.0F, true})};
     Poses other;
     CHECK(has(error_of<InputError>([&] { store::from_block(blocks, "pose", "file", other); }),
-              "file: another version of rodwake wrote it"));
+              "file: written by another version of rodwake"));
     Pose pose;
     CHECK(has(error_of<InputError>([&] { store::from_block(blocks, "poses", "file", pose); }),
-              "file: another version of rodwake wrote it"));
+              "file: written by another version of rodwake"));
     blocks[0].content.pop_back();
     CHECK(has(error_of<InputError>([&] { store::from_block(blocks, "pose", "file", pose); }),
               "file: block pose: ends early"));

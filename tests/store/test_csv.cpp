@@ -93,7 +93,7 @@ TEST_CASE("Fields may be quoted") {
     CHECK(wrapped.columns == std::vector<std::vector<double>>{{1.0, 3.0}, {2.0, 4.0}});
     CHECK(wrapped.lines == std::vector<std::size_t>{3, 5});
     CHECK(error("x,y\n\"one\",2\n") == "t.csv:2:1: x: expected a number, found \"one\"");
-    CHECK(error("\"x\",\"x\"\n") == "t.csv:1:5: column \"x\" stands twice in the header");
+    CHECK(error("\"x\",\"x\"\n") == "t.csv:1:5: column \"x\" appears twice in the header");
 }
 
 TEST_CASE("Optional columns may be absent or have gaps, but no nonsense") {
@@ -125,7 +125,7 @@ TEST_CASE("Rows of the wrong length") {
 
 TEST_CASE("Headers that cannot be used") {
     CHECK(has(error("x\n1\n"), "t.csv:1:1: no column \"y\"; the header must have at least x,y"));
-    CHECK(has(error("x,y,x\n"), "t.csv:1:5: column \"x\" stands twice"));
+    CHECK(has(error("x,y,x\n"), "t.csv:1:5: column \"x\" appears twice"));
     CHECK(has(error("x,,y\n"), "t.csv:1:3: empty column name"));
     CHECK(has(error("X,y,z\n1,2,3\n"), "no column \"x\"; the header must have at least x,y; it has X,y,z"));
     CHECK(has(error("x y\n1 2\n"), "columns are separated by commas, semicolons or tabs"));

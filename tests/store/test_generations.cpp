@@ -64,11 +64,11 @@ TEST_CASE("A damaged or missing newest is told and the previous used") {
     CHECK(letter_of(*found) == 'a');
     CHECK(found->file == store::previous_generation(target));
     CHECK(has(found->notice, target.string() + ": truncated checkpoint"));
-    CHECK(has(found->notice, "going on from " + target.string() + ".previous"));
+    CHECK(has(found->notice, "resuming from " + target.string() + ".previous"));
     fs::remove(target);
     found = store::load_generation(target);
     REQUIRE(found);
-    CHECK(has(found->notice, target.string() + ": is missing; going on"));
+    CHECK(has(found->notice, target.string() + ": is missing; resuming"));
 }
 
 TEST_CASE("If none is whole, both reasons are told") {

@@ -130,7 +130,7 @@ TEST_CASE("Ids that are not those of the first frame, or not once, are refused")
     CHECK(has(refused([&](auto& f) { f.set(beads + "id/value", 0, SampleFrames().layout.id[1]); }),
               "twice in frame 0"));
     CHECK(has(refused([&](auto& f) { f.set(beads + "id/value", particles, SampleFrames().layout.id[1]); }),
-              "stands twice"));
+              "appears twice"));
     CHECK(has(refused([&](auto& f) { f.swap(beads + "id/value", 1, 0, particles - 1); }),
               "is a bead in one frame"));
     CHECK(has(refused([&](auto& f) {
@@ -140,7 +140,7 @@ TEST_CASE("Ids that are not those of the first frame, or not once, are refused")
     CHECK(has(refused([&](auto& f) {
                   f.replace(beads + "id", H5T_STD_I64LE, {particles}); // all ones
               }),
-              "id 1 stands twice"));
+              "id 1 appears twice"));
 }
 
 TEST_CASE("Units are taken as they are named, and unknown ones refused") {

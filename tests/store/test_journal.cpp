@@ -195,7 +195,7 @@ TEST_CASE("A full disk ends with an error, and what was flushed before stays") {
             journal.flush();
         }
     });
-    CHECK(has(told, "what was written before is kept, and the same command goes on from there"));
+    CHECK(has(told, "what was written before is kept, and the same command resumes from there"));
     Journal journal(scratch / "j", "key", refuse);
     CHECK(journal.size() > 20);
     for (std::size_t i = 0; i < journal.size(); ++i)

@@ -200,7 +200,7 @@ TEST_CASE("What is wrong in a file of tracks is told with line, column and remed
                                       "tracks.time_column"},
         {head, "t.csv: has no row with a place"},
         {head + "0,1,2,3\n", "t.csv:1: no column \"trajectory\"", named},
-        {"frame,x,x,y\n0,1,2,3\n", "t.csv:1: column \"x\" stands twice in the header"},
+        {"frame,x,x,y\n0,1,2,3\n", "t.csv:1: column \"x\" appears twice in the header"},
         {head + "0,1,2\n",
          "t.csv:2: has 3 fields, and column \"y\" would be number 4: is the line cut short?"},
         {head + "0,1,2,3\n0,1,abc,3\n", "t.csv:3: x = \"abc\": expected a number"},

@@ -115,7 +115,7 @@ class BedTest(ProgramTest):
 
     def steps_gone_on_from(self, run):
         """The steps from which the commands took the run up, by its log."""
-        return [int(step) for step in re.findall(r"going on from step (\d+)", self.out(run, "log.txt").read_text())]
+        return [int(step) for step in re.findall(r"resuming from step (\d+)", self.out(run, "log.txt").read_text())]
 
     def wait_for(self, process, *names):
         there = wait_until(lambda: all((self.folder / name).exists() for name in names) or process.poll() is not None, 30)

@@ -41,7 +41,7 @@ class BedsTest(BedTest):
         self.assertEqual(columns(self.write("a.csv", "x,y\n1,2\n3,4\n")), {"x": [1.0, 3.0], "y": [2.0, 4.0]})
 
     def test_steps_gone_on_from(self):
-        self.write("run/log.txt", "a: run 0: going on from step 250\nb\nc: run 0: going on from step 700\n")
+        self.write("run/log.txt", "a: run 0: resuming from step 250\nb\nc: run 0: resuming from step 700\n")
         self.assertEqual(self.steps_gone_on_from("run"), [250, 700])
 
     def test_waiting_for_a_run_that_ends(self):

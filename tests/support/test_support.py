@@ -19,7 +19,7 @@ class SupportTest(ProgramTest):
             self.expect(0, "no-such-verb")
 
     def test_refuse_wants_the_text_and_no_trace(self):
-        self.refuse(2, "no such verb", "nonsense")
+        self.refuse(2, "no such command", "nonsense")
         with self.assertRaises(self.failureException):
             self.refuse(2, "another text", "nonsense")
         self.write("pair.toml", PAIR)

@@ -142,7 +142,7 @@ void tell_camera(const MicrorheologyResult& r, const Localisation& asked, double
         told.line +=
             fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);
     if (asked.find && !is_known)
-        told.line += "; nothing taken off for localisation: frames are too far apart to tell it from the "
+        told.line += "; no correction for localisation: frames are too far apart to distinguish it from the "
                      "beads' motion";
     if (!asked.find && asked.given == 0.0 && is_known && found.value > 3.0 * found.error)
         told.line += fmt::format(

@@ -86,6 +86,12 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
 /// factors by which data exceed predictions.
 std::vector<std::string> findings(const FitPlan& plan, const FitResults& results);
 
+/// Point forces fitted to one line, a line of text for each.
+std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results);
+
+/// "; the model does not describe the data: ...", or empty.
+std::string misfit_text(const FitResults& results);
+
 /// Standard error of a parameter or a derived quantity with all its causes; of the curvature alone where no
 /// others were asked for.
 double whole_error(const FitResults& results, const std::string& name);
