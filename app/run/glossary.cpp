@@ -159,7 +159,8 @@ std::string outcome_text(const std::string& name) {
             text += fmt::format("{}: how a run of rods ends\n", word) + line("criterion", meaning);
     return text.empty()
                ? ""
-               : text + line("see", "docs/theory.md, \"Outcomes\"; for rods of beds docs/estimators.md, \"Pairs\"");
+               : text + line("see",
+                             "docs/theory.md, \"Outcomes\"; for rods of beds docs/estimators.md, \"Pairs\"");
 }
 
 std::string scene_text(const std::string& name) {
