@@ -36,7 +36,7 @@ struct BedHeader {
         return std::tuple{
             field("beads", &R::beads, {"1", "number of the beads"}),
             field("phi_b", &R::phi_b,
-                  {"1", "area fraction that the scene asks for: of beads, and of rods where they count"}),
+                  {"1", "area fraction requested in the scene: of beads, and of rods where they count"}),
             field("beads_fraction", &R::beads_fraction,
                   {"1", "area fraction of the beads alone, N pi a^2/(Lx Ly)"}),
             field("bead_radius", &R::bead_radius, {"m", "a"}),

@@ -292,7 +292,7 @@ std::string_view unit_in_file(const ValueInfo& value) {
 std::vector<ColumnInfo> measured_values() {
     std::vector<ColumnInfo> values = {
         {"units.a", "m", "the bead radius"},
-        {"phi_b", "1", "area fraction that the scene asks for: of beads, and of rods where they count"},
+        {"phi_b", "1", "area fraction requested in the scene: of beads, and of rods where they count"},
         {"order.at_border", "1",
          "of tracks in an open window, or a bed with a wall: share of the beads so near its border that psi6 "
          "leaves them out"},

@@ -120,7 +120,7 @@ struct FitModelRow {
         using R = FitModelRow;
         return std::tuple{
             field("weight", &R::weight, {"1", "probability of the model among those offered"}),
-            field("log_evidence", &R::log_evidence, {"1", "logarithm of the evidence; empty: not asked for"}),
+            field("log_evidence", &R::log_evidence, {"1", "logarithm of the evidence; empty: not requested"}),
             field("log_evidence_stderr", &R::evidence_error, {"1", "its standard error"}),
             field("aic", &R::aic, {"1", "Akaike's criterion, up to what all models share"}),
             field("bic", &R::bic, {"1", "Bayesian criterion, likewise"}),
@@ -129,7 +129,7 @@ struct FitModelRow {
             field("dof", &R::dof, {"1", "independent values less free parameters"}),
             field("misfit", &R::misfit, {"1", "probability of a misfit like this if the model is right"}),
             field("foretold", &R::foretold,
-                  {"1", "log-likelihood of stretches of the data, each foretold by a fit of the others"}),
+                  {"1", "log-likelihood of stretches of the data, each predicted by a fit of the others"}),
             field("foretold_stderr", &R::foretold_error, {"1", "its standard error"}),
             field("foretold_difference", &R::foretold_difference,
                   {"1", "the same less that of the best model"}),

@@ -441,39 +441,40 @@ std::span<const ColumnInfo> model_columns() {
 std::span<const ColumnInfo> design_columns() {
     static const std::vector<ColumnInfo> columns = {
         {"runs", "1", "runs of the design"},
-        {"information", "1", "bits expected on which rival makes the tracks"},
+        {"information", "1", "expected information on which model makes the tracks, bits"},
         {"information_stderr", "1", "its standard error, bits"},
-        {"right", "1", "share of sets in which the true rival has the largest evidence"},
+        {"right", "1", "fraction of sets in which the true model has the largest evidence"},
         {"least_log_bayes", "1",
-         "least of all pairs: mean logarithm of the true rival's evidence over another's"}};
+         "least of all pairs: mean logarithm of the evidence ratio of the true model and another"}};
     return columns;
 }
 
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
-    return {{"fit.json", result, "parameters with errors, and how good the fit is"},
-            {"medium.json", result, "the medium that the fit gives to field and rods"},
-            {"fit_profile_<k>.csv", result, "a profile with its fit", columns_of<FitProfileRow>()},
-            {"fit_curve_<k>.csv", result, "the model along a profile's line",
-             columns_of<FitCurveRow, Each<FitComparison>>()},
-            {"fit_map_<k>.csv", result, "a displacement map with its fit", columns_of<FitMapRow>()},
-            {"fit_trajectory_<k>.csv", result, "rods with their fit",
-             columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
-            {"posterior.json", result,
-             "means, errors and quantiles of the parameters, how the chains mix, evidence"},
-            {"posterior.csv", result, "samples of the parameters, by chain"},
-            {"posterior.nc", result,
-             "the same as ArviZ reads them: groups posterior, sample_stats, log_likelihood"},
-            {"posterior_curve_<k>.csv", result, "what the samples predict along a profile's line",
-             columns_of<PredictedRow>()},
-            {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
-             columns_of<PredictedPoseRow>()},
-            {"models.json", result,
-             "rival models: their evidence, AIC and BIC, weights, and whether any describes the data"},
-            {"models.csv", result, "the same as a table", model_columns()},
-            {"design.json", kept, "experiments that would tell rivals apart, weighed by rodwake design"},
-            {"design.csv", kept, "the same as a table, behind what was varied", design_columns()},
-            {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
+    return {
+        {"fit.json", result, "parameters with errors, and how good the fit is"},
+        {"medium.json", result, "the medium that the fit gives to field and rods"},
+        {"fit_profile_<k>.csv", result, "a profile with its fit", columns_of<FitProfileRow>()},
+        {"fit_curve_<k>.csv", result, "the model along a profile's line",
+         columns_of<FitCurveRow, Each<FitComparison>>()},
+        {"fit_map_<k>.csv", result, "a displacement map with its fit", columns_of<FitMapRow>()},
+        {"fit_trajectory_<k>.csv", result, "rods with their fit",
+         columns_of<FitTimeRow, Each<MeasuredPose>, Each<FittedPose>>()},
+        {"posterior.json", result,
+         "means, errors and quantiles of the parameters, how the chains mix, evidence"},
+        {"posterior.csv", result, "samples of the parameters, by chain"},
+        {"posterior.nc", result,
+         "the same as ArviZ reads them: groups posterior, sample_stats, log_likelihood"},
+        {"posterior_curve_<k>.csv", result, "what the samples predict along a profile's line",
+         columns_of<PredictedRow>()},
+        {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
+         columns_of<PredictedPoseRow>()},
+        {"models.json", result,
+         "model comparison: evidence, AIC and BIC, weights, and whether any model describes the data"},
+        {"models.csv", result, "the same as a table", model_columns()},
+        {"design.json", kept, "experiments that would discriminate between models, ranked by rodwake design"},
+        {"design.csv", kept, "the same as a table, behind what was varied", design_columns()},
+        {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
 }
 
 /// A fit beside the beds of its scene: of these.

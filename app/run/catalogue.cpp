@@ -18,7 +18,7 @@ constexpr ColumnInfo tradeoff_columns[] = {
     {"form", "1", "rods_run.form"},
     {"field", "1", "medium.field"},
     {"tolerance", "1", "rods_run.rtol; rods_run.atol is a hundredth of it"},
-    {"error", "1", "the kind of error that was asked for; inf: no result, or another outcome"},
+    {"error", "1", "the requested kind of error; inf: no result, or another outcome"},
     {"seconds", "s", "CPU time of one run on one thread, the least of the repeats"},
     {"rhs_evaluations", "1", "right-hand sides of all rods"},
     {"table_tolerance", "1", "medium.table.tolerance; empty: no table"},

@@ -321,7 +321,7 @@ void fields(Visitor& v, FitCompare& c) {
           .within(0, 99)
           .absent("values are given")
           .doc("the profile, from 0, that a point force is fitted to by itself, with f_over_mu, eta and xi: "
-               "what this line would say of the medium. Of fits of maps with f_over_mu and eta")
+               "the medium that this line alone would give. Of fits of maps with f_over_mu and eta")
           .example("0"),
       c.line);
 }
@@ -348,13 +348,12 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
     v.list(
         key("maps").items(0, 100).doc("Measured displacement on a grid, fitted with an orthotropic medium."),
         fit.maps, [&](FitMap& map) { fields(v, map, units); });
-    v.list(
-        key("masks").items(0, 100).doc(
-            "Which bins of the maps are left out. The first is that of the fit; it is made again with each "
-            "of "
-            "the others, and the spread of the parameters over all is reported as the error of the choice."),
-        fit.masks);
-    v.list(key("compare").items(0, 20).doc("Other parameter values, drawn and scored beside the fit."),
+    v.list(key("masks").items(0, 100).doc("Which bins of the maps are left out. The first belongs to the "
+                                          "fit, which is repeated with each of the others, and the spread of "
+                                          "the parameters over all is reported as the error of the choice."),
+           fit.masks);
+    v.list(key("compare").items(0, 20).doc(
+               "Other parameter values, drawn and scored for comparison with the fit."),
            fit.compare);
     v.table(
         key("posterior")
@@ -362,9 +361,8 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
                 "Samples of the parameters given data and priors, and the evidence of the model. With loss = "
                 "\"squares\" and data whose standard errors are known."),
         fit.posterior);
-    v.list(key("models").items(0, 50).doc(
-               "Rivals: fits of the same data with some keys changed, weighed against each "
-               "other and the fit as written."),
+    v.list(key("models").items(0, 50).doc("Model comparison: fits of the same data with some keys changed, "
+                                          "compared with each other and with the fit as written."),
            fit.models);
 }
 

@@ -115,7 +115,7 @@ void time_fields(Visitor& v, Granular& bed) {
     v(key("stop_at_travel")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("the run goes on to its end")
+          .absent("the run continues to its end")
           .doc("the run ends when the rods have come this far along their first headings, on average; "
                "needs rods")
           .example("\"39 a\""),
@@ -444,9 +444,8 @@ void fields(Visitor& v, GranularRod& rod) {
           .unit(speed)
           .within(-10.0, 10.0)
           .absent("the rod moves freely")
-          .doc("in-plane velocity along the heading that is held whatever hits the rod, which does not turn "
-               "then; "
-               "0: pinned")
+          .doc("in-plane velocity along the heading, held fixed under all impacts; the rod does not turn; 0: "
+               "pinned")
           .example("\"1 mm/s\""),
       rod.imposed_speed);
     kind_fields(v, rod.shape);

@@ -204,9 +204,8 @@ void displacement_fields(Visitor& v, Measure& m) {
       m.mirror);
     v(key("run_maps")
           .written_if(m.run_maps)
-          .doc("measure.h5 holds the displacement of each run besides that of all, as /runs/<k>; fits of "
-               "such a "
-               "file take them for maps of runs alike, which gives errors by the jackknife")
+          .doc("measure.h5 holds the displacement of each run in addition to their mean, as /runs/<k>; fits "
+               "of such a file take them for maps of runs alike, which gives errors by the jackknife")
           .example("true"),
       m.run_maps);
     v(key("profile_offset")

@@ -185,8 +185,8 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
           .example("96"),
       dynamic.modes);
     v(key("self_field")
-          .doc("each rod in the field of all, its own too; false: in that of the others alone, exactly with "
-               "sums, with the mesh less what its own does to first order in its turning")
+          .doc("each rod in the field of all rods including its own; false: in the field of the others "
+               "alone, exactly with sums, with the mesh less what its own does to first order in its turning")
           .example("false"),
       dynamic.self_field);
     v(key("start")
@@ -327,9 +327,8 @@ void fields(Visitor& v, Coupling& coupling) {
           .symbol("\\gamma_6")
           .unit(rate)
           .written_if(coupling.rows.any())
-          .doc("turning into the rows of a crystal, -gamma_rows sin 6(theta - rows_direction), whatever the "
-               "other "
-               "rods do")
+          .doc("alignment with the lattice rows of a crystal, -gamma_rows sin 6(theta - rows_direction), "
+               "independent of other rods")
           .example("0.05"),
       coupling.rows.gamma);
     v(key("rows_direction")

@@ -99,7 +99,7 @@ void fields(Visitor& v, Scan& scan) {
           .example("10.0"),
       scan.time_limit);
     v(key("decide")
-          .doc("of rods: points that are undecided at rods_run.t_end go on from there, alone, until their "
+          .doc("of rods: points that are undecided at rods_run.t_end are continued, alone, until their "
                "outcome is decided or rods_run.t_end_limit is reached")
           .example("true"),
       scan.decide);

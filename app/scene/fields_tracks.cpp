@@ -22,7 +22,7 @@ void file_fields(Visitor& v, Tracks& tracks) {
           .example("\"tracks.csv\""),
       tracks.file);
     v(key("rods_file")
-          .absent("rods are in file, told by a column kind")
+          .absent("rods are in file, marked by a column kind")
           .doc("tracks of the rods, where they have a file of their own: every row is a rod; the same "
                "columns, "
                "frames and units")
@@ -103,8 +103,8 @@ void fields(Visitor& v, Tracks& tracks) {
           .example("\"1 deg\""),
       tracks.angle);
     v(key("thin_end")
-          .doc("given: headings and ends say which end of a rod is the thin one; ahead: they tell its axis "
-               "only, as of an ellipse, and the thin end is the one that goes ahead")
+          .doc("given: headings and ends say which end of a rod is the thin one; ahead: they give its axis "
+               "only, as for an ellipse, and the thin end is the one that goes ahead")
           .example("\"ahead\""),
       choice(tracks.thin_end, {{"given", ThinEnd::given}, {"ahead", ThinEnd::ahead}}));
     v(key("window")

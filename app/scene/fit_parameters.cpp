@@ -25,7 +25,7 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"alpha", "\\alpha", "f_over_mu/xi, in place of xi"},
         {"drag_area", "f/\\zeta v", "f_over_mu times xi, in place of xi: force over drag and speed, an area"},
         {"x0", "x_0", "where the force acts, ahead of the rod's centre"},
-        {"amplitude", "A", "of maps: the monopole over its prediction, which force is"},
+        {"amplitude", "A", "of maps: factor by which the monopole exceeds its prediction, force"},
         {"force", "f", "of maps: force of the rod on the medium along its heading"},
         {"p_xx", "P_{xx}", "of maps: force dipole along the rod, positive if it pushes outward"},
         {"p_yy", "P_{yy}", "of maps: force dipole across the rod, the inclusion that its slot is"},

@@ -48,7 +48,7 @@ def mark_minimum(axes, part, colour):
 
 def caption_pair_correlation(run, spec):
     parts = bed_run.holders(run, GR)
-    text = ("Pair correlation <i>g</i>(<i>r</i>) of the beads: pairs at distance <i>r</i> over those of an ideal gas of the same density "
+    text = ("Pair correlation <i>g</i>(<i>r</i>) of the beads: pairs at distance <i>r</i> relative to an ideal gas of the same density "
             "in the box; band: standard error. First minimum")
     told = [(part, part.number("order", "g_minimum")) for part in parts]
     where = ", ".join(f"{words.number(value, 3)} <i>a</i>{of(part)}" for part, value in told if value is not None)

@@ -228,7 +228,7 @@ def caption_film_frame(run, spec):
     shown = ("the direction of the close-packed rows from <i>x</i>" if spec.colour == "orientation"
              else "the local bond order |<i>ψ</i><sub>6,<i>i</i></sub>|, 1 in a perfect triangular lattice")
     text += f". Colour: {shown}, with the neighbours of the measured <i>ψ</i><sub>6</sub>"
-    return text + ("; grey beads are too near the border for all of their neighbours to be seen." if not np.isfinite(order).all() else ".")
+    return text + ("; grey beads are too near the border for all their neighbours to be visible." if not np.isfinite(order).all() else ".")
 
 
 def caption_snapshot(run, spec):

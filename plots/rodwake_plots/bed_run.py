@@ -215,7 +215,7 @@ class Part:
         if self.has(FILM):
             return FilmRods(self.folder)
         if not self.has(SUMMARY):
-            raise PlotError(f"{self.folder / SUMMARY}: no such file: this run is not finished; the same rodwake command goes on with it")
+            raise PlotError(f"{self.folder / SUMMARY}: no such file: this run is not finished; the same rodwake command resumes it")
         return GranularRun(self.folder)
 
 

@@ -64,7 +64,7 @@ def beads_rows(bed, scene):
     yield "Beads", (f"{words.number(bed.need('beads'))} spheres, {words.equation('<i>a</i>', bed.a * 1e3, 'mm')}"
                     f"{of_density(scene.get('bead_density'))}")
     alone = bed.summary.get("beads_fraction")
-    yield "Area fraction asked for", words.equation("<i>φ<sub>b</sub></i>", bed.phi_b) + (
+    yield "Requested area fraction", words.equation("<i>φ<sub>b</sub></i>", bed.phi_b) + (
         f"; the beads alone cover {words.number(alone)} of the {'container' if bed.container else 'box'}" if words.is_number(alone) else "")
 
 

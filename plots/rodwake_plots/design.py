@@ -39,7 +39,7 @@ def draw(told, path=FILE):
     axes.axvline(most, color=style.GREY, linewidth=0.7, linestyle=":")
     axes.set_yticks(rank, [words(one) for one in designs], fontsize=8)
     axes.set_ylim(len(designs) - 0.5, -0.5)
-    axes.set_xlabel(f"expected information on the rival (bits of {most:.3g})")
+    axes.set_xlabel(f"expected information on the model (bits of {most:.3g})")
     return figure
 
 

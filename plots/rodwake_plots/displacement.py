@@ -43,13 +43,13 @@ def who(run):
 def drawn(run):
     """What stands in the middle."""
     if run.has_tracks:
-        return "The triangle marks the rod, whose size the film does not tell."
+        return "The triangle marks the rod, whose size is unknown in a film."
     return "The rod is drawn to scale." if who(run) == "rod" else "Circle: one width of the force around its centre."
 
 
 def shaded(run):
     if run.has_tracks:
-        return f"{words.number(MARK)} <i>a</i> on either side of the rod's place"
+        return f"{words.number(MARK)} <i>a</i> on either side of the rod's position"
     return "the rod's body" if who(run) == "rod" else "one width of the force to each side"
 
 
@@ -368,19 +368,19 @@ def f_over_mu(run):
     return found if words.is_number(found) and found > 0 else None
 
 
-def paint_theory(axes, run, spec, window):
+def paint_theory(axes, run, line, window):
     """In bead radii and over the range of the bed, where f/mu is known in them."""
     scale = f_over_mu(run)
     if scale is None:
-        field.paint_cut(axes, run, spec)
+        field.paint_cut(axes, run, line)
         return
-    cut = field.in_units(run.result.cut(spec.cut), scale)
+    cut = field.in_units(run.result.cut(line.cut), scale)
     kept = (cut.s >= window[0]) & (cut.s <= window[1])
-    s, values = cut.s[kept], field.scaled(cut, spec)[kept]
+    s, values = cut.s[kept], field.scaled(cut, line)[kept]
     axes.axhline(0, color=style.GREY, linewidth=0.6)
     axes.plot(*field.broken_at_rod(cut, s, values), color=style.LINE)
-    axes.set(xlim=window, ylim=field.cut_limits(cut, spec, s, values), xlabel=r"$x/a$", ylabel=ylabel(spec))
-    if tail := field.asymptote(run, run.result.cut(spec.cut), spec):
+    axes.set(xlim=window, ylim=field.cut_limits(cut, line, s, values), xlabel=r"$x/a$", ylabel=ylabel(line))
+    if tail := field.asymptote(run, run.result.cut(line.cut), line):
         field.draw_tail(axes, s[s < 0], tail(s[s < 0] / scale) * scale ** 1.5)
     field.mark_rod(axes, cut, s)
     field.note(axes, [f"$y = {words.math_number(float(cut.at), 2)}" + (r"\,a$" if cut.at else "$"), *field.medium_lines(run)],

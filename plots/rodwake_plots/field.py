@@ -342,7 +342,7 @@ def caption_cut(run, spec, at=""):
         text = text.replace("Displacement ", f"|<i>{cut.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{cut.along}</i>|<sup>−1/2</sup>. "
         if asymptote(run, cut, spec):
-            text += "Broken: the limit far behind the rod, ½ (<i>ξ</i>/π)<sup>1/2</sup>, whatever <i>η</i>. "
+            text += "Broken: the limit far behind the rod, ½ (<i>ξ</i>/π)<sup>1/2</sup>, for any <i>η</i>. "
     elif through_rod(cut):
         text += "The point force at the origin is logarithmically singular; the range leaves it out. "
     return text + medium_note(run)

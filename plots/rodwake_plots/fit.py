@@ -77,7 +77,7 @@ def key(figure, fit, views):
     if any((~view.points.used).any() for view in views):
         handles.append(Line2D([], [], marker="o", markersize=3.6, linestyle="none", color=LEFT_OUT, markerfacecolor="white",
                               label="left out"))
-    handles.append(Line2D([], [], color=style.LINE, linewidth=1.5, label="fit"))
+    handles.append(Line2D([], [], color=style.LINE, linewidth=1.5, label="prediction" if all(fit_words.predicted(view.profile) for view in views) else "fit"))
     for index, one in enumerate(fit.compared):
         handles.append(Line2D([], [], color=style.OTHERS[index % 5], linestyle=DASHES[index % 3], linewidth=1.2,
                               label=style.label(str(one.get("name", index)))))

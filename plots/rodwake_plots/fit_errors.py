@@ -137,9 +137,9 @@ def caption_fit_likelihood(run, spec):
             f"parameters are fitted again. Shaded: 95 % interval, {fit_words.interval_html(like.low, like.high, one.unit)}, where the rise "
             f"stays below {words.number(RISE_95, 3)} (level line). ")
     if like.parabola(np.array([one.value])) is not None:
-        text += f"Broken: what the curvature at the best value, {fit_words.value(one)}, says. "
+        text += f"Broken: parabola from the curvature at the best value, {fit_words.value(one)}. "
     if run.fit.number(run.fit.told, "error_factor", 1.0) != 1.0:
-        text += "The errors of the data are not known: the rise is in units of <i>χ</i>² per degree of freedom. "
+        text += "The errors of the data are unknown: the rise is in units of <i>χ</i>² per degree of freedom. "
     return text
 
 
@@ -239,8 +239,8 @@ def end_values(axes, ends, parameter):
 
 def caption_fit_starts(run, spec):
     ends = Ends(run.fit)
-    text = (f"The {words.number(len(run.fit.starts))} starts of the search, best first: by what the objective at the end of each exceeds the "
-            "best, and the values there. Filled: reached the same optimum, that is, within the shaded range; hollow: ended elsewhere; "
+    text = (f"The {words.number(len(run.fit.starts))} starts of the search, best first: excess of the final objective over the best, and the "
+            "final values. Filled: the same optimum, that is, within the shaded range; hollow: ended elsewhere; "
             "bars: where they started. ")
     bounded = any(map(math.isfinite, sum((one.bounds for one in run.fit.free), ())))
     text += "Broken lines: bounds, where they are in sight. " if bounded else ""

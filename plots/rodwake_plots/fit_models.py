@@ -59,10 +59,10 @@ def weight_of(fit, one):
 def caption(run, spec):
     fit = run.fit
     source = "evidence" if fit.weighed.get("weight_from") == "evidence" else "AIC"
-    told = (f"The models behind the best one, by AIC and BIC and by how well each foretells an eighth of the data from a fit of the rest "
+    told = (f"Model comparison: distance from the best model in AIC and BIC, and in cross-validation, where each eighth of the data is predicted by a fit of the rest "
             f"(−2 times the difference of the log-likelihoods, with its standard error). In brackets: weights by {source}. ")
     chances = [f"{words.escape(str(one.get('name', '')))} {fit_words.chance_html(fit.number(one.get('misfit') or {}, 'probability'))}" for one in drawn(fit)]
-    return told + f"Probability of so large a misfit if the model is right: {', '.join(chances)}."
+    return told + f"Goodness of fit, probability of so large a deviation if the model is right: {', '.join(chances)}."
 
 
 KINDS = {"fit_models": Kind(draw=draw, caption=caption, there=lambda run: run.fit.weighed is not None)}

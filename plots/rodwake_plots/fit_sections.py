@@ -70,7 +70,7 @@ def quality(fit):
     text += f", {chi2_words(fit)}" if dof > 0 else ""
     known = fit.number(told, "error_factor", 1.0) == 1.0
     if known and dof > 0 and math.isfinite(chance) and fit.misfit.get("describes") is not False:
-        text += (f"; if theory and errors are right, so large a <i>χ</i>² or a larger one has the probability "
+        text += (f"; if theory and errors are right, the probability of at least this <i>χ</i>² is "
                  f"{words.number(chance, 2) if chance > 1e-300 else 'zero'}")
     if not known:
         text += (f"; the errors of the data are unknown or not trusted, so the errors of the parameters were multiplied by "
@@ -298,5 +298,5 @@ def search_rows(fit):
     if core > 0:
         yield "Core left out", f"points within {words.number(core)} {fit_words.unit_html(fit.unit)}"
     if spacing > 0:
-        yield "Independent spacing", (f"{words.number(spacing)} {fit_words.unit_html(fit.unit)}: closer points share data, and their "
-                                      "errors were enlarged for it")
+        yield "Independent spacing", (f"{words.number(spacing)} {fit_words.unit_html(fit.unit)}: closer points share data, so their "
+                                      "errors were enlarged")

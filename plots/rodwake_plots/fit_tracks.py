@@ -169,14 +169,14 @@ def turned(angle):
 
 def caption_fit_trajectories(run, spec):
     found = read_paths(run.fit)
-    text = ("Paths of the rods (points, numbered at their starts) and those of the fitted equations of motion (lines); below, data minus fit "
+    text = ("Paths of the rods (points, numbered at their starts) and of the fitted equations of motion (lines); below, data minus fit "
             "against time: along <i>x</i> (filled), along <i>y</i> (hollow), and of the headings. ")
     for index, (one, _) in enumerate(zip(run.fit.trajectories, found)):
         length = "<i>f</i>/<i>μ</i>" if in_reduced_units(run, index) else "in the unit of the file"
         parts = [f"{name} {words.number(run.fit.number(one, key), 3)} {unit}" for key, name, unit in (
             ("rms_position", "positions", length), ("rms_heading", "headings", "rad")) if one.get(key) is not None]
         if parts:
-            text += f"{words.letter(index) + ' ' if len(found) > 1 else ''}Root mean square of what is left: {', '.join(parts)}. "
+            text += f"{words.letter(index) + ' ' if len(found) > 1 else ''}Root mean square of the residuals: {', '.join(parts)}. "
     return text
 
 

@@ -208,7 +208,7 @@ def moved(part):
     time = bed.clock(view.frame.time, view.frame.time)
     share = part.estimate("flow", "drag_share")
     text = f"{part.granular.which(TRAJECTORY)}<i>t</i> = {time} s: the {len(view.marked)} marked beads moved by {away} <i>a</i> (median)"
-    return f"{text}; share of the rod's way that they were carried along: {words.with_error(*share[:2])}." if share else text + "."
+    return f"{text}; fraction of the rod's path by which they were carried along: {words.with_error(*share[:2])}." if share else text + "."
 
 
 def is_dragged(run):

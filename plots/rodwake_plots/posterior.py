@@ -193,7 +193,7 @@ def caption_corner(run, spec):
     text = f"Posterior of the parameters, mean and standard deviation: {told(run, parameters)}. "
     if len(parameters) > 1:
         text += "Shaded: regions that hold 39 % and 86 % of the samples, as ellipses of one and two standard deviations do. "
-    text += "Broken: the priors. Orange: the least-squares optimum and what its curvature says. "
+    text += "Broken: the priors. Orange: the least-squares optimum and its standard errors. "
     left = len(run.posterior.parameters) - len(parameters)
     return text + (f"{left} more {'parameters are' if left > 1 else 'parameter is'} not shown. " if left else "")
 
@@ -315,7 +315,7 @@ def draw_track(axes, table, coordinate):
 
 
 def caption_predictive_tracks(run, spec):
-    return "What is left of the tracks over the median of the posterior, a colour a rod: places in the file's unit, headings in rad. " + BANDS
+    return "Residuals of the tracks from the posterior median, one colour per rod: positions in the unit of the file, headings in rad. " + BANDS
 
 
 KINDS = {

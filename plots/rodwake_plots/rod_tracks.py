@@ -174,7 +174,7 @@ def caption_rod_tracks(run, spec):
     text += (f"; hollow mark at the start, filled at the end, small marks every {words.number(mark_interval(tracks[0].t[-1]))} s; "
              f"the thin end points forward. ")
     if is_pair(tracks):
-        return text + "(b) The rods' separation across the starting heading against their mean way along it; broken line: at the start."
+        return text + "(b) The rods' separation across the starting heading against their mean distance along it; broken line: at the start."
     window = words.number(window_time(tracks[0].t), 2)
     text += (f"(b) Speed along the rod, positive thin end first, as a moving mean over {window} s"
              f"{'' if several else ' (values at the output times pale)'}. ")
@@ -272,7 +272,7 @@ def draw_pair_tracks(run, spec):
     canvas.label_panels(axes_list, parts, "", "", spec.title)
     for axes, flat in zip(axes_list, beside):  # each has a range of its own
         axes.tick_params(labelbottom=True, labelleft=True)
-        axes.set(xlabel=r"way along the start heading ($a$)" if flat else r"$x/a$", ylabel=r"$y/a$")
+        axes.set(xlabel=r"distance along the start heading ($a$)" if flat else r"$x/a$", ylabel=r"$y/a$")
     return figure
 
 
@@ -282,7 +282,7 @@ def pairs_overlaid(parts, paths, spec):
     for part, tracks, colour in zip(parts, paths, canvas.colours(len(parts))):
         draw_beside(axes, tracks, part.granular, colour)
         axes.plot([], [], color=colour, label=style.label(part.label))
-    axes.set(xlabel=r"way along the start heading ($a$)", ylabel=r"$y/a$")
+    axes.set(xlabel=r"distance along the start heading ($a$)", ylabel=r"$y/a$")
     canvas.legend(axes)
     canvas.heading(axes, style.safe(spec.title))
     return figure
@@ -387,7 +387,7 @@ def caption_pair_tracks(run, spec):
 def pair_told(runs, beside):
     thin = f"; thin: each of {runs} runs; bold: their mean" if runs > 1 else ""
     if beside:
-        return ("Place of each rod across the start heading, from the middle of the pair, against its way along it"
+        return ("Position of each rod across the start heading, from the middle of the pair, against its distance along it"
                 f"{thin}{' with a band of its standard error' if runs > 1 else ''}; broken lines: at the start.")
     return f"Paths of the two rods, not folded back into the periodic box{thin}; hollow mark at the start, filled at the end."
 

@@ -69,7 +69,7 @@ class RunDir:
     def granular(self):
         status = (self.provenance or {}).get("status", "unknown")
         stopped = status in ("unfinished", "interrupted", "failed")
-        return self._there(self._granular, SUMMARY, f"this run is {status}; the same rodwake command goes on with it" if stopped else
+        return self._there(self._granular, SUMMARY, f"this run is {status}; the same rodwake command resumes it" if stopped else
                            "this run holds no beads")
 
     @property

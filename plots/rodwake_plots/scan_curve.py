@@ -59,7 +59,7 @@ def column(run, spec):
         return spec.column
     there = scan_columns.names(run.scan)
     if not there:
-        raise PlotError(f"{run.scan.path}: holds no column of numbers besides its axes: nothing to draw")
+        raise PlotError(f"{run.scan.path}: holds no column of numbers other than its axes: nothing to draw")
     return next((name for name in ("delta_y", "final_separation") if name in there), there[0])
 
 

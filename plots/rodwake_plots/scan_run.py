@@ -322,7 +322,7 @@ def symbol_of(key, told):
 
 def said_if_plain(label, key):
     if not style.is_mathtext(f"${label}$"):
-        errors.say_once(f"scan axis {key}: label = \"{label}\" is not TeX that figures can show: it stands there as plain text")
+        errors.say_once(f"scan axis {key}: label = \"{label}\" is not TeX that figures can show; it is shown as plain text")
     return label
 
 

@@ -32,7 +32,7 @@ def template(text, axes):
     keys = {key for axis in axes for key in axis.keys}
     for key in keys & set(TOGETHER):
         if TOGETHER[key] not in keys and not (key == "medium.mu" and keys & {"medium.lame_lambda", "medium.bulk_modulus"}):
-            raise NoTemplate(f"{key} says nothing alone")
+            raise NoTemplate(f"{key} has no meaning by itself")
     for index, axis in enumerate(axes):
         for key, factor in zip(axis.keys, axis.factors):
             put(lines, key, Slot(index, factor, kind_of(key, axis)), keys)
@@ -127,7 +127,7 @@ def entries(lines, first, end, name, comments):
 def replaced_place(line, places, slot, key):
     """`position = [0.0, 2.5]` with a slot for one of its numbers; lists in lists are not told apart."""
     if len(places) != 1 or not isinstance(line[-1], str):
-        raise NoTemplate(f"{key}: a place in a list of lists")
+        raise NoTemplate(f"{key}: a position in a list of lists")
     text, slots = "", []
     for part in line:
         if isinstance(part, str):

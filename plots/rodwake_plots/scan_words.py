@@ -125,7 +125,7 @@ def missed_html(scan):
     bound = f"; with 95 % confidence below {percent(high)}" if words.is_number(high) else ""
     missed = scan.told.get("missed")
     tried = f"{count(missed)} of {count(audited)}" if words.is_number(missed) else count(audited)
-    return f" Missed rate: {percent(rate)} of the area outside the boundary ({tried} random places{bound})."
+    return f" Missed rate: {percent(rate)} of the area outside the boundary ({tried} random points{bound})."
 
 
 def certificates_html(scan):
@@ -272,7 +272,7 @@ def scan_headline(run):
     """One sentence under the title."""
     scan = run.scan
     text = (f"{count(len(scan.failed))} points over {axes_html(scan)}, {outcomes_html(scan)}."
-            f"{failures_html(scan)} <code>{PAGE}</code> beside this page shows every point.")
+            f"{failures_html(scan)} <code>{PAGE}</code> next to this page shows every point.")
     return f'<p class="outcome"><span class="tag">scan</span>{text}</p>'
 
 
@@ -281,7 +281,7 @@ def point_rows(scan):
     told = scan.told
     yield "Design", design_html(scan)
     adaptive = scan.design == "adaptive"
-    asked = "Points of a full grid" if adaptive else "Runs asked for" if scan.of_beds else "Points asked for"
+    asked = "Points of a full grid" if adaptive else "Requested runs" if scan.of_beds else "Requested points"
     for key, name in (("requested", asked), ("evaluated", "Evaluated"),
                       ("failed", "Failed"), ("left", "Not evaluated yet")):
         if words.is_number(told.get(key)) and (told[key] or key in ("requested", "evaluated")):

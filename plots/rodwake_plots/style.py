@@ -135,7 +135,7 @@ def safe(text):
     if "$" not in text or is_mathtext(text):
         return text
     if text.count("$") > 1:
-        errors.say_once(f'"{text}" is not TeX that figures can show: it stands there as plain text')
+        errors.say_once(f'"{text}" is not TeX that figures can show; it is shown as plain text')
     return literal(text)
 
 

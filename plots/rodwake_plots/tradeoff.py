@@ -112,7 +112,7 @@ SHOWN = {"rod_speed": "rod speed", "T_xy": "$T_{xy}$", "T_z": "$T_z$", "psi6": r
 LEAST = 1e-13
 tab10 = matplotlib.colormaps["tab10"]
 FIT_METHODS = ("slsqp", "lbfgs", "mma", "bobyqa", "nelder-mead", "mlsl", "crs", "isres", "direct-l")
-QUANTITIES = {"optimum": "distance from the optimum (standard errors)", "interval": "shift of the 95 % interval (half widths)",
+QUANTITIES = {"optimum": "distance from the optimum ($\sigma$)", "interval": "shift of the 95 % interval (half widths)",
          "displacement": "displacement", "strain": "strain", "gradients": "gradients of strain"}
 
 
@@ -126,7 +126,7 @@ def write_ways(folder, output=None):
     told = json.loads((folder / WAYS).read_text(encoding="utf-8"))
     ways = [way for way in told["ways"] if way["found"]]
     if not ways:
-        raise PlotError(f"{folder / WAYS}: no way has a result")
+        raise PlotError(f"{folder / WAYS}: no configuration has a result")
     path = output / "figures" / "ways.png"
     canvas.save({"bed": draw_bed, "fit": draw_fit, "field": draw_field}[told["of"]](ways), path)
     return [path]
@@ -154,7 +154,7 @@ def draw_bed(ways):
     full = [way for way in ways if key_number(way, "granular.duration") == longest and key_text(way, "measure.interval") == often]
     names = [name for name in SHOWN if any(found_value(way, name) for way in full)]
     if not names:
-        raise PlotError(f"no way of the longest duration has a result for any of {', '.join(SHOWN)}")
+        raise PlotError(f"no configuration of the longest duration has a result for any of {', '.join(SHOWN)}")
     for k, name in enumerate(names):
         bias_against_step(steps, full, name, k, len(names))
     steps.axhline(0, color=style.GREY, linewidth=0.7)

@@ -129,7 +129,7 @@ def caption(run, spec):
     text += ", coloured by rod and moved apart by about a line's width where they would hide each other" if apart else ", coloured by time"
     text += f": hollow mark at the start, filled at the end, small marks every {interval} {units.time_html()}; the thin end points forward. "
     if any(run.samples for run in runs):
-        text += "Thin lines: the same rods in draws of the measured field's errors. "
+        text += "Thin lines: the same rods in fields drawn from the errors of the measured field. "
     if len(runs) == 1:
         outcome = outcome_words(units, runs[0])
         return text + outcome[0].upper() + outcome[1:] + ". " + parameters(units, runs[0])

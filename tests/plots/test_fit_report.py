@@ -25,7 +25,7 @@ class ReportTest(FitCase):
         self.rewrite(parameters=known, remarks=["xi sits at its upper bound"], box=78.0)
         (self.folder / "medium.json").write_text(json.dumps({"eta": 1.31, "xi": 9.8, "xi_stderr": 0.9, "alpha": 0.102}))
         page = self.words_of_page()
-        for part in ("(2.200 ± 0.060) a", "1.016 to 1.604", "χ² = 61.3 for 59 degrees of freedom, χ²/dof = 1.04", "the probability 0.39",
+        for part in ("(2.200 ± 0.060) a", "1.016 to 1.604", "χ² = 61.3 for 59 degrees of freedom, χ²/dof = 1.04", "the probability of at least this χ² is 0.39",
                      "tied to f/μ", "fixed", "at its upper bound", "xi sits at its upper bound", "α alpha0.1020 ± 0.0090", "follows from",
                      "Rods and field of this run are in the fitted medium: η = 1.31, ξ = (9.80 ± 0.90) f/μ, α = 0.102.", "prediction", "62 of 78",
                      "2.20 ± 0.21", "12, 8 of which reached the same optimum", "converged: the polish met its tolerance", "slsqp",

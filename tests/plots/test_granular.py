@@ -205,7 +205,7 @@ class GranularPlotsTest(PlotCase):
         (self.folder / "outcome.json").write_text("{}")
         self.assert_fails("summary.json", "holds no beads")
         (self.folder / "provenance.json").write_text('{"status": "interrupted"}')
-        self.assert_fails("summary.json", "is interrupted", "goes on")
+        self.assert_fails("summary.json", "is interrupted", "resumes it")
 
     def test_theory_figures_need_a_result(self):
         self.build(figures=LINE)

@@ -90,7 +90,7 @@ class BedScanTest(BedScanCase):
         with run_dir.RunDir(self.folder) as run:
             self.assertEqual(scan_words.outcomes_html(run.scan), "runs: contact 100, escape 700")
             rows = dict(scan_words.point_rows(run.scan))
-            self.assertEqual(rows["Runs asked for"], "840")
+            self.assertEqual(rows["Requested runs"], "840")
             self.assertTrue(rows["Outcome escape"].startswith("700"))
 
     def test_columns_that_say_something_of_another_are_no_choice(self):

@@ -112,7 +112,7 @@ class PlotsTest(PlotCase):
             lines, caption = thin(run)
             self.assertEqual(len(lines), 6)  # three of each rod
             self.assertEqual(sum(np.isnan(line.get_ydata()).any() for line in lines), 2)
-            self.assertIn("draws of the measured field", caption)
+            self.assertIn("drawn from the errors of the measured field", caption)
 
     def test_the_report_explains_the_keys_of_a_resolved_scene(self):
         values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}

@@ -73,11 +73,11 @@ class WaysFigureTest(PlotCase):
 
     def test_nothing_to_show_is_told(self):
         self.tell("bed", [way(BED[0]["keys"], 1.0, found("rod_speed", None))])
-        self.assert_fails("no way of the longest duration")
+        self.assert_fails("no configuration of the longest duration")
 
     def test_no_result_is_told(self):
         self.tell("bed", BED[-1:])
-        self.assert_fails("no way has a result")
+        self.assert_fails("no configuration has a result")
 
 
 if __name__ == "__main__":
