@@ -173,8 +173,8 @@ std::vector<PairEquilibrium> in_line_intervals(const ScaledPair& pair) {
                                  {ends[k] * pair.xi, ends[k + 1] * pair.xi},
                                  0.0,
                                  {first, second, 0.0}};
-        std::ranges::stable_sort(interval.eigenvalues, std::greater{},
-                                 [](std::complex<double> value) { return value.real(); });
+        std::stable_sort(interval.eigenvalues.begin(), interval.eigenvalues.end(),
+                         [](std::complex<double> a, std::complex<double> b) { return a.real() > b.real(); });
         found.push_back(interval);
     }
     return found;
@@ -190,7 +190,8 @@ std::string to_string(EquilibriumKind kind) {
 
 bool PairEquilibrium::stable() const {
     const auto negative = [](std::complex<double> value) { return value.real() < 0.0; };
-    return std::ranges::count_if(eigenvalues, negative) == (kind == EquilibriumKind::in_line ? 2 : 3);
+    return std::count_if(eigenvalues.begin(), eigenvalues.end(), negative) ==
+           (kind == EquilibriumKind::in_line ? 2 : 3);
 }
 
 PairFlow pair_flow(const elastic::Medium& medium, const Couplings& couplings, const Pose& pose) {
@@ -225,7 +226,7 @@ std::vector<PairEquilibrium> pair_equilibria(const elastic::Medium& medium, cons
         std::vector<Reduced> roots = asymmetric_roots(pair, family);
         for (const Reduced root : symmetric_roots(pair, family))
             roots.push_back(root);
-        std::ranges::sort(roots, {}, &Reduced::u);
+        std::sort(roots.begin(), roots.end(), [](const Reduced& a, const Reduced& b) { return a.u < b.u; });
         for (const Reduced root : roots) {
             // Newton in three unknowns confirms the root of two, and must not go elsewhere.
             const Pose pose = pose_of(family, root);

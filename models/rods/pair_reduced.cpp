@@ -102,9 +102,10 @@ PairEquilibrium described(const ScaledPair& pair, const Pose& q) {
         found.pose.heading = found.omega = 0.0;
     }
     std::copy(values.begin(), values.end(), found.eigenvalues.begin());
-    std::ranges::sort(found.eigenvalues, [](std::complex<double> one, std::complex<double> other) {
-        return std::pair(-one.real(), -one.imag()) < std::pair(-other.real(), -other.imag());
-    });
+    std::sort(found.eigenvalues.begin(), found.eigenvalues.end(),
+              [](std::complex<double> one, std::complex<double> other) {
+                  return std::pair(-one.real(), -one.imag()) < std::pair(-other.real(), -other.imag());
+              });
     return found;
 }
 

@@ -147,7 +147,7 @@ class AdaptiveTest(ScanCase):
         total = f"{len(self.points):,}".replace(",", "\u2009")
         for part in ("capture is contact, pursuit or orbit", f"{total} points by adaptive refinement to 256 cells a side",
                      "contact ", "undecided ", "9 points failed: the state is no longer finite (9).",
-                     "Missed rate: 0.2 % of the area outside the boundary (3 of 1\u2009500 random places; with 95 % confidence below 0.58 %)",
+                     "Missed rate: 0.2 % of the area outside the boundary (3 of 1\u2009500 random points; with 95 % confidence below 0.58 %)",
                      "Fixed: η = 1, α = 1, γ1 = 0 v0, γ2 = 0 v0.", "rod 1 from (x1, −5), heading 1.571"):
             self.assertIn(part, caption)
         self.assertNotIn("κ = ", caption)  # it is an axis

@@ -296,8 +296,8 @@ class SceneTest(unittest.TestCase):
         self.assertEqual((scene["granular"]["phi_b"], [rod["position"][1] for rod in scene["granular"]["rods"]]), (0.75, [0.0036, -0.0036]))
 
     def test_what_cannot_be_written(self):
-        for key, words in (("rods.7.heading", "no such table"), ("rods.1.position.5", "shorter"), ("medium.lame_lambda", "alone"),
-                           ("medium.mu", "alone"), ("rods_run.output_times.0", "does not give"),
+        for key, words in (("rods.7.heading", "no such table"), ("rods.1.position.5", "shorter"), ("medium.lame_lambda", "by itself"),
+                           ("medium.mu", "by itself"), ("rods_run.output_times.0", "does not give"),
                            ("field.x.0.1", "such table|list of lists|does not give")):
             with self.subTest(key), self.assertRaisesRegex(scan_scene.NoTemplate, words):
                 self.made(self.axes(key), [1.0])

@@ -45,7 +45,7 @@ GRID = CROSSING + "[scan]\ntrajectories = 5\n" + axes(9)
 
 # Of scan.csv after the axes.
 COLUMNS = ["outcome", "time", "status", "min_separation", "min_separation_time", "turn0", "turn1", "non_reciprocity",
-           "final_separation", "final_angle", "steps", "rhs_evaluations", "certificate", "retries"]
+           "final_separation", "final_angle", "steps", "rhs_evaluations", "separation", "omega", "certificate", "retries"]
 RESULTS = ("scan.csv", "cells.csv", "boundary.csv")
 
 
