@@ -405,6 +405,7 @@ rods::RodResult trajectory_of(const ScanPlan& plan, const scan::Result& result, 
         throw InputError(*wrong);
     rods::RodProblem problem = rod_problem(scene);
     const double end = result.values[0] / output_units(plan.base).time;
+    problem.t_end = std::max(problem.t_end, end); // of a point that went on until it was decided
     problem.output_times.clear();
     for (std::size_t i = 0; i + 1 < times; ++i)
         problem.output_times.push_back(end * static_cast<double>(i) / static_cast<double>(times - 1));
