@@ -81,7 +81,7 @@ class Diagram extends Square {
         if (!this.known[r * CELLS + c] || r * CELLS + c === cell) this.shown[r * CELLS + c] = code;
   }
   shares() {
-    const counts = [0, 0, 0, 0];
+    const counts = OUTCOMES.map(() => 0);
     for (const code of this.shown) if (code >= 0) ++counts[code];
     return counts.map(count => count / (CELLS * CELLS));
   }

@@ -71,6 +71,7 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
     const NoisePlan& of = *plan.noise;
     if (session.context.force)
         std::filesystem::remove(file);
+    std::filesystem::create_directories(file.parent_path()); // of a variant
     store::Journal journal(file, runs_key_of(plan.of.scene, field), store::Journal::OfAnother::replace);
     sums = sums_in(journal, rods::no_runs(problem));
     if (!sums.ends.empty())

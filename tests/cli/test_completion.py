@@ -58,7 +58,7 @@ class CompletionTest(ProgramTest):
         self.assertEqual({word.removesuffix("=") for word in self.bash("rods", "--set", "")}, {key.replace("[]", ".0") for key in keys})
 
     def test_zsh(self):
-        self.assertRegex(self.zsh(""), r"(?s)check +-- validate a scene.*tradeoff +-- time")
+        self.assertRegex(self.zsh(""), r"(?s)check +-- validate a scene.*tradeoff +-- benchmark")
         self.assertIn("tradeoff --error", self.zsh("tradeoff --err"))
         self.assertIn("coupling.kappa=", self.zsh("rods -s coupling.ka"))
         self.assertRegex(self.zsh("new --kind "), r"(?s)bed.*rods.*scan")

@@ -119,7 +119,7 @@ class PointerTest(PageTest):
         self.page.wait_for(lambda: self.page.evaluate("rodwake.page.diagram.done"), "the diagram is not done", 60)
         x, y = self.at("#diagram-stage canvas")
         self.page.move(x + 80, y - 60)
-        self.assertRegex(self.page.text("#diagram-tip"), r"^x₁ = [\d.]+, κ = [\d.]+: (contact|pursuit|escape|undecided)")
+        self.assertRegex(self.page.text("#diagram-tip"), r"^x₁ = [\d.]+, κ = [\d.]+: (contact|pursuit|orbit|escape|undecided)")
         told = re.search(r": (\w+)", self.page.text("#diagram-tip"))[1]
         self.page.click(x + 80, y - 60)
         self.frame()

@@ -147,7 +147,7 @@ class FilmRods(ProgramTest):
         self.refuse(2, "ends and heading are given", "check", "film.toml", "-s", "tracks.columns.heading=theta",
                     "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')
         self.refuse(2, "pairs of .tracks. needs contact_distance", "check", "film.toml", "-s", "measure.pairs=true")
-        self.refuse(2, "phonons needs a bed .* places and headings", "check", "film.toml", "-s", "measure.phonons=true")
+        self.refuse(2, "phonons needs a bed .* positions and headings", "check", "film.toml", "-s", "measure.phonons=true")
         for keys, told in ((("measure.rod=1",), "no rod 1: it has 1, numbered from 0"), (("tracks.columns.kind=nothing",), "no column"),
                            (("tracks.columns.ends=[\"x1\",\"y1\",\"x2\",\"z\"]",), 'no column "z"')):
             done = self.expect(2, "measure", "film.toml", "-o", "no", "--force", *(word for key in keys for word in ("-s", key)))

@@ -220,7 +220,7 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.write("ux.csv", profile_text(data["x"] * 0.4, data["value"] * 400, SIGMA * 400))
         mixed, _ = self.fit(text, "-s", "fit.profiles.0.place_unit=mm", "-s", "fit.profiles.0.value_unit=um", out="mixed")
         self.assert_same_fit(radii, mixed, 1.0)
-        self.refuse(2, r"fit\.box.*the data are in px \(fit\.length_unit\)", "check", "fit.toml", "-s", "fit.length_unit=px")
+        self.refuse(2, r'fit\.box.*cannot convert to "px": fit\.length_unit = "px" is not a unit', "check", "fit.toml", "-s", "fit.length_unit=px")
         self.refuse(2, r'place_unit = "px" cannot be converted to length_unit = "a"', "check", "fit.toml", "-s", "fit.profiles.0.place_unit=px")
         self.assertIn("core = 6.0", self.expect(0, "check", "fit.toml", "-s", "fit.length_unit=px", "-s", "fit.box=78 px", "-s", "fit.core=6 px", "-s",
                                                 "fit.independent_spacing=1.5", "-s", "fit.profiles.0.at=4", "-s", "fit.profiles.0.range=[-30, 15]").stdout)
