@@ -188,7 +188,7 @@ class ModelsTest(FitTest):
         self.assertGreater(last, 2.0 * (2 * 0.05 * 8.0) ** 0.5)  # wider than two standard deviations of headings that wander from 0 to 8
         for text, message in (
             (alone + '[[fit.models]]\nname = "none"\nset = { "fit.parameters" = [] }\n', "hold D_r = 0 in fit.fixed"),
-            (alone.replace("sigma_heading = 0.01\n", ""), "give sigma_position and sigma_heading"),
+            (alone.replace("sigma_heading = 0.01\n", ""), "set sigma_position and sigma_heading"),
             (alone.replace("[fit]\n", '[fit]\nloss = "huber"\n'), 'loss = "squares"'),
         ):
             self.write("fit.toml", text)

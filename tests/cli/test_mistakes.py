@@ -18,7 +18,7 @@ rodwake frobnicate
 rodwake -j 2 run my.toml
     -j: comes after the command: rodwake run -j
 rodwake --quiet
-    --quiet: comes after a verb, for example rodwake scenes --quiet
+    --quiet: comes after a command, for example rodwake scenes --quiet
 rodwake help rnu
     rnu: no such command (did you mean "run"?)
 rodwake help -j

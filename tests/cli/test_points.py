@@ -85,7 +85,7 @@ class PointsTest(ProgramTest):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
         self.refuse(2, "--output: field --points writes to standard output", "field", "--points", "points.csv", "-o", "out")
         self.refuse(2, "--threads: field --points makes no use of it", "field", "--points", "points.csv", "-j", "2")
-        self.refuse(2, "--backend: is for --points", "field", rodwake.THEORY_PAIR, "--backend", "exact")
+        self.refuse(2, "--backend: applies to --points only", "field", rodwake.THEORY_PAIR, "--backend", "exact")
 
     def test_seventeen_digits(self):
         text = self.points("x,y,xi,eta\n0.1,0.30000000000000004,1,1\n").stdout.splitlines()[1]

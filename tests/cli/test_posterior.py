@@ -127,7 +127,7 @@ chains = 2
         for old, new, message in (
             ("low = 0.05", "low = 0.0", "log_uniform needs low above 0|beyond the bounds"),
             ("sd = 1.0", "sd = 0.0", "sd above 0"),
-            ("{ kind = \"normal\", mean = 2.0, sd = 1.0 }", "{ kind = \"uniform\" }", "eta: a uniform prior needs low and high, because fit.bounds.eta is not set"),
+            ("{ kind = \"normal\", mean = 2.0, sd = 1.0 }", "{ kind = \"uniform\" }", r"a uniform prior needs low and high, because fit\.bounds\.\w+ is not set"),
             ("samples = 4000", "samples = 4001", "multiple of chains"),
             ("kind = \"normal\"", "kind = \"gauss\"", "normal"),
             ("sd = 1.0", "sdev = 1.0", "unknown key"),
