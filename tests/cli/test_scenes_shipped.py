@@ -34,7 +34,7 @@ class ScenesVerbTest(ProgramTest):
         self.expect(0, "scenes", "-o", ".")
         self.assertEqual(snapshot(self.folder), before)
         self.write("scenes/pair.toml", "mine")
-        self.refuse(2, "scenes/pair.toml: is there and differs", "scenes", "-o", ".")
+        self.refuse(2, "scenes/pair.toml: already exists and differs", "scenes", "-o", ".")
         self.expect(0, "scenes", "-o", ".", "--force", "--quiet")
         self.assertEqual((self.folder / "scenes/pair.toml").read_bytes(), (SCENES / "pair.toml").read_bytes())
 
