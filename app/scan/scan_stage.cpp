@@ -161,11 +161,11 @@ StageEnd run_scan(Session& session) {
     design.side = side_of_pursuit(plan);
     const scan::Summary summary = scan::run(design, ledger, executor_of(session, plan), options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    ledger.sync();
     const scan::Counts counts = ledger.counts();
     // mpiexec kills its ranks a second after the signal, too soon for large tables; the ledger holds it all.
     if (!summary.complete && session.context.executor)
         return report(session, ledger, counts, summary);
+    ledger.sync();
     const ScanCertificates certificates =
         certificates_of(plan, ledger, summary, session.context.thread_count());
     write_scan(session.directory.path(), plan, *session.plan.scene.scan, ledger, counts, summary,

@@ -175,5 +175,6 @@ TEST_CASE("Endings have the numbers that the description of a table gives them",
         counts.add(ending);
     }
     CHECK(outcome_codes.starts_with(told));
-    CHECK(record_json(counts).dump() == R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"failed":0})");
+    CHECK(record_json(counts).dump() ==
+          R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"orbit":1,"failed":0})");
 }

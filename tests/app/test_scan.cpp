@@ -16,11 +16,12 @@ TEST_CASE("A scan of two keys: axes, columns, and the scene of a point") {
     CHECK(made.design.axes[0].count == 4);
     CHECK(made.design.axes[1].from == -6.0);
     CHECK(scan::size(made.design) == 12);
-    CHECK(made.columns.outcomes == std::vector<std::string>{"contact", "pursuit", "escape", "undecided"});
+    CHECK(made.columns.outcomes ==
+          std::vector<std::string>{"contact", "pursuit", "escape", "undecided", "orbit"});
     CHECK(made.columns.observables ==
           std::vector<std::string>{"time", "min_separation", "min_separation_time", "turn0", "turn1",
                                    "non_reciprocity", "final_separation", "final_angle", "steps",
-                                   "rhs_evaluations", "certificate"});
+                                   "rhs_evaluations", "separation", "omega", "certificate"});
     const auto scene = at(made, {7.5, -3.25});
     CHECK(scene.coupling->kappa == 7.5);
     CHECK(scene.rods[1].position[0] == -3.25);

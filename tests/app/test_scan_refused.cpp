@@ -12,8 +12,7 @@ TEST_CASE("Axes that are none are refused with their key") {
     CHECK(has(refusal(axis("key = \"rods.2.heading\"\nfrom = 0.0\nto = 1.0")), "no entry 2: rods has 2"));
     CHECK(has(refusal(axis("key = \"rods.1.position\"\nfrom = 0.0\nto = 1.0")), "rods[1].position"));
     CHECK(has(refusal(axis("key = \"medium\"\nfrom = 0.0\nto = 1.0")), "medium is a table"));
-    CHECK(has(refusal(axis("key = \"scales.v0\"\nfrom = 1.0\nto = 2.0")),
-              "says what the numbers of the scene mean"));
+    CHECK(has(refusal(axis("key = \"scales.v0\"\nfrom = 1.0\nto = 2.0")), "defines the units of the scene"));
     CHECK(has(refusal(kappa + kappa), "coupling.kappa is set twice"));
     CHECK(
         has(refusal(axis("keys = [\"medium.alpha\", \"medium.xi\"]\nfrom = 1.0\nto = 2.0")), "give one of"));
