@@ -14,6 +14,26 @@
 #include <memory>
 #include <string>
 
+// Records of the journal of a fit.
+
+namespace rodwake::store {
+
+using fitting::ChainBlock, fitting::StartResult;
+
+template<>
+inline constexpr auto parts<StartResult> = parts_of("index start end objective termination evaluations",
+                                                    &StartResult::index, &StartResult::start,
+                                                    &StartResult::end, &StartResult::objective,
+                                                    &StartResult::termination, &StartResult::evaluations);
+template<>
+inline constexpr auto
+    parts<ChainBlock> = parts_of("chain index log_density log_scale accepted z kept kept_density",
+                                 &ChainBlock::chain, &ChainBlock::index, &ChainBlock::log_density,
+                                 &ChainBlock::log_scale, &ChainBlock::accepted, &ChainBlock::z,
+                                 &ChainBlock::kept, &ChainBlock::kept_density);
+
+} // namespace rodwake::store
+
 namespace rodwake::app {
 
 // Errors of a fit beyond its curvature (fitting/refits.hpp): constants that were held, masks, runs.
@@ -32,6 +52,9 @@ struct FitOrigin {
 /// fit.json comes last: where it is, the others are.
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const FitOrigin& origin);
+
+/// Starts and blocks of samples that are done, in the folder of the fit.
+inline constexpr const char* journal_file = "fit.log";
 
 // The posterior of a fit, with fit.posterior.
 

@@ -2,19 +2,6 @@
 
 #include <cmath>
 
-namespace rodwake::store {
-
-using fitting::ChainBlock;
-
-template<>
-inline constexpr auto
-    parts<ChainBlock> = parts_of("chain index log_density log_scale accepted z kept kept_density",
-                                 &ChainBlock::chain, &ChainBlock::index, &ChainBlock::log_density,
-                                 &ChainBlock::log_scale, &ChainBlock::accepted, &ChainBlock::z,
-                                 &ChainBlock::kept, &ChainBlock::kept_density);
-
-} // namespace rodwake::store
-
 namespace rodwake::app {
 
 namespace {

@@ -21,25 +21,11 @@
 #include <cmath>
 #include <fstream>
 
-namespace rodwake::store {
-
-using fitting::StartResult;
-
-template<>
-inline constexpr auto parts<StartResult> = parts_of("index start end objective termination evaluations",
-                                                    &StartResult::index, &StartResult::start,
-                                                    &StartResult::end, &StartResult::objective,
-                                                    &StartResult::termination, &StartResult::evaluations);
-
-} // namespace rodwake::store
-
 namespace rodwake::app {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* journal_file = "fit.log";
 
 std::string counted(std::size_t count, const char* what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
@@ -83,15 +69,13 @@ void log_data(const FitPlan& plan, const Logger& log) {
         if (m.left_out > 0)
             log->warn("fit: {}: {} bins without a sigma are left out", m.file.string(), m.left_out);
         if (m.mirrored)
-            log->info("fit: {}: both sides of the rod hold the same numbers; those at y > 0 are fitted",
-                      m.file.string());
+            log->info("fit: {}: both sides hold the same numbers; y > 0 is fitted", m.file.string());
     }
     for (const FitTrackData& t : plan.tracks) {
         if (t.left_out > 0)
             log->info("fit: {}: {} rows with an unknown rod are left out", t.file.string(), t.left_out);
         if (t.unwrapped)
-            log->info("fit: {}: headings that jump by more than half a turn between rows were unwrapped",
-                      t.file.string());
+            log->info("fit: {}: headings that jump by half a turn were unwrapped", t.file.string());
     }
     for (const std::string& remark : plan.problem.remarks) // here too: the fit may fail of it
         log->warn("fit: {}", remark);

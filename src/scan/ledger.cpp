@@ -222,7 +222,8 @@ public:
         }
     }
 
-    /// All results that count, in the order in which they were written: record by record, which is faster than by id.
+    /// All results that count, in the order in which they were written: record by record, which is faster
+    /// than by id.
     void read_as_written(const std::function<void(const Result&)>& each) {
         const std::size_t size = packed_size(head_);
         for (std::uint32_t record = 0; record < journal_->size(); ++record) {
