@@ -143,7 +143,7 @@ integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options
         if (!status.ok() || status.termination == Termination::interrupted)
             break;
 
-        // What the rods did before counts on.
+        // Turns, times and closest approach add up over all parts of the run.
         const EncounterEnd before = end;
         for (std::size_t a = 0; a < before.turn.size(); ++a)
             run.outcome.turn[a] += before.turn[a];

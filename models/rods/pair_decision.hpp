@@ -1,5 +1,5 @@
 #pragma once
-// What bounds of an encounter say of its ending. docs/numerics.md, section 4.
+// Decides the outcome of an encounter from bounds on its state. docs/numerics.md, section 4.
 
 #include "rodwake/rods/simulate.hpp"
 

@@ -153,7 +153,7 @@ public:
         take(journal_->size() - 1, kind, content);
     }
 
-    /// What a record changes: points are found by record and number within it.
+    /// Applies a record: points are found by record and number within it.
     void take(std::size_t record, std::uint32_t kind, const Bytes& content) {
         store::ByteReader in(content, "ledger");
         const std::size_t size = packed_size(head_);

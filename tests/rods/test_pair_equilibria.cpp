@@ -303,7 +303,7 @@ TEST_CASE("rods on their way into a stable orbit are told, others are not") {
     REQUIRE_FALSE(wide.stable());
     CHECK_FALSE(rods::settled_orbit(s.medium, s.couplings, {}, wide.pose));
 
-    // What is told is what happens: the pair goes on for 60 periods, and is where it was told to be.
+    // The prediction holds: after 60 more periods the pair is in the orbit that was predicted.
     rods::RodOptions options;
     options.ode.rtol = 1e-10;
     options.ode.atol = 1e-11;

@@ -97,12 +97,12 @@ struct RodOutcome {
     double min_separation = 0.0; ///< smallest separation of any pair at any time; infinite for a single rod
     double min_separation_time = 0.0; ///< when
     std::vector<double> turn;         ///< theta(end) - theta(0) of each rod, rad
-    /// Of an orbit that of the fixed point to which the rods come; of a pursuit the last. NaN: neither.
+    /// Distance of the orbit to which the rods come, or the last distance of a pursuit; NaN: neither.
     double separation = std::numeric_limits<double>::quiet_NaN();
-    /// Of an orbit its turning rate, + counterclockwise, rad mu v0/f; NaN: none.
+    /// Turning rate of an orbit, + counterclockwise, rad mu v0/f; NaN: no orbit.
     double omega = std::numeric_limits<double>::quiet_NaN();
-    /// Of a pursuit of two rods in their steady wakes: whether the separation still grows at the end, and
-    /// whether rods in line at this separation are stable. Rods that start exactly in line stay in line
+    /// A pursuit of two rods in their steady wakes has these: whether the separation still grows at the end,
+    /// and whether rods in line at this separation are stable. Rods that start exactly in line stay in line
     /// though they may be unstable there.
     std::optional<bool> grows = {}, stable = {};
     std::string reason;                          ///< in words, with the numbers

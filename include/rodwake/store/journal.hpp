@@ -29,7 +29,7 @@ namespace rodwake::store {
 
 class Journal {
 public:
-    /// What happens to a journal of another key, or to a file that is no whole journal.
+    /// Treatment of a journal of another key, or of a file that is no whole journal.
     enum class OfAnother { refuse, replace };
 
     /// Opens the file to append to it, or makes it. `key` holds all that the records depend on. Throws
