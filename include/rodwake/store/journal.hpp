@@ -14,6 +14,7 @@
 // dropped; one whose content was damaged later is recognised when it is read, and those behind it stay
 // readable.
 
+#include "rodwake/core/error.hpp"
 #include "rodwake/store/archive.hpp"
 
 #include <cstddef>
