@@ -183,6 +183,11 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
     if (plan.scan->subject == scene::ScanSubject::beds && plan.scene.measure)
         lines.push_back({false, "measures of scanned beds: a scan follows the rods alone, contact as in "
                                 "measure.contact_distance"});
+    if (plan.scan->critical)
+        lines.push_back(
+            {true,
+             fmt::format("critical values of {} between {} at each point, to {:g}", design.axes.back().name,
+                         fmt::join(plan.scan->critical->between, " and "), plan.scan->critical->tolerance)});
     if (design.boundary_tolerance > 0.0)
         lines.push_back({true, fmt::format("boundaries between outcomes to {:g} of the axis",
                                            design.boundary_tolerance)});

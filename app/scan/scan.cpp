@@ -1,6 +1,7 @@
 #include "rodwake/app/scan.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/rng.hpp"
 #include "rodwake/scan/lattice.hpp"
 #include "scan_parts.hpp"
 
@@ -20,7 +21,12 @@ using VariedKey = ScanPlan::VariedKey;
 /// Of beds, whose places are all looked at before the first is evaluated.
 constexpr std::int64_t most_places_of_beds = 100'000;
 
-scan::Kind kind_of(scene::ScanDesign design) { return static_cast<scan::Kind>(design); }
+/// Critical values are sought for each point of a grid or a list.
+scan::Kind kind_of(const scene::Scan& scan) {
+    if (scan.design == scene::ScanDesign::critical)
+        return scan.file.empty() ? scan::Kind::grid : scan::Kind::list;
+    return static_cast<scan::Kind>(scan.design);
+}
 
 std::vector<std::string> keys_of(const ScanAxis& axis) {
     return axis.key.empty() ? axis.keys : std::vector{axis.key};
@@ -66,11 +72,11 @@ public:
 
     ScanPlan plan(const std::optional<ScanList>& list) {
         scan::Design design;
-        design.kind = kind_of(scan_.design);
+        design.kind = kind_of(scan_);
         design.samples = scan_.samples;
         design.seed = static_cast<std::uint64_t>(scan_.seed);
         design.resolution = scan_.resolution;
-        design.audit = scan_.audit;
+        design.audit = scan_.audited();
         design.boundary_tolerance = scan_.boundary_tolerance.value_or(0.0);
         design.runs = of_beds() ? base_.granular->runs : 0;
         if (list)
@@ -78,11 +84,15 @@ public:
         else
             for (const ScanAxis& axis : scan_.axes)
                 design.axes.push_back(resolve(axis, design.axes.size()));
+        std::optional<CriticalPlan> critical;
+        if (scan_.design == scene::ScanDesign::critical)
+            critical = take_solved_key(design);
         require_size(design);
         start_from_earliest_end(design);
         scene::ValueSetter all = setter_of(keys_);
         ScanPlan plan{subject_, std::move(design), columns(), {}, base_, std::move(all), std::move(keys_),
                       {},       scan_.time_limit};
+        plan.critical = std::move(critical);
         plan.labels.resize(plan.design.axes.size());
         std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
         take_drivers(plan);
@@ -90,7 +100,7 @@ public:
         if (of_beds())
             plan.design.costs = costs_of_beds(plan);
         else
-            plan.certificates = scan_.certificates, plan.decide = scan_.decide;
+            plan.certificates = scan_.certificates, plan.decide = scan_.decide || plan.critical;
         return plan;
     }
 
@@ -136,6 +146,49 @@ private:
             require_range(axis);
         }
         return axis;
+    }
+
+    /// The key that critical values are sought of becomes the last axis: the values of the coarse pass, and
+    /// between them random ones, which tell how much may lie unseen between two values.
+    CriticalPlan take_solved_key(scan::Design& design) {
+        constexpr std::size_t most_axes = 4; // a bracket takes two numbers of a point
+        if (design.axes.size() > most_axes)
+            throw InputError(
+                fmt::format("{}: scan.file has {} columns, design = \"critical\" takes at most {}",
+                            base_.path, design.axes.size(), most_axes));
+        ScanAxis given;
+        given.key = scan_.solve_for;
+        given.from = scan_.from, given.to = scan_.to;
+        given.spacing = scan_.spacing, given.count = scan_.count;
+        scan::Axis axis = resolve(given, design.axes.size());
+        if (axis.whole)
+            refuse(axis.name, "a whole number has no critical value");
+        std::vector<std::pair<double, bool>> fractions;
+        for (long k = 0; k < scan_.count; ++k)
+            fractions.emplace_back(static_cast<double>(k) / static_cast<double>(scan_.count - 1), false);
+        RandomStream random(static_cast<std::uint64_t>(scan_.seed), 0x63726974);
+        for (long k = 0; k < design.audit; ++k)
+            fractions.emplace_back(random.uniform(), true);
+        if (axis.from > axis.to)
+            std::swap(axis.from, axis.to);
+        std::ranges::sort(fractions);
+        CriticalPlan critical{scan_.between, scan_.tolerance, {}};
+        for (const auto& [fraction, audited] : fractions)
+            if (const double value = axis.at(fraction); axis.values.empty() || value > axis.values.back()) {
+                axis.values.push_back(value);
+                critical.audited.push_back(audited);
+            }
+        axis.spacing = scan::Spacing::listed;
+        axis.count = static_cast<long>(axis.values.size());
+        std::vector<std::vector<double>> rows;
+        for (const std::vector<double>& row : design.rows)
+            for (const double value : axis.values) {
+                rows.push_back(row);
+                rows.back().push_back(value);
+            }
+        design.rows = std::move(rows);
+        design.axes.push_back(std::move(axis));
+        return critical;
     }
 
     void take_values(scan::Axis& axis, const ScanAxis& given, std::size_t first) {

@@ -85,6 +85,13 @@ scene::Scan scan_keys(const scene::Scan& scan) {
     key.axes = scan.axes;
     key.certificates = scan.certificates;
     key.decide = scan.decide;
+    if (scan.design == scene::ScanDesign::critical) {
+        key.solve_for = scan.solve_for;
+        key.from = scan.from, key.to = scan.to;
+        key.spacing = scan.spacing, key.count = scan.count;
+        key.between = scan.between, key.tolerance = scan.tolerance;
+        key.audit = scan.audited(), key.seed = scan.seed;
+    }
     for (scene::ScanAxis& axis : key.axes)
         axis.label.clear();
     if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample

@@ -70,7 +70,7 @@ fs::path find_file(const scene::Scene& scene) {
 } // namespace
 
 std::optional<ScanList> read_scan_list(const scene::Scene& scene) {
-    if (!scene.scan || scene.scan->design != scene::ScanDesign::list)
+    if (!scene.scan || scene.scan->file.empty())
         return std::nullopt;
     const fs::path path = find_file(scene);
     ScanList list;

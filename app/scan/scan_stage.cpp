@@ -1,11 +1,13 @@
 // The scan stage: ledger, executor, results.
 
+#include "critical.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/stopwatch.hpp"
 #include "run/cost_parts.hpp"
 #include "run/log.hpp"
+#include "run/record_table.hpp"
 #include "run/stage_kind.hpp"
 #include "scan_parts.hpp"
 #include "scan_values.hpp"
@@ -24,7 +26,15 @@ namespace fs = std::filesystem;
 
 scan::Evaluate evaluate_of(const ScanPlan& plan, const fs::path& folder, const RunContext& context,
                            const Logger& log) {
-    return of_beds(plan) ? evaluate_beds(plan, folder, context, log) : evaluate_rods(plan, context.stop);
+    if (of_beds(plan))
+        return evaluate_beds(plan, folder, context, log);
+    if (!plan.critical)
+        return evaluate_rods(plan, context.stop);
+    return [coarse = evaluate_rods(plan, context.stop), brackets = evaluate_brackets(plan, context.stop)](
+               std::span<const scan::Point> points, std::span<scan::Result> results) {
+        const bool narrow = !points.empty() && points.front().id >= first_bracket;
+        (narrow ? brackets : coarse)(points, results);
+    };
 }
 
 scan::Execute executor_of(const Session& session, const ScanPlan& plan) {
@@ -146,6 +156,38 @@ void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& cont
 
 namespace {
 
+/// The brackets of the coarse pass, narrowed; false: stopped. Brackets that are done are in a ledger of their
+/// own, with which the same call goes on.
+bool solve_critical(const Session& session, const scan::Ledger& ledger, const scan::Execute& execute,
+                    Progress& progress) {
+    const ScanPlan& plan = *session.plan.scan;
+    const fs::path folder = session.directory.path();
+    scan::Ledger found(folder / critical_ledger, {plan.description, plan.design.axes, columns_of_critical()});
+    if (session.context.scan.rerun_failed)
+        found.forget_failed();
+    const CriticalSearch search =
+        find_critical(plan, ledger, found, execute, [&](std::int64_t done, std::int64_t total) {
+            progress.update(static_cast<double>(done), static_cast<double>(total));
+        });
+    found.sync();
+    if (!search.complete)
+        return false;
+    write_critical(folder, plan, ledger, search);
+    std::map<std::string, int> kinds;
+    for (const scan::Result& one : search.values)
+        ++kinds[critical_kinds[static_cast<std::size_t>(one.outcome)]];
+    std::string text;
+    for (const auto& [kind, count] : kinds)
+        text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", kind, count);
+    session.log->info("scan: {} critical values of {}{}", search.values.size(), plan.design.axes.back().name,
+                      text);
+    if (!search.failed.empty())
+        session.log->warn(
+            "scan: {} brackets failed; critical.json has the causes, --rerun-failed tries them again",
+            search.failed.size());
+    return true;
+}
+
 StageEnd run_scan(Session& session) {
     const auto start = std::chrono::steady_clock::now();
     const ScanPlan& plan = *session.plan.scan;
@@ -159,7 +201,10 @@ StageEnd run_scan(Session& session) {
     };
     scan::Design design = plan.design;
     design.side = side_of_pursuit(plan);
-    const scan::Summary summary = scan::run(design, ledger, executor_of(session, plan), options);
+    const scan::Execute execute = executor_of(session, plan);
+    scan::Summary summary = scan::run(design, ledger, execute, options);
+    if (plan.critical && summary.complete)
+        summary.complete = solve_critical(session, ledger, execute, progress);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const scan::Counts counts = ledger.counts();
     // mpiexec kills its ranks a second after the signal, too soon for large tables; the ledger holds it all.
@@ -230,10 +275,25 @@ constexpr ColumnInfo boundary_columns[] = {
     {"between", "1", "the two outcomes"},
     {"error", "1", "half the bracket, as a fraction of the axis"}};
 
+/// As critical.csv has them: kinds and outcomes as words.
+std::span<const ColumnInfo> critical_columns() {
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> all = {
+            {"kind", "1", "grazing, separatrix, unbinding or fold"},
+            {"branch", "1", "number of the curve of values of neighbouring points, from 0"}};
+        add_number_columns<CriticalValue>(all);
+        return all;
+    }();
+    return columns;
+}
+
 std::vector<FileKind> scan_files() {
     using enum Lifetime;
     return {
         {scan::ledger_file, kept, "the points of the scan, of beds the runs: what the same command resumes"},
+        {critical_ledger, kept, "the brackets of critical values that are done"},
+        {"critical.csv", result, "critical values of a key, a row a value", critical_columns()},
+        {"critical.json", result, "of each point how many critical values there are, or why none"},
         {"scan.h5", result, "the points of the scan and a sample of trajectories as datasets"},
         {"scan.json", result, "axes, counts, causes of failures, rate of what was missed"},
         {"scan.html", result, "the scan to explore in a browser"},

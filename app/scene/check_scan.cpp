@@ -1,10 +1,12 @@
 #include "check.hpp"
 
+#include "rodwake/core/encounter.hpp"
 #include "rodwake/rods/separation_record.hpp"
 #include "rodwake/scene/scan.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 
 namespace rodwake::scene {
@@ -66,12 +68,14 @@ void check_axis(const Scene& scene, const ScanAxis& axis, const std::string& pat
     const Scan& scan = *scene.scan;
     if (!check_names(axis, scan_subject(scene), path, report))
         return;
-    const bool range = axis.from && axis.to, any = axis.from || axis.to;
+    const bool range = axis.from && axis.to, any = axis.from || axis.to,
+               grid = scan.design == ScanDesign::grid || scan.design == ScanDesign::critical;
     if (axis.values.empty() != range || (any && !range))
         report(path, fmt::format("{}: give from and to, or values", path));
-    else if (!axis.values.empty() && scan.design != ScanDesign::grid)
-        report(path + ".values", fmt::format("{}.values: only design = \"grid\" takes listed values", path));
-    else if (range && scan.design == ScanDesign::grid && axis.count == 1)
+    else if (!axis.values.empty() && !grid)
+        report(path + ".values",
+               fmt::format("{}.values: only design = \"grid\" or \"critical\" takes listed values", path));
+    else if (range && grid && axis.count == 1)
         report(path + ".count", fmt::format("{}.count = 1 would use only \"from\" and ignore \"to\". For a "
                                             "single value write values = [...]",
                                             path));
@@ -95,16 +99,79 @@ void check_resolution(const Scan& scan, const ScanAxis& axis, const std::string&
                    path, axis.count, scan.axes.front().count));
 }
 
+/// What an encounter ends with, or a group of it; "any" stands alone.
+void check_between(const Scan& scan, const Report& report) {
+    if (scan.between == std::vector<std::string>{"any"})
+        return;
+    if (scan.between.size() != 2 || scan.between[0] == scan.between[1])
+        report("scan.between", "scan.between takes two different ends, such as [\"capture\", \"escape\"], or "
+                               "[\"any\"] for every change of outcome");
+    for (std::size_t k = 0; k < scan.between.size(); ++k) {
+        const std::string& name = scan.between[k];
+        const bool outcome = std::ranges::any_of(
+            all_endings, [&](Ending ending) { return rodwake::to_string(ending) == name; });
+        if (!outcome && name != "capture" && (name != "other" || k == 0))
+            report("scan.between",
+                   fmt::format(
+                       "scan.between: \"{}\" is neither an outcome (contact, pursuit, escape, undecided, "
+                       "orbit) nor a group (capture; other, in the second place)",
+                       name));
+    }
+    if (scan.between.size() == 2 && (scan.between[0] == "capture" || scan.between[1] == "capture"))
+        for (const Ending ending : all_endings)
+            if (is_capture(ending) && std::ranges::count(scan.between, rodwake::to_string(ending)) > 0)
+                report("scan.between", fmt::format("scan.between: {} is part of capture, so nothing lies "
+                                                   "between them",
+                                                   rodwake::to_string(ending)));
+}
+
+void check_critical(const Scene& scene, const Report& report) {
+    const Scan& scan = *scene.scan;
+    const std::string_view key = scan.solve_for;
+    if (scan.solve_for.empty() || !scan.from || !scan.to)
+        return report("scan", "design = \"critical\" needs solve_for, the key whose critical values are "
+                              "sought, and its range, from and to");
+    constexpr std::string_view of_solver[] = {"rods_run.", "noise."};
+    const bool numerical =
+        key != "rods_run.contact_distance" &&
+        std::ranges::any_of(of_solver, [&](std::string_view table) { return key.starts_with(table); });
+    if (!can_vary(key, ScanSubject::rods) || numerical)
+        report("scan.solve_for",
+               fmt::format("scan.solve_for = \"{}\": give a number that an encounter depends "
+                           "on, in [coupling], [medium] or [[rods]], or "
+                           "rods_run.contact_distance",
+                           key));
+    if (scene.noise)
+        report("scan.design", "design = \"critical\" needs outcomes that are certain: leave [noise] out, or "
+                              "take design = \"grid\" for probabilities");
+    for (const ScanAxis& axis : scan.axes)
+        for (const std::string& other : keys_of(axis))
+            if (other == key || other.starts_with("rods_run.rtol") || other.starts_with("noise."))
+                report("scan.axes", fmt::format("{} cannot be an axis of critical values of {}", other, key));
+    ScanAxis range;
+    range.from = scan.from, range.to = scan.to, range.spacing = scan.spacing;
+    check_ends(range, "scan", report);
+    check_between(scan, report);
+}
+
 /// What another design would take.
 void check_design(const Scan& scan, const Report& report) {
-    const bool list = scan.design == ScanDesign::list, adaptive = scan.design == ScanDesign::adaptive;
-    if (list && scan.file.empty())
+    const bool list = scan.design == ScanDesign::list, adaptive = scan.design == ScanDesign::adaptive,
+               critical = scan.design == ScanDesign::critical, file = !scan.file.empty();
+    if (list && !file)
         report("scan.file", "design = \"list\" needs scan.file, a CSV whose header names the keys");
-    if (!list && !scan.file.empty())
-        report("scan.file", "scan.file needs design = \"list\"");
-    if (list && !scan.axes.empty())
-        report("scan.axes", "with design = \"list\" the axes are the columns of scan.file");
-    if (!list && scan.axes.empty())
+    if (!list && !critical && file)
+        report("scan.file", "scan.file needs design = \"list\" or \"critical\"");
+    if (file && !scan.axes.empty())
+        report("scan.axes", "with scan.file the axes are its columns");
+    if (critical && scan.axes.size() > 4)
+        report("scan.axes", "design = \"critical\" takes at most four axes beside solve_for");
+    if (!critical && !scan.solve_for.empty())
+        report("scan.solve_for", "scan.solve_for needs design = \"critical\"");
+    if (!critical && (scan.from || scan.to))
+        report("scan", "scan.from and scan.to need design = \"critical\": the range of an axis stands in "
+                       "[[scan.axes]]");
+    if (!list && !critical && scan.axes.empty())
         report("scan", "[scan] has no axes: give [[scan.axes]] with key, from and to");
     if (adaptive && scan.axes.size() > 3)
         report("scan.axes", "design = \"adaptive\" takes one, two or three axes");
@@ -127,7 +194,7 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
     if (scene.scan->decide && scene.noise)
         report("scan.decide", "scan.decide is for rods without [noise]: leave one out");
     if (scene.rods_run && scene.rods_run->t_end_limit) {
-        if (!scene.scan->decide)
+        if (!scene.scan->decide && scene.scan->design != ScanDesign::critical)
             report("rods_run.t_end_limit", "rods_run.t_end_limit needs scan.decide = true, which continues "
                                            "points until their outcome is decided");
         if (*scene.rods_run->t_end_limit < scene.rods_run->t_end)
@@ -144,9 +211,11 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
 void check_beds(const Scene& scene, const Report& report) {
     if (scene.scan->decide)
         report("scan.decide", "scan.decide is for scans of rods: a bed runs for granular.duration");
-    if (scene.scan->design == ScanDesign::adaptive)
-        report("scan.design", "scan.design = \"adaptive\" follows where the outcome changes, and outcomes of "
-                              "beds are random: take grid, list, lhs or sobol");
+    if (scene.scan->design == ScanDesign::adaptive || scene.scan->design == ScanDesign::critical)
+        report(
+            "scan.design",
+            "scan.design = \"adaptive\" and \"critical\" follow where the outcome changes, and outcomes of "
+            "beds are random: take grid, list, lhs or sobol");
     if (scene.granular->start == GranularStart::restart)
         report("granular.start",
                "[scan] of beds makes the start of each run anew: granular.start = lattice or random");
@@ -169,6 +238,8 @@ void check_scan(const Scene& scene, const Report& report) {
     const Scan& scan = *scene.scan;
     check_subject(scene, report);
     check_design(scan, report);
+    if (scan.design == ScanDesign::critical)
+        check_critical(scene, report);
     if (scan.design == ScanDesign::list)
         return;
     for (std::size_t i = 0; i < scan.axes.size(); ++i) {

@@ -62,10 +62,53 @@ void fields(Visitor& v, Scan& scan) {
     using enum ScanDesign;
     v(key("design")
           .doc("grid; list (of a file); lhs (Latin hypercube), sobol: samples; adaptive: refines where the "
-               "outcome changes")
+               "outcome changes; critical: values of solve_for at which it changes, for each point of the "
+               "axes or of the file")
           .example("\"adaptive\""),
-      choice(scan.design,
-             {{"grid", grid}, {"list", list}, {"lhs", lhs}, {"sobol", sobol}, {"adaptive", adaptive}}));
+      choice(scan.design, {{"grid", grid},
+                           {"list", list},
+                           {"lhs", lhs},
+                           {"sobol", sobol},
+                           {"adaptive", adaptive},
+                           {"critical", critical}}));
+    v(key("solve_for")
+          .written_if(scan.design == critical)
+          .absent("none")
+          .doc("critical: the key whose critical values are sought, any number that an encounter depends on")
+          .example("\"coupling.kappa\""),
+      scan.solve_for);
+    v(key("from")
+          .absent("none")
+          .doc("critical: one end of its range, in the units of the key")
+          .example("1.0"),
+      scan.from);
+    v(key("to").absent("none").doc("critical: the other end, included").example("120.0"), scan.to);
+    v(key("spacing")
+          .written_if(scan.design == critical)
+          .doc("critical: how the values of the coarse pass lie between the ends; log needs ends of one sign")
+          .example("\"log\""),
+      choice(scan.spacing, {{"linear", ScanSpacing::linear}, {"log", ScanSpacing::log}}));
+    v(key("count")
+          .written_if(scan.design == critical)
+          .within(2, 100'000)
+          .doc("critical: values of the coarse pass; two changes between two of them are found by chance "
+               "alone")
+          .example("20"),
+      scan.count);
+    v(key("between")
+          .written_if(scan.design == critical)
+          .items(1, 2)
+          .doc("critical: the two ends of an encounter between which the value lies: outcomes, capture "
+               "(contact, pursuit or orbit), or other (whatever the first does not name); [\"any\"]: every "
+               "change of outcome")
+          .example("[\"capture\", \"escape\"]"),
+      scan.between);
+    v(key("tolerance")
+          .written_if(scan.design == critical)
+          .within(1e-14, 0.1)
+          .doc("critical: of max(|value|, range/1000), the width of the bracket")
+          .example("1e-8"),
+      scan.tolerance);
     v(key("resolution")
           .within(2, 1 << 20)
           .doc("adaptive: cells a side at the finest, count of each axis times a power of two")
@@ -74,14 +117,15 @@ void fields(Visitor& v, Scan& scan) {
     v(key("samples").within(1, 1e8).doc("lhs, sobol: points").example("1000"), scan.samples);
     v(key("file")
           .absent("none")
-          .doc("list: CSV whose header names the keys, a row a point")
+          .doc("list, critical: CSV whose header names the keys, a row a point")
           .example("\"points.csv\""),
       scan.file);
     v(key("seed").within(0, largest_seed).doc("of lhs and of the audit").example("1"), scan.seed);
     v(key("audit")
           .within(0, 1e7)
+          .absent("1000; critical: count")
           .doc("adaptive: points tried at random in cells that were not divided, for the rate of what was "
-               "missed")
+               "missed; critical: random values of solve_for at each point, beside those of the coarse pass")
           .example("1000"),
       scan.audit);
     v(key("boundary_tolerance")

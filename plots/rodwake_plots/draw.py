@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from . import bead_motion, bead_order, bed, canvas, displacement, errors, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie
+from . import bead_motion, bead_order, bed, canvas, critical, displacement, errors, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie
 from . import page, phase_diagram, posterior, rod_tracks, rods_statistics, scan_curve, schema, series, trajectories
 from .bed_run import TRAJECTORY
 from .canvas import save
@@ -13,7 +13,7 @@ from .style import Look, SETTINGS, applied
 FILM = "film"  # name of the figure that --film adds
 FILMS = "movie", "medium_film", "rods_movie"
 
-MODULES = (bead_motion, bead_order, bed, displacement, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie, phase_diagram,
+MODULES = (bead_motion, bead_order, bed, critical, displacement, field, fit, fit_errors, fit_models, fit_tracks, flow, granular_table, medium_film, movie, phase_diagram,
            posterior, rod_tracks, rods_statistics, scan_curve, series, trajectories)
 MADE = {kind: made for module in MODULES for kind, made in module.KINDS.items()}
 KINDS = {kind: MADE[kind] for kind in schema.FIGURES}  # in the order of reports
@@ -61,7 +61,7 @@ def besides(run, asked):
     """What to add to figures asked for, none of which shows the fit or the scan that was made: data and fit, phase diagram."""
     shown, taken = {schema.subject(one.kind) for one in asked}, {one.name for one in asked}
     kinds = (["fit", "fit_map", "fit_trajectories"] if run.has_fit and "fit" not in shown else []) + (
-        ["phase_diagram", "scan_curve"] if run.has_scan and "scan" not in shown else [])
+        ["critical_values", "phase_diagram", "scan_curve"] if run.has_scan and "scan" not in shown else [])
     ends = {"fit": "to_data", "scan": "of_scan"}
     return [replace(one, name=f"{one.name}_{ends[schema.subject(kind)]}") if one.name in taken else one
             for kind in kinds for one in first(all_of(kind, run), kind)]

@@ -24,7 +24,7 @@ from .ode import Event, Hit, OdeResult, integrate
 from .posteriors import FitProblem, Marginal, Posterior, posterior
 from .rods import classify, simulate
 from .runs import Quantity, RodPath, Run, Trajectory, open_run
-from .scans import scan
+from .scans import critical, scan
 from .scenes import Scene
 from .tracks import Measured, Tracks, convert
 
@@ -33,7 +33,7 @@ __all__ = [
     "Marginal", "Measured", "Medium",
     "NoiseResult", "OdeResult", "PairBranch", "PairEquilibrium", "Posterior", "Problem", "Profile", "Quantity",
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Tracks", "Trajectory", "Wakes", "__version__",
-    "classify", "convert", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run",
+    "classify", "convert", "critical", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run",
     "pair_branches", "pair_equilibria", "pair_flow", "posterior",
     "run_bed", "scan", "simulate", "simulate_noise", "strain", "wakes",
 ]

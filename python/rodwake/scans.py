@@ -34,19 +34,55 @@ def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: An
     """
     arguments.kind("scene", scene, Scene, "a rodwake.Scene")
     if axes is not None:
-        given = arguments.kind("axes", axes, Mapping, "a mapping of keys and their values").items()
-        scene = scene.copy().set("scan", {"design": "grid", "axes": [_axis(key, values) for key, values in given]})
+        scene = scene.copy().set("scan", {"design": "grid", "axes": _axes(axes)})
+    return _table("scan.csv", scene, executor, folder, threads, chunk, progress, force)
+
+
+def critical(scene: Scene, solve_for: Optional[str] = None, between: Iterable[str] = ("capture", "escape"), *,
+             limits: Optional[tuple[float, float]] = None, axes: Optional[Mapping[str, Any]] = None, spacing: str = "linear", count: int = 20,
+             tolerance: float = 1e-8, executor: Any = None, folder: Optional[Folder] = None, threads: int = 0,
+             progress: Optional[Progress] = None, force: bool = False) -> Any:
+    """Critical values of a key: where the end of an encounter changes. A row a value, as of `critical.csv`.
+
+    solve_for  the key, "coupling.kappa". None: the [scan] of the scene, whose design is "critical"
+    between    two outcomes or groups of them ("capture", "other"), or ("any",) for every change of outcome
+    limits     the range in which values are sought, (from, to)
+    axes       values of other keys, as of `scan`: critical values are sought for every combination
+    spacing    of the coarse pass, "linear" or "log", and
+    count      how many values it has
+    tolerance  relative, of the value
+
+    executor, folder, threads, progress and force are as of `scan`. Example: critical kappa against alpha,
+
+        rodwake.critical(scene, "coupling.kappa", ("capture", "escape"), limits=(1, 120), axes={"medium.alpha": np.geomspace(0.1, 20, 30)})
+    """
+    arguments.kind("scene", scene, Scene, "a rodwake.Scene")
+    if solve_for is not None:
+        if limits is None:
+            raise InputError("limits: give the range of the key, such as limits=(1.0, 120.0)")
+        table = {"design": "critical", "solve_for": arguments.kind("solve_for", solve_for, str, "the name of a key"),
+                 "from": limits[0], "to": limits[1], "between": list(between), "spacing": spacing, "count": count, "tolerance": tolerance}
+        scene = scene.copy().set("scan", table if axes is None else {**table, "axes": _axes(axes)})
+    return _table("critical.csv", scene, executor, folder, threads, 0, progress, force)
+
+
+def _table(name: str, scene: Scene, executor: Any, folder: Optional[Folder], threads: int, chunk: int, progress: Optional[Progress],
+           force: bool) -> Any:
     if executor is not None and not (hasattr(executor, "submit") or hasattr(executor, "get_executor")):
         raise TypeError(f"executor: expected one of concurrent.futures or a Dask client, not {type(executor).__name__}")
     arguments.whole("chunk", chunk, 0)
     with tempfile.TemporaryDirectory(prefix="rodwake-") as unkept:
         place = Path(unkept if folder is None else arguments.path("folder", folder)).resolve()
         execute = None if executor is None else _distributor(scene, place, executor, chunk)
-        return scene._run(place, ["scan"], threads, None, force, progress, execute).table("scan.csv")
+        return scene._run(place, ["scan"], threads, None, force, progress, execute).table(name)
+
+
+def _axes(axes: Any) -> list[dict[str, Any]]:
+    """As [[scan.axes]] has them."""
+    return [_axis(key, values) for key, values in arguments.kind("axes", axes, Mapping, "a mapping of keys and their values").items()]
 
 
 def _axis(key: Any, values: Any) -> dict[str, Any]:
-    """As [[scan.axes]] has it."""
     arguments.kind("axes", key, str, "names of keys")
     wanted = f"axes[{key!r}] = {arguments.shown(values)}: expected a list of values"
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):

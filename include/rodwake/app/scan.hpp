@@ -19,6 +19,13 @@ struct ScanList {
     std::vector<std::vector<double>> rows;
 };
 
+/// Critical values are sought on the last axis of the design, for each point of the axes before it.
+struct CriticalPlan {
+    std::vector<std::string> between; ///< outcomes or groups of them; one: every change
+    double tolerance = 1e-8;          ///< of max(|value|, range/1000)
+    std::vector<bool> audited;        ///< of each value of the last axis whether it was drawn at random
+};
+
 struct ScanPlan {
     /// A key that varies: value of its axis times `scale` (ties and units), or one of `words`.
     struct VariedKey {
@@ -40,10 +47,11 @@ struct ScanPlan {
     std::optional<double> time_limit; ///< seconds a point
     bool decide = false;              ///< undecided points go on until they are decided
     bool certificates = false;        ///< points of rods are told how well they are known
+    std::optional<CriticalPlan> critical = {};
 };
 
 /// Throws InputError for axes that name no key of the scene, are empty or leave the key's range, and for more
-/// points than scan.max_points. `list`: of design "list".
+/// points than scan.max_points. `list`: the rows of scan.file.
 ScanPlan plan_scan(const scene::Scene& scene, const std::optional<ScanList>& list);
 
 /// Puts a point's values into a copy of `base`; what is wrong, or nothing.

@@ -36,7 +36,7 @@ inline constexpr std::string_view units[] = {
     "a^2/s", "a/s", "m/s", "m^2/s^2", "m^2/s", "Hz", "J", "N", "N s", "N/m", "MB", "kB", "{length}",
     "{time}", "{data}", "{scan length}", "{scan time}", "rad/({scan time})", "rad/({time})", "{order length}", "{order time}", "1/({time})",
     "({length})/({time})", "({length})^2", "({length})^2/({time})", "rad/s", "kg/m^2", "a^-2", "runs",
-    "f/(mu v0)", "{unit}", "\u00b5N", "\u00b5N/m", "mN/m"
+    "f/(mu v0)", "{unit}", "{solved key}", "1/({scan time})", "\u00b5N", "\u00b5N/m", "mN/m"
 };
 // clang-format on
 

@@ -26,7 +26,7 @@ ScanSubject scan_subject(const Scene& scene);
 /// Whether points of a scan of this subject depend on the key, so that it can be an axis.
 bool can_vary(std::string_view key, ScanSubject subject);
 
-enum class ScanDesign { grid, list, lhs, sobol, adaptive };
+enum class ScanDesign { grid, list, lhs, sobol, adaptive, critical };
 enum class ScanSpacing { linear, log };
 
 inline constexpr long default_scan_count = 64;
@@ -64,16 +64,26 @@ struct Scan {
     long samples = 1000;    ///< lhs, sobol
     std::string file;       ///< list: CSV, header = keys, a row a point
     long seed = 1;          ///< lhs and the audit
-    long audit = 1000;      ///< adaptive: points tried at random in cells that were not divided
+    /// Points tried at random, adaptive: in cells that were not divided; critical: values beside the coarse
+    /// ones.
+    std::optional<long> audit;
     std::optional<double> boundary_tolerance; ///< of the axis; absent: boundaries are not bisected
     std::optional<double> time_limit;         ///< seconds a point
     bool decide = false;                      ///< points that are undecided at t_end go on
     bool certificates = false;                ///< of rods that turn too: each takes a second run
     long trajectories = 256;                  ///< stored sample of trajectories
     long max_points = 20'000'000;             ///< more are refused
+    // Critical values: of the key `solve_for` those at which the end of an encounter changes.
+    std::string solve_for;
+    std::optional<Value> from, to; ///< its range
+    ScanSpacing spacing = ScanSpacing::linear;
+    long count = 20; ///< values of the coarse pass
+    std::vector<std::string> between{"capture", "escape"};
+    double tolerance = 1e-8; ///< of max(|value|, range/1000)
     std::vector<ScanAxis> axes;
     std::vector<ScanRefine> refine;
 
+    long audited() const { return audit.value_or(design == ScanDesign::critical ? count : 1000); }
     bool operator==(const Scan&) const = default;
 };
 

@@ -1,0 +1,144 @@
+// The rate at which rods leave the unstable fixed point that lies on a separatrix.
+
+#include "critical_encounters.hpp"
+#include "rodwake/rods/pair_equilibria.hpp"
+#include "rodwake/rods/settled_orbit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+namespace rodwake::app {
+
+namespace {
+
+/// What happens near an unstable fixed point: the pose of rod 1 seen from rod 0, step by step.
+struct Path {
+    std::vector<double> times, separations;
+    std::vector<rods::Pose> poses;
+};
+
+Path follow(Encounters& encounters, const Encounter& one) {
+    rods::RodProblem problem = encounters.problem_at(one.at);
+    problem.t_end = std::max(problem.t_end, one.time);
+    problem.output_times.clear();
+    rods::RodOptions options = encounters.options(problem);
+    Path path;
+    options.ode.on_step = [&](const integrate::Step& step) {
+        const rods::Pose pose = rods::pose_seen_from(rods::pose(step.state, 0), rods::pose(step.state, 1));
+        path.times.push_back(step.time);
+        path.separations.push_back(std::hypot(pose.x, pose.y));
+        path.poses.push_back(pose);
+    };
+    rods::simulate(problem, options);
+    return path;
+}
+
+/// The pose at which rods on both sides of a separatrix linger before they part: the slowest of their common
+/// way, which ends where the two separations differ by a tenth.
+std::optional<rods::Pose> lingering_pose(const rods::RodProblem& problem, const Path& low, const Path& high) {
+    const auto separation = [](const Path& path, double time) {
+        const auto at = std::ranges::lower_bound(path.times, time);
+        return at == path.times.end() ? path.separations.back()
+                                      : path.separations[static_cast<std::size_t>(at - path.times.begin())];
+    };
+    std::optional<rods::Pose> slowest;
+    double least = HUGE_VAL;
+    for (std::size_t i = 0; i < low.times.size(); ++i) {
+        if (std::abs(separation(high, low.times[i]) / low.separations[i] - 1.0) > 0.1)
+            break;
+        const Eigen::Vector3d rates = rods::pair_flow(*problem.medium, problem.couplings, low.poses[i]).rates;
+        const double speed =
+            std::hypot(rates[0] / low.separations[i], rates[1] / low.separations[i], rates[2]);
+        if (speed < least) {
+            least = speed;
+            slowest = low.poses[i];
+        }
+    }
+    return slowest;
+}
+
+/// An unstable fixed point: its separation, and the rate at which rods leave it.
+struct Saddle {
+    rods::Pose pose;
+    double separation, rate;
+};
+
+std::optional<Saddle> saddle_near(const rods::RodProblem& problem, const rods::Pose& pose) {
+    const elastic::Medium& medium = *problem.medium;
+    if (const auto found = rods::equilibrium_near(medium, problem.couplings, pose))
+        return Saddle{found->pose, found->separation[0], found->eigenvalues[0].real()};
+    const double distance = std::hypot(pose.x, pose.y);
+    if (std::abs(pose.y) > 0.1 * distance || std::abs(pose.heading) > 0.1)
+        return std::nullopt;
+    const auto in_line = rods::in_line_eigenvalues(medium, problem.couplings, distance);
+    return Saddle{{pose.x, 0.0, 0.0}, distance, in_line[0].real()};
+}
+
+/// When the separation first differs by a tenth from the fixed point's, after the rods came closest to it.
+std::optional<double> departure_time(const Path& path, const Saddle& saddle) {
+    std::size_t closest = 0;
+    double least = HUGE_VAL;
+    for (std::size_t i = 0; i < path.times.size(); ++i) {
+        const rods::Pose& pose = path.poses[i];
+        const double away = std::hypot(
+            (pose.x - saddle.pose.x) / saddle.separation, (pose.y - saddle.pose.y) / saddle.separation,
+            std::remainder(pose.heading - saddle.pose.heading, 2.0 * std::numbers::pi));
+        if (away < least)
+            least = away, closest = i;
+    }
+    const auto off = [&](std::size_t i) {
+        return std::abs(path.separations[i] / saddle.separation - 1.0) - 0.1;
+    };
+    for (std::size_t i = closest + 1; i < path.times.size(); ++i)
+        if (off(i) > 0.0 && off(i - 1) <= 0.0)
+            return std::lerp(path.times[i - 1], path.times[i], off(i - 1) / (off(i - 1) - off(i)));
+    return std::nullopt;
+}
+
+} // namespace
+
+std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
+    const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
+    while (bracket.width() > 4e-16 * scale) { // the times of the last decades need all digits
+        const double middle = std::midpoint(bracket.low.at, bracket.high.at);
+        if (middle <= bracket.low.at || middle >= bracket.high.at)
+            break;
+        const Encounter one = encounters.at(middle);
+        if (one.ending == Ending::undecided)
+            return std::nullopt;
+        bracket.take(one);
+    }
+    const rods::RodProblem problem = encounters.problem_at(bracket.low.at);
+    if (!has_fixed_points(problem))
+        return std::nullopt;
+    const auto pose =
+        lingering_pose(problem, follow(encounters, bracket.low), follow(encounters, bracket.high));
+    const auto saddle = pose ? saddle_near(problem, *pose) : std::nullopt;
+    if (!saddle || !(saddle->rate > 0.0))
+        return std::nullopt;
+
+    std::vector<double> logs, times;
+    const double root = std::midpoint(bracket.low.at, bracket.high.at);
+    for (int decade = 3; decade <= 10; ++decade) {
+        const double step = scale * std::pow(10.0, -decade);
+        const auto time = departure_time(follow(encounters, encounters.at(root + step)), *saddle);
+        if (time) {
+            logs.push_back(-std::log(step));
+            times.push_back(*time);
+        }
+    }
+    if (times.size() < 3)
+        return Departure{root, saddle->rate, std::nan("")};
+    const auto n = static_cast<double>(times.size());
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (std::size_t i = 0; i < times.size(); ++i)
+        x += logs[i] / n, y += times[i] / n;
+    for (std::size_t i = 0; i < times.size(); ++i)
+        xx += (logs[i] - x) * (logs[i] - x), xy += (logs[i] - x) * (times[i] - y);
+    return Departure{root, saddle->rate, std::abs(xx / xy - saddle->rate)};
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,80 @@
+#include "critical_encounters.hpp"
+
+#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/pair_batch.hpp"
+#include "scan_parts.hpp"
+#include "scan_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rodwake::app {
+
+Encounters::Encounters(const ScanPlan& plan, const scan::Point& point, const std::function<bool()>& stop)
+    : plan_(plan), point_(point), stop_(stop), evaluate_(evaluate_rods(plan, stop)), problem_(plan),
+      axis_(plan.design.axes.size() - 1), units_(output_units(plan.base)) {
+    const auto& names = plan.columns.observables;
+    const auto number = [&](std::string_view name) {
+        return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    };
+    time_ = number("time"), closest_ = number("min_separation"), orbit_ = number("separation");
+}
+
+Encounter Encounters::at(double value) {
+    const scan::Point points[] = {point(value)};
+    scan::Result results[1];
+    evaluate_(points, results);
+    const scan::Result& result = results[0];
+    if (!result.ok())
+        throw PointFailed{result.status, std::string(result.cause_text())};
+    ++count;
+    Encounter one{value, static_cast<Ending>(result.outcome), critical_group(*plan_.critical, result.outcome),
+                  result.values[time_] / units_.time, result.values[closest_] / units_.length};
+    if (one.ending == Ending::orbit)
+        one.closest = std::min(one.closest, result.values[orbit_] / units_.length);
+    return one;
+}
+
+double Encounters::closest_approach(const Encounter& one) {
+    if (one.ending != Ending::contact)
+        return one.closest;
+    rods::RodProblem problem = problem_at(one.at);
+    if (rods::contact_at_start(problem))
+        return one.closest;
+    const double contact = *problem.contact_distance;
+    problem.contact_distance = 1e-6 * contact;
+    problem.t_end += one.time;
+    rods::RodOptions all = options(problem);
+    std::optional<double> first;
+    all.ode.on_step = [&](const integrate::Step& step) {
+        if (const auto approach = rods::closest_approach(step, problem.box, contact); approach && !first)
+            first = approach->pair.distance;
+    };
+    all.ode.stop_requested = [&] { return first.has_value() || (stop_ && stop_()); };
+    ++count;
+    const rods::RodResult run = rods::simulate(problem, all);
+    if (run.outcome.ending == Ending::orbit)
+        return std::min(run.outcome.min_separation, run.outcome.separation);
+    return first.value_or(run.outcome.min_separation);
+}
+
+rods::RodOptions Encounters::options(const rods::RodProblem& problem) const {
+    rods::RodOptions all = rod_options(problem_.run(), problem);
+    all.ode.stop_requested = stop_;
+    return all;
+}
+
+scan::Point Encounters::point(double value) const {
+    scan::Point one = point_;
+    one.id = 0;
+    one.at[axis_] = value;
+    std::fill(one.at.begin() + static_cast<std::ptrdiff_t>(axis_) + 1, one.at.end(), 0.0);
+    return one;
+}
+
+bool has_fixed_points(const rods::RodProblem& problem) {
+    return problem.rods.size() == 2 && problem.medium && !problem.box && !problem.field &&
+           rods::to_pair_problem(problem).has_value();
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,81 @@
+#pragma once
+// The encounters behind one critical value: runs at values of the last axis, for one point of the others.
+
+#include "critical.hpp"
+#include "rodwake/app/rods.hpp"
+#include "rodwake/app/scan_problem.hpp"
+#include "rodwake/core/encounter.hpp"
+
+#include <optional>
+#include <string>
+
+namespace rodwake::app {
+
+/// An encounter at one value of the key; lengths reduced.
+struct Encounter {
+    double at = 0.0;
+    Ending ending = Ending::undecided;
+    int group = 2;
+    double time = 0.0;
+    double closest = 0.0; ///< of an orbit that shrinks its own separation; of a contact not known
+};
+
+/// A point that could not be evaluated ends the search in its bracket.
+struct PointFailed {
+    scan::Status status;
+    std::string cause;
+};
+
+/// A bracket: its ends are of different groups.
+struct Bracket {
+    Encounter low, high;
+
+    double width() const { return high.at - low.at; }
+    bool is_between(Ending one, Ending other) const {
+        return (low.ending == one && high.ending == other) || (low.ending == other && high.ending == one);
+    }
+    /// The inner point replaces the end of its group; a third group, with which nothing may begin, the upper.
+    void take(const Encounter& inner) { (inner.group == low.group ? low : high) = inner; }
+};
+
+/// At one tolerance. The plan must outlive it.
+class Encounters {
+public:
+    Encounters(const ScanPlan& plan, const scan::Point& point, const std::function<bool()>& stop);
+
+    /// Until its outcome is decided, or the limit of time. Throws PointFailed.
+    Encounter at(double value);
+    /// The closest approach; of rods in contact, which walk on, that of the first minimum, or of the orbit in
+    /// which they end.
+    double closest_approach(const Encounter& one);
+    /// Valid until the next call.
+    const rods::RodProblem& problem_at(double value) { return problem_.at(point(value)); }
+    rods::RodOptions options(const rods::RodProblem& problem) const;
+
+    long count = 0;
+
+private:
+    scan::Point point(double value) const;
+
+    const ScanPlan& plan_;
+    scan::Point point_;
+    const std::function<bool()>& stop_;
+    scan::Evaluate evaluate_;
+    PointProblem problem_;
+    std::size_t axis_, time_ = 0, closest_ = 0, orbit_ = 0;
+    OutputUnits units_;
+};
+
+/// Whether the fixed points of rods/pair_equilibria.hpp are this problem's.
+bool has_fixed_points(const rods::RodProblem& problem);
+
+struct Departure {
+    double value; ///< the separatrix, to rounding at this tolerance
+    double rate, error;
+};
+
+/// The rate of departure from the fixed point of a separatrix, and its difference from 1/slope of the times
+/// over ln(1/|p - p*|) in eight decades.
+std::optional<Departure> departure(Encounters& encounters, Bracket bracket);
+
+} // namespace rodwake::app

@@ -1,0 +1,278 @@
+// All critical values of a scan: brackets from the coarse pass, their results, and the files of both.
+
+#include "critical.hpp"
+#include "rodwake/core/encounter.hpp"
+#include "rodwake/core/json_text.hpp"
+#include "rodwake/scan/run.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "scan_parts.hpp"
+#include "scan_tables.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace rodwake::app {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Within one bracket so many changes are looked for, one above the other.
+constexpr std::int64_t most_changes = 8;
+
+/// The coarse pass: outcomes along the last axis, point by point; -1: failed.
+using Outcomes = std::vector<std::vector<std::int32_t>>;
+
+Outcomes coarse_outcomes(const ScanPlan& plan, const scan::Ledger& ledger) {
+    const auto values = static_cast<std::int64_t>(plan.design.axes.back().values.size());
+    Outcomes outcomes(static_cast<std::size_t>(scan::places(plan.design) / values),
+                      std::vector<std::int32_t>(static_cast<std::size_t>(values), -1));
+    ledger.for_each([&](const scan::Result& one) {
+        if (one.ok())
+            outcomes[static_cast<std::size_t>(one.point.id / values)]
+                    [static_cast<std::size_t>(one.point.id % values)] = one.outcome;
+    });
+    return outcomes;
+}
+
+std::int64_t point_of_bracket(const ScanPlan& plan, std::int64_t id) {
+    const auto values = static_cast<std::int64_t>(plan.design.axes.back().values.size());
+    return (id - first_bracket) / most_changes / values;
+}
+
+double number(const scan::Result& result, std::string_view name) {
+    const auto names = field_names<CriticalValue>();
+    return result.values[static_cast<std::size_t>(std::ranges::find(names, name) - std::begin(names))];
+}
+
+} // namespace
+
+CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, scan::Ledger& found,
+                             const scan::Execute& execute,
+                             const std::function<void(std::int64_t done, std::int64_t total)>& progress) {
+    const CriticalPlan& critical = *plan.critical;
+    const scan::Axis& axis = plan.design.axes.back();
+    const std::size_t number_of_axis = plan.design.axes.size() - 1;
+    const auto values = static_cast<std::int64_t>(axis.values.size());
+    const Outcomes outcomes = coarse_outcomes(plan, ledger);
+    const scan::PointList points(plan.design);
+    CriticalSearch search;
+
+    // Neighbours of different groups are brackets. The audit: random values that end otherwise than the two
+    // of the coarse pass around them, which end alike, were found by chance.
+    std::vector<scan::Point> brackets;
+    std::map<std::int64_t, std::int32_t> ends; // of each bracket the outcome at its upper end
+    for (std::size_t place = 0; place < outcomes.size(); ++place) {
+        const std::vector<std::int32_t>& row = outcomes[place];
+        const auto group = [&](std::size_t k) { return row[k] < 0 ? -1 : critical_group(critical, row[k]); };
+        std::size_t last = 0; // of the coarse pass
+        for (std::size_t k = 0; k + 1 < row.size(); ++k) {
+            if (!critical.audited[k])
+                last = k;
+            if (row[k] < 0 || row[k + 1] < 0)
+                continue;
+            if (critical.audited[k + 1]) {
+                std::size_t next = k + 1;
+                while (next + 1 < row.size() && critical.audited[next])
+                    ++next;
+                ++search.audited;
+                search.missed += group(last) == group(next) && group(k + 1) != group(last);
+            }
+            if (group(k) == group(k + 1))
+                continue;
+            scan::Point bracket = points.at_place(static_cast<std::int64_t>(place) * values);
+            bracket.id =
+                first_bracket +
+                (static_cast<std::int64_t>(place) * values + static_cast<std::int64_t>(k)) * most_changes;
+            bracket.at[number_of_axis] = axis.values[k];
+            bracket.at[number_of_axis + 1] = axis.values[k + 1];
+            ends[bracket.id] = row[k + 1];
+            brackets.push_back(bracket);
+        }
+    }
+
+    // A bracket's result is its lowest change. If what lies above that is not yet the group of the upper end,
+    // the rest is a bracket of its own.
+    std::int64_t done = 0, total = static_cast<std::int64_t>(brackets.size());
+    while (!brackets.empty()) {
+        std::map<std::int64_t, scan::Result> results;
+        for (const scan::Result& one : found.find(brackets))
+            results.emplace(one.point.id, one);
+        std::vector<scan::Point> unknown;
+        for (const scan::Point& bracket : brackets)
+            if (!results.contains(bracket.id))
+                unknown.push_back(bracket);
+        done += static_cast<std::int64_t>(results.size());
+        const bool finished = execute(unknown, [&](std::span<const scan::Result> fresh) {
+            found.add(fresh);
+            for (const scan::Result& one : fresh)
+                results.emplace(one.point.id, one);
+            done += static_cast<std::int64_t>(fresh.size());
+            progress(done, total);
+        });
+        if (!finished)
+            return search;
+        std::vector<scan::Point> rest;
+        for (const scan::Point& bracket : brackets) {
+            const scan::Result& result = results.at(bracket.id);
+            if (!result.ok()) {
+                search.failed.push_back(result);
+                continue;
+            }
+            if (result.outcome != static_cast<std::int32_t>(CriticalKind::other))
+                search.values.push_back(result);
+            const auto above = static_cast<std::int32_t>(number(result, "above"));
+            const std::int64_t turn = (bracket.id - first_bracket) % most_changes;
+            if (above < 0 || turn + 1 == most_changes ||
+                critical_group(critical, above) == critical_group(critical, ends[bracket.id]))
+                continue;
+            scan::Point upper = bracket;
+            upper.id = bracket.id + 1;
+            upper.at[number_of_axis] = number(result, "high");
+            ends[upper.id] = ends[bracket.id];
+            if (upper.at[number_of_axis] < upper.at[number_of_axis + 1])
+                rest.push_back(upper);
+        }
+        total += static_cast<std::int64_t>(rest.size());
+        brackets = std::move(rest);
+    }
+    std::ranges::sort(search.values, {}, [](const scan::Result& one) { return one.point.id; });
+    search.complete = true;
+    return search;
+}
+
+namespace {
+
+/// Values of neighbouring points on one branch have one number: between the same outcomes, of one kind, and
+/// nearest to each other, a branch taking one value of a point.
+std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Result>& values) {
+    std::vector<int> branches(values.size(), -1);
+    int next = 0;
+    std::vector<std::size_t> before, here; // values of the last point, and of this one
+    const auto extend = [&] {
+        std::vector<std::size_t> free = before;
+        for (const std::size_t one : here) {
+            auto best = free.end();
+            double least = HUGE_VAL;
+            for (auto at = free.begin(); at != free.end(); ++at) {
+                const bool alike = number(values[*at], "below") == number(values[one], "below") &&
+                                   number(values[*at], "above") == number(values[one], "above");
+                const double away = std::abs(number(values[*at], "value") - number(values[one], "value"));
+                if (alike && away < least)
+                    least = away, best = at;
+            }
+            branches[one] = best == free.end() ? next++ : branches[*best];
+            if (best != free.end())
+                free.erase(best);
+        }
+        before = std::move(here);
+        here.clear();
+    };
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!here.empty() && point_of_bracket(plan, values[i].point.id) !=
+                                 point_of_bracket(plan, values[here.front()].point.id))
+            extend();
+        here.push_back(i);
+    }
+    extend();
+    return branches;
+}
+
+} // namespace
+
+void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger,
+                    const CriticalSearch& search) {
+    const scan::Axis& axis = plan.design.axes.back();
+    const std::size_t others = plan.design.axes.size() - 1;
+    const std::vector<int> branches = branches_of(plan, search.values);
+    std::string text;
+    for (std::size_t k = 0; k < others; ++k)
+        text += plan.design.axes[k].name + ",";
+    text +=
+        "value,low,high,kind,below,above,closest_below,closest_above,lambda,lambda_error,branch,encounters\n";
+    std::vector<std::int64_t> counts(coarse_outcomes(plan, ledger).size(), 0);
+    for (std::size_t i = 0; i < search.values.size(); ++i) {
+        const scan::Result& one = search.values[i];
+        ++counts[static_cast<std::size_t>(point_of_bracket(plan, one.point.id))];
+        for (std::size_t k = 0; k < others; ++k)
+            text += plan.design.axes[k].words.empty()
+                        ? number_text(one.point.at[k]) + ","
+                        : plan.design.axes[k].words[static_cast<std::size_t>(one.point.at[k])] + ",";
+        const auto cell = [&](std::string_view name) { return number_text(number(one, name)); };
+        const auto outcome = [&](std::string_view name) {
+            return outcome_text(plan, static_cast<std::int32_t>(number(one, name)));
+        };
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", cell("value"), cell("low"), cell("high"),
+                            critical_kinds[static_cast<std::size_t>(one.outcome)], outcome("below"),
+                            outcome("above"), cell("closest_below"), cell("closest_above"), cell("lambda"),
+                            cell("lambda_error"), branches[i], cell("encounters"));
+    }
+    store::write_atomically(folder / "critical.csv", text);
+
+    // Of each point how many values there are, and why none.
+    const Outcomes outcomes = coarse_outcomes(plan, ledger);
+    const scan::PointList list(plan.design);
+    ordered_json points = ordered_json::array();
+    for (std::size_t place = 0; place < outcomes.size(); ++place) {
+        ordered_json at = ordered_json::object(), seen = ordered_json::object();
+        const scan::Point point = list.at_place(static_cast<std::int64_t>(place * axis.values.size()));
+        for (std::size_t k = 0; k < others; ++k)
+            at[plan.design.axes[k].name] =
+                plan.design.axes[k].words.empty()
+                    ? ordered_json(point.at[k])
+                    : ordered_json(plan.design.axes[k].words[static_cast<std::size_t>(point.at[k])]);
+        for (std::size_t k = 0; k < plan.columns.outcomes.size(); ++k)
+            if (const auto times = std::ranges::count(outcomes[place], static_cast<std::int32_t>(k));
+                times > 0)
+                seen[plan.columns.outcomes[k]] = times;
+        const auto lost = std::ranges::count(outcomes[place], -1);
+        std::string reason;
+        for (const scan::Result& one : search.failed)
+            if (point_of_bracket(plan, one.point.id) == static_cast<std::int64_t>(place))
+                reason = fmt::format("between {:g} and {:g}: {}", one.point.at[others],
+                                     one.point.at[others + 1], one.cause_text());
+        const bool failed = !reason.empty() || lost > 0;
+        if (reason.empty() && lost > 0)
+            reason = fmt::format("{} of {} values of the coarse pass failed", lost, axis.values.size());
+        if (reason.empty() && counts[place] == 0)
+            reason = fmt::format("no change between {} from {:g} to {:g}",
+                                 plan.critical->between.size() == 1
+                                     ? "outcomes"
+                                     : plan.critical->between[0] + " and " + plan.critical->between[1],
+                                 axis.from, axis.to);
+        points.push_back({{"at", at},
+                          {"status", failed              ? "incomplete"
+                                     : counts[place] > 0 ? "found"
+                                                         : "none"},
+                          {"count", counts[place]},
+                          {"reason", reason.empty() ? ordered_json(nullptr) : ordered_json(reason)},
+                          {"outcomes", seen}});
+    }
+    double encounters = 0.0;
+    for (const scan::Result& one : search.values)
+        encounters += number(one, "encounters");
+    const scan::Audit audit{search.audited, search.missed};
+    const ordered_json out = {{"solve_for", axis.name},
+                              {"from", axis.from},
+                              {"to", axis.to},
+                              {"between", plan.critical->between},
+                              {"tolerance", plan.critical->tolerance},
+                              {"complete", search.complete},
+                              {"values", search.values.size()},
+                              {"encounters",
+                               {{"coarse", static_cast<std::int64_t>(outcomes.size() * axis.values.size())},
+                                {"correctors", encounters}}},
+                              {"audit",
+                               {{"values", search.audited},
+                                {"found", search.missed},
+                                {"missed_rate_high", search.audited > 0 ? ordered_json(audit.upper_bound())
+                                                                        : ordered_json(nullptr)}}},
+                              {"points", points}};
+    store::write_atomically(folder / "critical.json", json_text(out, 2) + "\n");
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,332 @@
+// One critical value: from a bracket of the coarse pass to a number with its error.
+
+#include "critical_encounters.hpp"
+#include "rodwake/core/error.hpp"
+#include "rodwake/rods/pair_branches.hpp"
+#include "scan_parts.hpp"
+
+#include <boost/math/tools/toms748_solve.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <numeric>
+
+namespace rodwake::app {
+
+namespace {
+
+/// Two values at which rods part, the second nearer to the one at which they no longer do.
+struct Parting {
+    double far, near;
+};
+
+/// A root that a corrector found, and the bracket around it.
+struct Root {
+    CriticalKind kind = CriticalKind::separatrix;
+    double value = 0.0;
+    Bracket bracket;
+    std::optional<Parting> parting = {}; ///< where the secant of an unbinding began
+};
+
+/// Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between the ends,
+/// to 5 % of their difference.
+bool is_smooth(double low, double middle, double high) {
+    return std::abs(middle - 0.5 * (low + high)) < 0.05 * std::abs(high - low);
+}
+
+/// The root of D(p) - d_c in a bracket of which one end is contact. Signs are those of the groups, so that
+/// whatever lies between, what is found is a change of group.
+Root graze(Encounters& encounters, Bracket bracket, double gap_low, double gap_high, double contact,
+           double width) {
+    const int group = bracket.low.group;
+    const double sign = gap_low < 0.0 ? -1.0 : 1.0;
+    const auto gap = [&](double value) {
+        const Encounter one = encounters.at(value);
+        bracket.take(one);
+        const double size = std::abs(encounters.closest_approach(one) - contact);
+        return one.group == group ? sign * size : -sign * size;
+    };
+    std::uintmax_t most = 60;
+    const auto [low, high] = boost::math::tools::toms748_solve(
+        gap, bracket.low.at, bracket.high.at, gap_low, gap_high,
+        [&](double a, double b) { return std::abs(b - a) <= width; }, most);
+    return {CriticalKind::grazing, 0.5 * (low + high), bracket};
+}
+
+/// The square of the angle between the headings of rods that part, long after; nothing if they have not
+/// parted.
+std::optional<double> squared_opening_angle(Encounters& encounters, double value) {
+    rods::RodProblem problem = encounters.problem_at(value);
+    problem.t_end *= 1e4;
+    problem.output_times.clear();
+    rods::RodOptions options = encounters.options(problem);
+    options.ode.max_steps = 20'000;
+    ++encounters.count;
+    const rods::RodResult run = rods::simulate(problem, options);
+    if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
+        return std::nullopt;
+    const std::vector<double>& end = run.solution.final_state;
+    return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
+}
+
+/// The zero of the squared angle, by secants, each tenfold closer to it. Nothing if the angle does not fall
+/// to zero as a square root: then the change is another one.
+std::optional<double> unbind(Encounters& encounters, Parting at, double width) {
+    auto far = squared_opening_angle(encounters, at.far);
+    double root = std::nan("");
+    for (int turn = 0; turn < 12; ++turn) {
+        const auto near = squared_opening_angle(encounters, at.near);
+        if (!far || !near || !(*near < *far))
+            return std::nullopt;
+        const double next = at.near + *near * (at.near - at.far) / (*far - *near);
+        if (std::abs(next - root) <= width)
+            return next;
+        root = next;
+        at = {at.near, next - 0.1 * (next - at.near)};
+        far = near;
+    }
+    return std::nullopt;
+}
+
+/// The root with the nearest values on both sides at which encounters end as in the bracket, decided within
+/// the limit of time; nothing if there are none.
+std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, double value,
+                                 const Bracket& bracket, double width) {
+    for (double step = std::max(width, 1e-12 * std::abs(value)); step < bracket.width(); step *= 4.0) {
+        const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
+        if (low.group == bracket.low.group && high.group == bracket.high.group)
+            return Root{kind, value, {low, high}, {}};
+    }
+    return std::nullopt;
+}
+
+/// The number of the pair's flow that the key changes, if it is one alone, at the ends of a bracket.
+struct FlowParameter {
+    rods::BranchParameter parameter;
+    double low, high;
+};
+std::optional<FlowParameter> flow_parameter(const rods::RodProblem& low, const rods::RodProblem& high) {
+    using enum rods::BranchParameter;
+    const FlowParameter all[] = {{kappa, low.couplings.kappa, high.couplings.kappa},
+                                 {gamma1, low.couplings.gamma1, high.couplings.gamma1},
+                                 {gamma2, low.couplings.gamma2, high.couplings.gamma2},
+                                 {eta, low.medium->eta, high.medium->eta},
+                                 {alpha, 1.0 / low.medium->xi, 1.0 / high.medium->xi}};
+    std::optional<FlowParameter> found;
+    for (const FlowParameter& one : all)
+        if (one.low != one.high) {
+            if (found)
+                return std::nullopt;
+            found = one;
+        }
+    return found;
+}
+
+/// The fold at which an orbit vanishes within `margin` of the bracket.
+std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket, double margin) {
+    const double from = bracket.low.at - margin, to = bracket.high.at + margin;
+    const rods::RodProblem low = encounters.problem_at(from), high = encounters.problem_at(to);
+    if (!has_fixed_points(low))
+        return std::nullopt;
+    const auto key = flow_parameter(low, high);
+    if (!key)
+        return std::nullopt;
+    const auto [least, most] = std::minmax(key->low, key->high);
+    for (const rods::PairBranch& branch :
+         rods::pair_branches(*low.medium, low.couplings, key->parameter, least, most))
+        for (const rods::BranchPoint& point : branch.points)
+            if (point.fold && point.equilibrium.kind == rods::EquilibriumKind::orbit)
+                return std::lerp(from, to, (point.parameter - key->low) / (key->high - key->low));
+    return std::nullopt;
+}
+
+/// Narrows a bracket until its kind is known and it is `width` wide.
+Root correct(Encounters& encounters, Bracket bracket, double width) {
+    using enum Ending;
+    const double distance = encounters.problem_at(bracket.low.at).contact_distance.value_or(0.0);
+    const auto gap = [&](const Encounter& one) { return encounters.closest_approach(one) - distance; };
+    const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
+    std::optional<double> gap_low, gap_high;
+    bool tried_fold = false;
+    std::optional<Parting> parting;
+    while (bracket.width() > width) {
+        const double middle = std::midpoint(bracket.low.at, bracket.high.at);
+        if (middle <= bracket.low.at || middle >= bracket.high.at)
+            break;
+        const Encounter one = encounters.at(middle);
+        const Encounter& replaced = one.group == bracket.low.group ? bracket.low : bracket.high;
+
+        // Where D is smooth over the bracket, its root is found much sooner.
+        const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
+        if (touches && (one.ending == bracket.low.ending || one.ending == bracket.high.ending)) {
+            if (!gap_low)
+                gap_low = gap(bracket.low);
+            if (!gap_high)
+                gap_high = gap(bracket.high);
+            const double gap_middle = gap(one);
+            const bool smooth = is_smooth(*gap_low, gap_middle, *gap_high);
+            (one.group == bracket.low.group ? gap_low : gap_high) = gap_middle;
+            if (smooth) {
+                bracket.take(one);
+                return graze(encounters, bracket, *gap_low, *gap_high, distance, width);
+            }
+        } else
+            (one.group == bracket.low.group ? gap_low : gap_high).reset();
+        const bool parts = one.ending == escape && replaced.ending == escape;
+        if (parts)
+            parting = Parting{replaced.at, one.at};
+        bracket.take(one);
+
+        // Near an unbinding and near a fold encounters take ever longer, so bisection would not get far.
+        if (bracket.width() > 1e-3 * scale)
+            continue;
+        if (parting && parts && bracket.is_between(pursuit, escape)) {
+            const auto zero = unbind(encounters, *parting, width);
+            if (zero && *zero > bracket.low.at && *zero < bracket.high.at)
+                if (auto root = checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width)) {
+                    root->parting = parting;
+                    return *root;
+                }
+        }
+        if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
+            tried_fold = true;
+            if (const auto fold = fold_near(encounters, bracket, bracket.width()))
+                if (const auto root = checked_root(encounters, CriticalKind::fold, *fold, bracket, width))
+                    return *root;
+        }
+    }
+    const double jump = std::abs(bracket.low.closest - bracket.high.closest);
+    const bool bound = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
+    return {bound ? CriticalKind::unbinding : CriticalKind::separatrix,
+            std::midpoint(bracket.low.at, bracket.high.at), bracket};
+}
+
+/// The same root at another tolerance, looked for around the first within the bracket of the coarse pass.
+std::optional<double> again(Encounters& encounters, const Root& root, const Bracket& coarse, double width) {
+    if (root.parting)
+        return unbind(encounters, *root.parting, width);
+    for (double step = 8.0 * std::max(width, root.bracket.width());; step *= 8.0) {
+        const double low = std::max(root.value - step, coarse.low.at),
+                     high = std::min(root.value + step, coarse.high.at);
+        const Bracket bracket{encounters.at(low), encounters.at(high)};
+        if (bracket.low.group == root.bracket.low.group && bracket.high.group == root.bracket.high.group)
+            return correct(encounters, bracket, width).value;
+        if (low == coarse.low.at && high == coarse.high.at)
+            return std::nullopt;
+    }
+}
+
+/// A plan of the same points at a hundredth of the tolerance.
+ScanPlan tighter(const ScanPlan& plan) {
+    ScanPlan tight = plan;
+    double& rtol = tight.base.rods_run->rtol;
+    const double least = std::max(0.01 * rtol, 1e-13);
+    tight.base.rods_run->atol *= least / rtol;
+    rtol = least;
+    return tight;
+}
+
+CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Point& point,
+                    const std::function<bool()>& stop, CriticalKind& kind) {
+    const std::size_t axis = plan.design.axes.size() - 1;
+    const scan::Axis& range = plan.design.axes[axis];
+    Encounters encounters(plan, point, stop);
+    const Bracket coarse{encounters.at(point.at[axis]), encounters.at(point.at[axis + 1])};
+    CriticalValue found;
+    found.low = coarse.low.at, found.high = coarse.high.at;
+    if (coarse.low.group == coarse.high.group) { // a rounding away from the coarse pass: nothing is between
+        kind = CriticalKind::other;
+        return found;
+    }
+
+    // The width that is asked for is relative to the value, which is known within the coarse bracket.
+    const double size = std::max(std::abs(coarse.low.at), std::abs(coarse.high.at)),
+                 width = plan.critical->tolerance *
+                         std::max(std::min({size, std::abs(coarse.low.at), std::abs(coarse.high.at)}),
+                                  1e-3 * (range.to - range.from));
+    Root root = correct(encounters, coarse, width);
+    kind = root.kind;
+    found.value = root.value;
+    found.encounters = static_cast<double>(encounters.count);
+    found.below = static_cast<double>(root.bracket.low.ending);
+    found.above = static_cast<double>(root.bracket.high.ending);
+    found.low = std::min(root.bracket.low.at, root.value),
+    found.high = std::max(root.bracket.high.at, root.value);
+    const int low = root.bracket.low.group, high = root.bracket.high.group;
+    if (plan.critical->between.size() == 2 && std::min(low, high) + std::max(low, high) != 1) {
+        kind = CriticalKind::other; // a third group lies between
+        return found;
+    }
+
+    const OutputUnits units = output_units(plan.base);
+    found.closest_below = encounters.closest_approach(root.bracket.low) * units.length;
+    found.closest_above = encounters.closest_approach(root.bracket.high) * units.length;
+    if (kind == CriticalKind::separatrix)
+        if (const auto rate = departure(encounters, root.bracket)) {
+            found.value = rate->value;
+            found.lambda = rate->rate / units.time;
+            found.lambda_error = rate->error / units.time;
+        }
+    if (kind != CriticalKind::fold) {
+        Encounters checked(tight, point, stop);
+        if (const auto check = again(checked, root, coarse, width)) {
+            found.low = std::min(found.low, *check);
+            found.high = std::max(found.high, *check);
+        } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
+            found.low = coarse.low.at, found.high = coarse.high.at;
+    }
+    return found;
+}
+
+} // namespace
+
+int critical_group(const CriticalPlan& critical, std::int32_t outcome) {
+    if (critical.between.size() == 1)
+        return outcome;
+    const auto ending = static_cast<Ending>(outcome);
+    const auto belongs = [&](const std::string& name) {
+        return name == rodwake::to_string(ending) || (name == "capture" && is_capture(ending));
+    };
+    if (belongs(critical.between[0]))
+        return 0;
+    return critical.between[1] == "other" || belongs(critical.between[1]) ? 1 : 2;
+}
+
+scan::Columns columns_of_critical() {
+    scan::Columns columns;
+    columns.outcomes.assign(critical_kinds.begin(), critical_kinds.end());
+    for (const std::string_view name : field_names<CriticalValue>())
+        columns.observables.emplace_back(name);
+    return columns;
+}
+
+scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> stop) {
+    return [&plan, tight = std::make_shared<ScanPlan>(tighter(plan)),
+            stop = std::move(stop)](std::span<const scan::Point> points, std::span<scan::Result> results) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            scan::Result& result = results[i];
+            const auto start = std::chrono::steady_clock::now();
+            result.point = points[i];
+            try {
+                CriticalKind kind{};
+                const CriticalValue found = solve(plan, *tight, points[i], stop, kind);
+                std::ranges::copy(field_values(found), result.values.begin());
+                result.outcome = static_cast<std::int32_t>(kind);
+            } catch (const PointFailed& failed) {
+                result.status = failed.status;
+                result.set_cause(failed.cause);
+            } catch (const std::exception& error) {
+                result.status = scan::Status::exception;
+                result.set_cause(rodwake::describe(error));
+            }
+            if (stop && stop())
+                result.status = scan::Status::stopped;
+            result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        }
+    };
+}
+
+} // namespace rodwake::app

@@ -1,0 +1,116 @@
+"""Critical values: where the end of an encounter changes, as numbers with errors."""
+
+import csv
+import json
+import math
+
+import rodwake
+from scans import CROSSING, ScanTest
+
+# A rod at right angles, 5 f/mu beside the other one (alpha = eta = 1).
+START = CROSSING.replace("[0.0, -4.0]", "[0.0, -5.0]")
+CRITICAL = '[scan]\ndesign = "critical"\nsolve_for = "coupling.kappa"\ntrajectories = 0\n'
+STRAIGHT = START.replace("kappa = 1.0", "kappa = 0.0") + (
+    '[scan]\ndesign = "critical"\nsolve_for = "rods.1.position.0"\nfrom = 0.0\nto = 9.0\nbetween = ["contact", "other"]\n'
+    "tolerance = 1e-13\ntrajectories = 0\n")
+
+
+class CriticalTest(ScanTest):
+    def values(self, run):
+        with open(self.folder / run / "critical.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def told(self, run):
+        return json.loads((self.folder / run / "critical.json").read_text())
+
+    def solve(self, run, scan, *arguments, scene=START):
+        self.write(f"{run}.toml", scene + CRITICAL + scan)
+        self.scan(f"{run}.toml", run, "-s", "rods_run.rtol=1e-11", *arguments)
+        return self.values(run)
+
+    def near(self, row, value, error):
+        self.assertAlmostEqual(float(row["value"]), value, delta=error)
+        self.assertLessEqual(float(row["low"]), float(row["value"]))
+        self.assertGreaterEqual(float(row["high"]), float(row["value"]))
+
+    def test_a_separatrix(self):
+        """Contact begins where the rods run up to the wide orbit: the digits, the eigenvalue and the slope are of independent codes."""
+        one, = self.solve("wide", 'from = 25.0\nto = 28.0\ncount = 4\nbetween = ["contact", "pursuit"]\n')
+        self.assertEqual((one["kind"], one["below"], one["above"]), ("separatrix", "pursuit", "contact"))
+        self.near(one, 26.05842651829, 3e-7)
+        self.assertAlmostEqual(float(one["lambda"]), 0.17642976, delta=1e-5)  # the orbit moves with kappa
+        self.assertLess(float(one["lambda_error"]), 0.01 * float(one["lambda"]))
+        self.assertGreater(float(one["closest_below"]), 0.2)
+        self.assertLess(float(one["closest_above"]), 0.1)
+
+    def test_an_unbinding(self):
+        one, = self.solve("part", 'from = 17.0\nto = 19.0\ncount = 4\ntolerance = 1e-6\n')
+        self.assertEqual((one["kind"], one["below"], one["above"]), ("unbinding", "escape", "pursuit"))
+        self.near(one, 18.1468754, 2e-6)
+
+    def test_a_fold(self):
+        """Rods from (0, -5) at alpha = 0.3 end in the tight orbit as soon as there is one."""
+        rows = self.solve("fold", 'from = 22.5\nto = 23.5\ncount = 5\nbetween = ["orbit", "other"]\n',
+                          scene=START.replace("alpha = 1.0", "alpha = 0.3"))
+        for row in rows:
+            if row["kind"] == "fold":
+                self.near(row, 22.9407130019, 1e-7)
+
+    def test_straight_walkers(self):
+        """At right angles, the closest approach is |x - 5|/sqrt(2): two roots in closed form."""
+        self.write("straight.toml", STRAIGHT)
+        self.scan("straight.toml", "out")
+        rows = self.values("out")
+        self.assertEqual([row["kind"] for row in rows], ["grazing"] * 2)
+        for row, x in zip(rows, (5.0 - 0.1 * math.sqrt(2.0), 5.0 + 0.1 * math.sqrt(2.0))):
+            self.near(row, x, 5e-12)
+            for side in ("closest_below", "closest_above"):
+                self.assertAlmostEqual(float(row[side]), 0.1, delta=1e-11)
+
+    def test_similarity(self):
+        """Lengths times alpha remove alpha: kappa_c at 2.1 from 2.5 is that at 1.05 from 5."""
+        part = 'from = 25.0\nto = 40.0\ncount = 6\nbetween = ["contact", "pursuit"]\ntolerance = 1e-11\n'
+        one, = self.solve("one", part, "-s", "medium.alpha=2.1", "-s", "rods.1.position.1=-2.5", "-s", "rods_run.contact_distance=0.05",
+                          "-s", "rods_run.t_end=30")
+        other, = self.solve("other", part, "-s", "medium.alpha=1.05")
+        self.assertAlmostEqual(float(one["value"]) / float(other["value"]), 1.0, delta=1e-9)
+
+    def test_a_strip_between_values_and_where_there_is_none(self):
+        """Contact in a strip of 3 % of the range between two coarse values is found by random ones, and only by them."""
+        self.write("straight.toml", STRAIGHT.replace("tolerance = 1e-13", "tolerance = 1e-8\ncount = 2"))
+        self.scan("straight.toml", "blind", "-s", "scan.audit=0")
+        self.assertEqual(self.values("blind"), [])
+        point, = self.told("blind")["points"]
+        self.assertEqual((point["status"], point["outcomes"]), ("none", {"escape": 2}))
+        self.scan("straight.toml", "seeing", "-s", "scan.audit=400")
+        self.assertEqual(len(self.values("seeing")), 2)
+        audit = self.told("seeing")["audit"]
+        share = 0.2 * math.sqrt(2.0) / 9.0
+        self.assertAlmostEqual(audit["found"] / audit["values"], share, delta=4.0 * math.sqrt(share / 400))
+
+    def test_same_bytes_on_threads_and_after_an_end(self):
+        axis = '[[scan.axes]]\nkey = "medium.alpha"\nfrom = 0.8\nto = 1.6\ncount = 4\n'
+        part = 'from = 10.0\nto = 40.0\ncount = 6\naudit = 4\ntolerance = 1e-6\nbetween = ["any"]\n' + axis
+        self.solve("one", part, "-j", "1")
+        whole = (self.folder / "one" / "critical.csv").read_bytes()
+        self.solve("two", part, "-j", "2")
+        self.assertEqual(whole, (self.folder / "two" / "critical.csv").read_bytes())
+        log = self.folder / "two" / "critical.log"
+        log.write_bytes(log.read_bytes()[:-100])  # as a machine that went down leaves it
+        (self.folder / "two" / "critical.csv").unlink()
+        self.scan("two.toml", "two", "-s", "rods_run.rtol=1e-11", "-j", "2")
+        self.assertEqual(whole, (self.folder / "two" / "critical.csv").read_bytes())
+        branches = {row["branch"] for row in self.values("two")}
+        self.assertLess(len(branches), len(self.values("two")))
+
+    def test_refused(self):
+        self.write("critical.toml", START + CRITICAL + "from = 1.0\nto = 50.0\n")
+        for message, setting in (("needs solve_for", "scan.solve_for="), ("give a number that an encounter depends on", "scan.solve_for=rods_run.rtol"),
+                                 ("is part of capture", 'scan.between=["capture", "pursuit"]'), ("neither an outcome", 'scan.between=["capture", "flight"]'),
+                                 ("takes two different ends", 'scan.between=["escape", "escape"]'), ("the axis is empty", "scan.to=1.0"),
+                                 ("needs outcomes that are certain", "noise.rotational_diffusion=0.1")):
+            self.refuse_scan(message, "critical.toml", "out", "-s", setting)
+
+
+if __name__ == "__main__":
+    rodwake.main()
