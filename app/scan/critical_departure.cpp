@@ -12,14 +12,6 @@
 
 namespace rodwake::app {
 
-namespace {
-
-/// What happens near an unstable fixed point: the pose of rod 1 seen from rod 0, step by step.
-struct Path {
-    std::vector<double> times, separations;
-    std::vector<rods::Pose> poses;
-};
-
 Path follow(Encounters& encounters, const Encounter& one) {
     rods::RodProblem problem = encounters.problem_at(one.at);
     problem.t_end = std::max(problem.t_end, one.time);
@@ -35,6 +27,8 @@ Path follow(Encounters& encounters, const Encounter& one) {
     rods::simulate(problem, options);
     return path;
 }
+
+namespace {
 
 /// The pose at which rods on both sides of a separatrix linger before they part: the slowest of their common
 /// way, which ends where the two separations differ by a tenth.

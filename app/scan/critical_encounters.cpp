@@ -29,9 +29,12 @@ Encounter Encounters::at(double value) {
         throw PointFailed{result.status, std::string(result.cause_text())};
     ++count;
     Encounter one{value, static_cast<Ending>(result.outcome), critical_group(*plan_.critical, result.outcome),
-                  result.values[time_] / units_.time, result.values[closest_] / units_.length};
-    if (one.ending == Ending::orbit)
-        one.closest = std::min(one.closest, result.values[orbit_] / units_.length);
+                  result.values[time_] / units_.time};
+    one.closest = result.values[closest_] / units_.length;
+    if (one.ending == Ending::orbit) {
+        one.orbit = result.values[orbit_] / units_.length;
+        one.closest = std::min(one.closest, one.orbit);
+    }
     return one;
 }
 

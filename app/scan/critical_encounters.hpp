@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -17,6 +18,7 @@ struct Encounter {
     Ending ending = Ending::undecided;
     int group = 2;
     double time = 0.0;
+    double orbit = std::numeric_limits<double>::quiet_NaN(); ///< separation of the orbit in which rods end
     double closest = 0.0; ///< of an orbit that shrinks its own separation; of a contact not known
 };
 
@@ -68,6 +70,13 @@ private:
 
 /// Whether the fixed points of rods/pair_equilibria.hpp are this problem's.
 bool has_fixed_points(const rods::RodProblem& problem);
+
+/// The pose of rod 1 seen from rod 0, step by step.
+struct Path {
+    std::vector<double> times, separations;
+    std::vector<rods::Pose> poses;
+};
+Path follow(Encounters& encounters, const Encounter& one);
 
 struct Departure {
     double value; ///< the separatrix, to rounding at this tolerance

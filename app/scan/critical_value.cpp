@@ -3,6 +3,7 @@
 #include "critical_encounters.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/pair_branches.hpp"
+#include "rodwake/rods/pair_equilibria.hpp"
 #include "scan_parts.hpp"
 
 #include <boost/math/tools/toms748_solve.hpp>
@@ -13,6 +14,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -29,6 +31,7 @@ struct Root {
     double value = 0.0;
     Bracket bracket;
     std::optional<Parting> parting = {}; ///< where the secant of an unbinding began
+    bool of_fixed_point = false;         ///< solved for without encounters
 };
 
 /// Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between the ends,
@@ -37,10 +40,17 @@ bool is_smooth(double low, double middle, double high) {
     return std::abs(middle - 0.5 * (low + high)) < 0.05 * std::abs(high - low);
 }
 
+/// Whether one end of the bracket is an orbit to which rods shrink without coming closer on the way.
+bool ends_in_shrinking_orbit(const Bracket& bracket) {
+    const Encounter& orbiting = bracket.low.ending == Ending::orbit ? bracket.low : bracket.high;
+    return bracket.is_between(Ending::orbit, Ending::contact) && orbiting.closest >= orbiting.orbit;
+}
+
 /// The root of D(p) - d_c in a bracket of which one end is contact. Signs are those of the groups, so that
-/// whatever lies between, what is found is a change of group.
-Root graze(Encounters& encounters, Bracket bracket, double gap_low, double gap_high, double contact,
-           double width) {
+/// whatever lies between, what is found is a change of group. Nothing, and a narrower bracket, where it turns
+/// out to be that of a shrinking orbit.
+std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_low, double gap_high,
+                          double contact, double width) {
     const int group = bracket.low.group;
     const double sign = gap_low < 0.0 ? -1.0 : 1.0;
     const auto gap = [&](double value) {
@@ -52,8 +62,11 @@ Root graze(Encounters& encounters, Bracket bracket, double gap_low, double gap_h
     std::uintmax_t most = 60;
     const auto [low, high] = boost::math::tools::toms748_solve(
         gap, bracket.low.at, bracket.high.at, gap_low, gap_high,
-        [&](double a, double b) { return std::abs(b - a) <= width; }, most);
-    return {CriticalKind::grazing, 0.5 * (low + high), bracket};
+        [&](double a, double b) { return std::abs(b - a) <= width || ends_in_shrinking_orbit(bracket); },
+        most);
+    if (std::abs(high - low) > width)
+        return std::nullopt;
+    return Root{CriticalKind::grazing, 0.5 * (low + high), bracket};
 }
 
 /// The square of the angle between the headings of rods that part, long after; nothing if they have not
@@ -72,21 +85,31 @@ std::optional<double> squared_opening_angle(Encounters& encounters, double value
     return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
 }
 
-/// The zero of the squared angle, by secants, each tenfold closer to it. Nothing if the angle does not fall
-/// to zero as a square root: then the change is another one.
-std::optional<double> unbind(Encounters& encounters, Parting at, double width) {
-    auto far = squared_opening_angle(encounters, at.far);
-    double root = std::nan("");
+/// The zero of the squared angle, short of `end`, where rods no longer part: the value as a polynomial in it,
+/// through all angles so far, each fivefold closer. Nothing if the angle does not fall to zero as a square
+/// root: then the change is another one.
+std::optional<double> unbind(Encounters& encounters, const Parting& parting, double end, double width) {
+    std::vector<double> squares, values; // values: Neville's scheme, its last diagonal
+    double next = parting.far, root = std::nan("");
     for (int turn = 0; turn < 12; ++turn) {
-        const auto near = squared_opening_angle(encounters, at.near);
-        if (!far || !near || !(*near < *far))
+        const auto square = squared_opening_angle(encounters, next);
+        if (!square || (turn > 0 && !(*square < squares.back())))
             return std::nullopt;
-        const double next = at.near + *near * (at.near - at.far) / (*far - *near);
-        if (std::abs(next - root) <= width)
-            return next;
-        root = next;
-        at = {at.near, next - 0.1 * (next - at.near)};
-        far = near;
+        squares.push_back(*square);
+        values.push_back(next);
+        for (int k = turn; k-- > 0;)
+            values[k] = values[k + 1] + *square * (values[k + 1] - values[k]) / (squares[k] - *square);
+        const double change = std::abs(values[0] - root);
+        root = values[0];
+        if (turn == 0) {
+            next = parting.near;
+            continue;
+        }
+        if (!((root - next) * (end - root) > 0.0)) // beyond the end, or back
+            return std::nullopt;
+        if (change <= width)
+            return root;
+        next = root - 0.2 * (root - next);
     }
     return std::nullopt;
 }
@@ -143,6 +166,43 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket, 
     return std::nullopt;
 }
 
+/// Where the orbit in which rods end has shrunk to the contact distance: the root of its own separation, as
+/// encounters end ever later near it. Secants follow the orbit, which shrinks by at most 30 % in each.
+/// Nothing if the rods come closer on the way, or if the orbit does not lead from one end of the bracket to
+/// the other.
+std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracket, double contact) {
+    const bool below = bracket.low.ending == Ending::orbit;
+    const Encounter& orbiting = below ? bracket.low : bracket.high;
+    const double end = below ? bracket.high.at : bracket.low.at;
+    if (!has_fixed_points(encounters.problem_at(orbiting.at)))
+        return std::nullopt;
+    rods::Pose pose = follow(encounters, orbiting).poses.back();
+    const auto separation = [&](double value) -> std::optional<double> {
+        const rods::RodProblem& problem = encounters.problem_at(value);
+        const auto orbit = rods::equilibrium_near(*problem.medium, problem.couplings, pose);
+        if (!orbit || orbit->kind != rods::EquilibriumKind::orbit)
+            return std::nullopt;
+        pose = orbit->pose;
+        return orbit->separation[0];
+    };
+    double before = orbiting.at, at = before + 1e-4 * (end - before);
+    auto wide = separation(before), narrow = separation(at);
+    for (int turn = 0; turn < 100; ++turn) {
+        if (!wide || !narrow || !((end - at) * (at - orbiting.at) > 0.0))
+            return std::nullopt;
+        const double target = std::max(contact, 0.7 * *narrow),
+                     next = at + (target - *narrow) * (at - before) / (*narrow - *wide);
+        if (target == contact && std::abs(next - at) <= 1e-15 * std::abs(at))
+            return next;
+        pose.x *= target / *narrow, pose.y *= target / *narrow;
+        before = at, wide = narrow;
+        at = next, narrow = separation(at);
+        if (narrow && *narrow == *wide)
+            return at;
+    }
+    return std::nullopt;
+}
+
 /// Narrows a bracket until its kind is known and it is `width` wide.
 Root correct(Encounters& encounters, Bracket bracket, double width) {
     using enum Ending;
@@ -153,6 +213,12 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
     bool tried_fold = false;
     std::optional<Parting> parting;
     while (bracket.width() > width) {
+        if (ends_in_shrinking_orbit(bracket))
+            if (const auto value = shrunk_orbit(encounters, bracket, distance))
+                if (auto root = checked_root(encounters, CriticalKind::grazing, *value, bracket, width)) {
+                    root->of_fixed_point = true;
+                    return *root;
+                }
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
         if (middle <= bracket.low.at || middle >= bracket.high.at)
             break;
@@ -171,7 +237,10 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
             (one.group == bracket.low.group ? gap_low : gap_high) = gap_middle;
             if (smooth) {
                 bracket.take(one);
-                return graze(encounters, bracket, *gap_low, *gap_high, distance, width);
+                if (const auto root = graze(encounters, bracket, *gap_low, *gap_high, distance, width))
+                    return *root;
+                gap_low.reset(), gap_high.reset();
+                continue;
             }
         } else
             (one.group == bracket.low.group ? gap_low : gap_high).reset();
@@ -184,8 +253,8 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (bracket.width() > 1e-3 * scale)
             continue;
         if (parting && parts && bracket.is_between(pursuit, escape)) {
-            const auto zero = unbind(encounters, *parting, width);
-            if (zero && *zero > bracket.low.at && *zero < bracket.high.at)
+            const double end = bracket.low.ending == pursuit ? bracket.low.at : bracket.high.at;
+            if (const auto zero = unbind(encounters, *parting, end, width))
                 if (auto root = checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width)) {
                     root->parting = parting;
                     return *root;
@@ -194,8 +263,10 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket, bracket.width()))
-                if (const auto root = checked_root(encounters, CriticalKind::fold, *fold, bracket, width))
+                if (auto root = checked_root(encounters, CriticalKind::fold, *fold, bracket, width)) {
+                    root->of_fixed_point = true;
                     return *root;
+                }
         }
     }
     const double jump = std::abs(bracket.low.closest - bracket.high.closest);
@@ -207,7 +278,8 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
 /// The same root at another tolerance, looked for around the first within the bracket of the coarse pass.
 std::optional<double> again(Encounters& encounters, const Root& root, const Bracket& coarse, double width) {
     if (root.parting)
-        return unbind(encounters, *root.parting, width);
+        return unbind(encounters, *root.parting,
+                      root.bracket.low.ending == Ending::pursuit ? coarse.low.at : coarse.high.at, width);
     for (double step = 8.0 * std::max(width, root.bracket.width());; step *= 8.0) {
         const double low = std::max(root.value - step, coarse.low.at),
                      high = std::min(root.value + step, coarse.high.at);
@@ -270,7 +342,7 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Poi
             found.lambda = rate->rate / units.time;
             found.lambda_error = rate->error / units.time;
         }
-    if (kind != CriticalKind::fold) {
+    if (!root.of_fixed_point) {
         Encounters checked(tight, point, stop);
         if (const auto check = again(checked, root, coarse, width)) {
             found.low = std::min(found.low, *check);
