@@ -2,6 +2,7 @@
 
 #include "rodwake/rods/conclude.hpp"
 #include "rodwake/rods/pair_batch.hpp"
+#include "rodwake/rods/settled_orbit.hpp"
 #include "scan_parts.hpp"
 #include "scan_values.hpp"
 
@@ -48,10 +49,16 @@ double Encounters::closest_approach(const Encounter& one) {
     problem.contact_distance = 1e-6 * contact;
     problem.t_end += one.time;
     rods::RodOptions all = options(problem);
+    const bool may_orbit = has_fixed_points(problem);
     std::optional<double> first;
+    long steps = 0;
     all.ode.on_step = [&](const integrate::Step& step) {
         if (const auto approach = rods::closest_approach(step, problem.box, contact); approach && !first)
             first = approach->pair.distance;
+        if (may_orbit && !first && ++steps % 200 == 0) // an orbit is known before the rods have settled
+            if (const auto settled = rods::settled_orbit(
+                    *problem.medium, problem.couplings, rods::pose(step.state, 0), rods::pose(step.state, 1)))
+                first = settled->orbit.separation[0];
     };
     all.ode.stop_requested = [&] { return first.has_value() || (stop_ && stop_()); };
     ++count;

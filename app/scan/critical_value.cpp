@@ -209,7 +209,6 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
     const double distance = encounters.problem_at(bracket.low.at).contact_distance.value_or(0.0);
     const auto gap = [&](const Encounter& one) { return encounters.closest_approach(one) - distance; };
     const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
-    std::optional<double> gap_low, gap_high;
     bool tried_fold = false;
     std::optional<Parting> parting;
     while (bracket.width() > width) {
@@ -227,23 +226,16 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
 
         // Where D is smooth over the bracket, its root is found much sooner.
         const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
-        if (touches && (one.ending == bracket.low.ending || one.ending == bracket.high.ending)) {
-            if (!gap_low)
-                gap_low = gap(bracket.low);
-            if (!gap_high)
-                gap_high = gap(bracket.high);
-            const double gap_middle = gap(one);
-            const bool smooth = is_smooth(*gap_low, gap_middle, *gap_high);
-            (one.group == bracket.low.group ? gap_low : gap_high) = gap_middle;
-            if (smooth) {
-                bracket.take(one);
-                if (const auto root = graze(encounters, bracket, *gap_low, *gap_high, distance, width))
+        const Encounter& apart = bracket.low.ending == contact ? bracket.high : bracket.low;
+        if (touches && apart.closest < 2.0 * distance &&
+            (one.ending == bracket.low.ending || one.ending == bracket.high.ending)) {
+            const double gap_low = gap(bracket.low), gap_high = gap(bracket.high);
+            if (is_smooth(gap_low, gap(one), gap_high)) {
+                if (const auto root = graze(encounters, bracket, gap_low, gap_high, distance, width))
                     return *root;
-                gap_low.reset(), gap_high.reset();
                 continue;
             }
-        } else
-            (one.group == bracket.low.group ? gap_low : gap_high).reset();
+        }
         const bool parts = one.ending == escape && replaced.ending == escape;
         if (parts)
             parting = Parting{replaced.at, one.at};
