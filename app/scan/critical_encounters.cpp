@@ -7,6 +7,7 @@
 #include "scan_values.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace rodwake::app {
@@ -55,7 +56,8 @@ double Encounters::closest_approach(const Encounter& one) {
     all.ode.on_step = [&](const integrate::Step& step) {
         if (const auto approach = rods::closest_approach(step, problem.box, contact); approach && !first)
             first = approach->pair.distance;
-        if (may_orbit && !first && ++steps % 200 == 0) // an orbit is known before the rods have settled
+        ++steps; // an orbit is known before the rods have settled; asking takes as long as 500 steps
+        if (may_orbit && !first && steps >= 256 && std::has_single_bit(static_cast<unsigned long>(steps)))
             if (const auto settled = rods::settled_orbit(
                     *problem.medium, problem.couplings, rods::pose(step.state, 0), rods::pose(step.state, 1)))
                 first = settled->orbit.separation[0];
