@@ -51,22 +51,26 @@ bool ends_in_shrinking_orbit(const Bracket& bracket) {
 /// out to be that of a shrinking orbit.
 std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_low, double gap_high,
                           double contact, double width) {
+    struct Shrinks {};
     const int group = bracket.low.group;
     const double sign = gap_low < 0.0 ? -1.0 : 1.0;
     const auto gap = [&](double value) {
         const Encounter one = encounters.at(value);
         bracket.take(one);
+        if (ends_in_shrinking_orbit(bracket)) // near the root encounters would take for ever
+            throw Shrinks{};
         const double size = std::abs(encounters.closest_approach(one) - contact);
         return one.group == group ? sign * size : -sign * size;
     };
     std::uintmax_t most = 60;
-    const auto [low, high] = boost::math::tools::toms748_solve(
-        gap, bracket.low.at, bracket.high.at, gap_low, gap_high,
-        [&](double a, double b) { return std::abs(b - a) <= width || ends_in_shrinking_orbit(bracket); },
-        most);
-    if (std::abs(high - low) > width)
+    try {
+        const auto [low, high] = boost::math::tools::toms748_solve(
+            gap, bracket.low.at, bracket.high.at, gap_low, gap_high,
+            [&](double a, double b) { return std::abs(b - a) <= width; }, most);
+        return Root{CriticalKind::grazing, std::midpoint(low, high), bracket};
+    } catch (const Shrinks&) {
         return std::nullopt;
-    return Root{CriticalKind::grazing, 0.5 * (low + high), bracket};
+    }
 }
 
 /// The square of the angle between the headings of rods that part, long after; nothing if they have not
