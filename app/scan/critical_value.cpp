@@ -40,10 +40,11 @@ bool is_smooth(double low, double middle, double high) {
     return std::abs(middle - 0.5 * (low + high)) < 0.05 * std::abs(high - low);
 }
 
-/// Whether one end of the bracket is an orbit to which rods shrink without coming closer on the way.
+/// Whether one end of the bracket is an orbit to which rods shrink without coming closer on the way, to 0.1
+/// %.
 bool ends_in_shrinking_orbit(const Bracket& bracket) {
     const Encounter& orbiting = bracket.low.ending == Ending::orbit ? bracket.low : bracket.high;
-    return bracket.is_between(Ending::orbit, Ending::contact) && orbiting.closest >= orbiting.orbit;
+    return bracket.is_between(Ending::orbit, Ending::contact) && orbiting.closest >= 0.999 * orbiting.orbit;
 }
 
 /// The root of D(p) - d_c in a bracket of which one end is contact. Signs are those of the groups, so that
