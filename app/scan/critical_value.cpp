@@ -131,6 +131,24 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
     return std::nullopt;
 }
 
+/// The same from the bracket inwards, as long as encounters take less than eight times as long: near a fold
+/// they would not be decided at all.
+std::optional<Root> checked_inwards(Encounters& encounters, double value, const Bracket& bracket,
+                                    double width) {
+    std::optional<Root> root;
+    double most = 0.0;
+    for (double step = bracket.width(); step > width; step *= 0.25) {
+        const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
+        if (low.group != bracket.low.group || high.group != bracket.high.group)
+            break;
+        root = Root{CriticalKind::fold, value, {low, high}, {}, true};
+        most = std::max(most, 8.0 * std::max(low.time, high.time) * (most == 0.0));
+        if (std::max(low.time, high.time) > most / 2.0)
+            break;
+    }
+    return root;
+}
+
 /// The number of the pair's flow that the key changes, if it is one alone, at the ends of a bracket.
 struct FlowParameter {
     rods::BranchParameter parameter;
@@ -260,10 +278,8 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket, bracket.width()))
-                if (auto root = checked_root(encounters, CriticalKind::fold, *fold, bracket, width)) {
-                    root->of_fixed_point = true;
+                if (const auto root = checked_inwards(encounters, *fold, bracket, width))
                     return *root;
-                }
         }
     }
     const double jump = std::abs(bracket.low.closest - bracket.high.closest);

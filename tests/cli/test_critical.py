@@ -107,7 +107,7 @@ class CriticalTest(ScanTest):
         self.write("critical.toml", START + CRITICAL + "from = 1.0\nto = 50.0\n")
         for message, setting in (("needs solve_for", "scan.solve_for="), ("give a number that an encounter depends on", "scan.solve_for=rods_run.rtol"),
                                  ("is part of capture", 'scan.between=["capture", "pursuit"]'), ("neither an outcome", 'scan.between=["capture", "flight"]'),
-                                 ("takes two different ends", 'scan.between=["escape", "escape"]'), ("the axis is empty", "scan.to=1.0"),
+                                 ("is in the list already", 'scan.between=["escape", "escape"]'), ("takes two different ends", 'scan.between=["escape"]'), ("the axis is empty", "scan.to=1.0"),
                                  ("needs outcomes that are certain", "noise.rotational_diffusion=0.1")):
             self.refuse_scan(message, "critical.toml", "out", "-s", setting)
 
