@@ -215,13 +215,11 @@ std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracke
             return std::nullopt;
         const double target = std::max(contact, 0.7 * *narrow),
                      next = at + (target - *narrow) * (at - before) / (*narrow - *wide);
-        if (target == contact && std::abs(next - at) <= 1e-15 * std::abs(at))
+        if (target == contact && std::abs(next - at) <= 1e-13 * std::abs(at))
             return next;
         pose.x *= target / *narrow, pose.y *= target / *narrow;
         before = at, wide = narrow;
         at = next, narrow = separation(at);
-        if (narrow && *narrow == *wide)
-            return at;
     }
     return std::nullopt;
 }
