@@ -131,19 +131,22 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
     return std::nullopt;
 }
 
-/// The same from the bracket inwards, as long as encounters take less than eight times as long: near a fold
-/// they would not be decided at all.
-std::optional<Root> checked_inwards(Encounters& encounters, double value, const Bracket& bracket,
-                                    double width) {
+/// A root of fixed points, which encounters cannot tell apart from its surroundings: near a fold and near an
+/// orbit of the contact distance they take ever longer, and then end by the errors of the run. So outcomes
+/// are checked from the bracket inwards as long as encounters take less than four times as long. Nothing if
+/// they are not those of the bracket.
+std::optional<Root> fixed_point_root(Encounters& encounters, CriticalKind kind, double value,
+                                     const Bracket& bracket, double width) {
     std::optional<Root> root;
-    double most = 0.0;
-    for (double step = bracket.width(); step > width; step *= 0.25) {
+    double first = 0.0;
+    const double most = std::min(value - bracket.low.at, bracket.high.at - value);
+    for (double step = 0.5 * most; step > width; step *= 0.25) {
         const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
         if (low.group != bracket.low.group || high.group != bracket.high.group)
             break;
-        root = Root{CriticalKind::fold, value, {low, high}, {}, true};
-        most = std::max(most, 8.0 * std::max(low.time, high.time) * (most == 0.0));
-        if (std::max(low.time, high.time) > most / 2.0)
+        root = Root{kind, value, {low, high}, {}, true};
+        first = first == 0.0 ? std::max(low.time, high.time) : first;
+        if (std::max(low.time, high.time) > 4.0 * first)
             break;
     }
     return root;
@@ -235,10 +238,9 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
     while (bracket.width() > width) {
         if (ends_in_shrinking_orbit(bracket))
             if (const auto value = shrunk_orbit(encounters, bracket, distance))
-                if (auto root = checked_root(encounters, CriticalKind::grazing, *value, bracket, width)) {
-                    root->of_fixed_point = true;
+                if (const auto root =
+                        fixed_point_root(encounters, CriticalKind::grazing, *value, bracket, width))
                     return *root;
-                }
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
         if (middle <= bracket.low.at || middle >= bracket.high.at)
             break;
@@ -276,7 +278,7 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket, bracket.width()))
-                if (const auto root = checked_inwards(encounters, *fold, bracket, width))
+                if (const auto root = fixed_point_root(encounters, CriticalKind::fold, *fold, bracket, width))
                     return *root;
         }
     }
