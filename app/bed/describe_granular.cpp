@@ -22,19 +22,31 @@ constexpr double log_bytes = 48.0;
 constexpr double most_period_frames = 75.0;
 constexpr double large_output = 1e9; // B
 
+/// "radius 0.4 mm", "radius 0.4 mm (600) and 0.56 mm (600)".
+std::string sizes_text(const GranularProblem& problem) {
+    const granular::BeadMix mix = granular::bead_mix(problem);
+    const std::vector<std::size_t> counts = granular::kind_counts(problem);
+    std::string text = mix.kinds.empty() ? fmt::format("radius {:g} mm", 1e3 * mix.radius) : "radius";
+    for (std::size_t k = 0; k < mix.kinds.size(); ++k)
+        text += fmt::format("{} {:g} mm ({})", k == 0 ? "" : " and", 1e3 * mix.kinds[k].radius, counts[k]);
+    return mix.spread > 0.0 ? fmt::format("{}, spread {:g} of it,", text, mix.spread) : text;
+}
+
 std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
     const bool with_rods = bed.phi_b && bed.count_rod_area && !bed.rods.empty();
     const double share = granular::bead_area_fraction(problem);
-    return fmt::format("{} beads of radius {:g} mm and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover "
-                       "{:.4f}",
-                       problem.beads, 1e3 * problem.bead_radius, problem.bead_density,
-                       bed.phi_b.value_or(share), with_rods ? " with the rods' shadows" : "", share);
+    return fmt::format("{} beads of {} and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover {:.4f}",
+                       problem.beads, sizes_text(problem), problem.bead_density, bed.phi_b.value_or(share),
+                       with_rods ? " with the rods' shadows" : "", share);
 }
 
 std::string start_text(const scene::Granular& bed, const GranularProblem& problem) {
     switch (bed.start) {
     case scene::GranularStart::restart:
         return "start from the state in " + bed.restart_from;
+    case scene::GranularStart::file:
+        return fmt::format("start from the beads in {}{}", bed.start_file,
+                           problem.given && problem.given->z.empty() ? ", heights near mid gap" : "");
     case scene::GranularStart::random:
         return fmt::format("random start, seed {}", problem.seed);
     case scene::GranularStart::lattice:
@@ -197,7 +209,7 @@ PlanLine body_force_line(const GranularProblem& problem) {
     if (!problem.body_force)
         return {false, "body force: no [granular.body_force]"};
     const granular::BodyForce& force = *problem.body_force;
-    const double peak = force.acceleration * granular::bead_mass(problem);
+    const double peak = force.acceleration * granular::mean_bead_mass(problem);
     const std::string along = fmt::format("{:.3g} N a bead ({:g} m/s^2) along {:g} deg", peak,
                                           force.acceleration, force.direction * 180.0 / std::numbers::pi);
     if (force.kind == granular::BodyForceKind::uniform)

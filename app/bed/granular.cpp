@@ -3,6 +3,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/observe.hpp"
 #include "rodwake/granular/start.hpp"
+#include "start_file.hpp"
 
 #include <fmt/format.h>
 
@@ -63,6 +64,8 @@ double shadows_of(const scene::Granular& bed) {
 std::size_t bead_count(const scene::Granular& bed, double area) {
     if (bed.beads)
         return static_cast<std::size_t>(*bed.beads);
+    if (!bed.phi_b) // those of start_file
+        return 0;
     const double wanted = *bed.phi_b * area;
     const double shadows = bed.count_rod_area ? shadows_of(bed) : 0.0;
     if (shadows > wanted)
@@ -70,8 +73,8 @@ std::size_t bead_count(const scene::Granular& bed, double area) {
             "phi_b = {} with count_rod_area leaves no room for beads: the rods alone cover {:.4f} "
             "of the bed; raise phi_b or the bed's size, or set count_rod_area = false",
             *bed.phi_b, shadows / area));
-    const double count =
-        std::round((wanted - shadows) / (std::numbers::pi * bed.bead_radius * bed.bead_radius));
+    const double radius = scene::bead_mix(bed).root_mean_square(),
+                 count = std::round((wanted - shadows) / (std::numbers::pi * radius * radius));
     constexpr double most = 1e7; // as for the key beads
     if (count > most)
         throw InputError(fmt::format("phi_b = {} on {:.4g} m^2 is {:.3g} beads; at most {:g}", *bed.phi_b,
@@ -94,7 +97,7 @@ BedSize fitted_size(const scene::Granular& bed) {
     }
     // S = N A/(A - covered) with N pi a^2 = phi_b A - counted, solved for A
     const auto shape = granular::lattice_box(sites, 1, bed.orientation);
-    const double bead = std::numbers::pi * bed.bead_radius * bed.bead_radius,
+    const double radius = scene::bead_mix(bed).root_mean_square(), bead = std::numbers::pi * radius * radius,
                  counted = bed.count_rod_area ? covered : 0.0,
                  lattice = static_cast<double>(shape.sites()) * bead, sum = counted + lattice,
                  area = (sum + std::sqrt(std::max(sum * sum - 4.0 * *bed.phi_b * lattice * covered, 0.0))) /
@@ -104,20 +107,31 @@ BedSize fitted_size(const scene::Granular& bed) {
 }
 
 granular::Start start_of(const scene::Granular& bed) {
+    if (bed.start == scene::GranularStart::file)
+        return granular::Start::given;
     return bed.start == scene::GranularStart::random ? granular::Start::random : granular::Start::lattice;
 }
 
-granular::GranularProblem translate(const scene::Granular& bed) {
+granular::GranularProblem translate(const scene::Granular& bed, const std::string& path) {
     granular::GranularProblem problem;
     for (const scene::GranularRod& rod : bed.rods)
         problem.rods.push_back(rod_spec(rod));
     const BedSize size = bed_size(bed);
     problem.beads = size.beads;
     problem.bead_radius = bed.bead_radius;
+    problem.bead_kinds = bed.bead_kinds;
+    problem.bead_spread = bed.bead_spread;
     problem.bead_density = bed.bead_density;
     problem.gravity = bed.gravity;
     problem.box = size.box;
     problem.container = container_of(bed);
+    if (bed.start == scene::GranularStart::file) {
+        problem.given = read_start_file(bed, path);
+        problem.beads = problem.given->x.size();
+    }
+    if (bed.bead_spread > 0.0 && bed.phi_b && problem.beads > 0)
+        problem.bead_area =
+            *bed.phi_b * granular::bed_area(problem) - (bed.count_rod_area ? shadows_of(bed) : 0.0);
     problem.plates = bed.plates;
     problem.contacts = contact_table(bed.contacts);
     problem.body_force = bed.body_force;
@@ -139,7 +153,7 @@ granular::GranularProblem granular_problem(const scene::Scene& scene) {
     if (!scene.granular)
         throw InputError(scene.path + ": no [granular] table, so there is no bed to simulate");
     try {
-        granular::GranularProblem problem = translate(*scene.granular);
+        granular::GranularProblem problem = translate(*scene.granular, scene.path);
         granular::validate(problem);
         return problem;
     } catch (const InputError& error) {
@@ -167,7 +181,7 @@ double equilibration_time(const scene::Granular& bed, double phi_b) {
 std::optional<double> order_cutoff(const scene::Granular& bed, double phi_b) {
     if (bed.order_cutoff || !(phi_b > 0.0))
         return bed.order_cutoff;
-    return granular::neighbour_cutoff(bed.bead_radius, phi_b);
+    return granular::neighbour_cutoff(scene::bead_mix(bed).root_mean_square(), phi_b);
 }
 
 double spheres(const granular::GranularProblem& problem) {

@@ -18,9 +18,9 @@ using namespace granular;
 using app::GranularArchive, app::GranularCheckpoint, app::LogLengths, app::RunCost;
 
 template<>
-inline constexpr auto parts<Beads> = parts_of("x y z vx vy vz wx wy wz", &Beads::x, &Beads::y, &Beads::z,
-                                              &Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wy,
-                                              &Beads::wz);
+inline constexpr auto parts<Beads> = parts_of("x y z vx vy vz wx wy wz radius kind", &Beads::x, &Beads::y,
+                                              &Beads::z, &Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx,
+                                              &Beads::wy, &Beads::wz, &Beads::radius, &Beads::kind);
 template<>
 inline constexpr auto parts<RodBody> = parts_of("position velocity orientation angular_momentum",
                                                 &RodBody::position, &RodBody::velocity, &RodBody::orientation,
@@ -69,15 +69,15 @@ inline constexpr auto parts<RunCost> = parts_of(
     &RunCost::flight, &RunCost::rods, &RunCost::search, &RunCost::impulses, &RunCost::records,
     &RunCost::measures, &RunCost::output, &RunCost::other, &RunCost::particle_steps);
 template<>
-inline constexpr auto parts<GranularCheckpoint> =
-    parts_of("scene build seed run cpu_seconds wall_seconds state tallies sums pressure progress thrust logs "
-             "measure_keys measures cost",
-             &GranularCheckpoint::scene, &GranularCheckpoint::build, &GranularCheckpoint::seed,
-             &GranularCheckpoint::run, &GranularCheckpoint::cpu_seconds, &GranularCheckpoint::wall_seconds,
-             &GranularCheckpoint::state, &GranularCheckpoint::tallies, &GranularCheckpoint::sums,
-             &GranularCheckpoint::pressure, &GranularCheckpoint::progress, &GranularCheckpoint::thrust,
-             &GranularCheckpoint::logs, &GranularCheckpoint::measure_keys, &GranularCheckpoint::measures,
-             &GranularCheckpoint::cost);
+inline constexpr auto parts<GranularCheckpoint> = parts_of(
+    "scene build seed run cpu_seconds wall_seconds state tallies sums pressure progress thrust kinds "
+    "logs measure_keys measures cost",
+    &GranularCheckpoint::scene, &GranularCheckpoint::build, &GranularCheckpoint::seed,
+    &GranularCheckpoint::run, &GranularCheckpoint::cpu_seconds, &GranularCheckpoint::wall_seconds,
+    &GranularCheckpoint::state, &GranularCheckpoint::tallies, &GranularCheckpoint::sums,
+    &GranularCheckpoint::pressure, &GranularCheckpoint::progress, &GranularCheckpoint::thrust,
+    &GranularCheckpoint::kinds, &GranularCheckpoint::logs, &GranularCheckpoint::measure_keys,
+    &GranularCheckpoint::measures, &GranularCheckpoint::cost);
 template<>
 inline constexpr auto parts<GranularArchive> = parts_of("scene build seed run states",
                                                         &GranularArchive::scene, &GranularArchive::build,
@@ -97,6 +97,9 @@ void require_state(const granular::State& state, const std::string& file) {
         if (list->size() != b.x.size())
             throw InputError(fmt::format("{}: is damaged: its lists of the beads have {} and {} numbers",
                                          file, b.x.size(), list->size()));
+    if ((!b.radius.empty() && b.radius.size() != b.size()) || (!b.kind.empty() && b.kind.size() != b.size()))
+        throw InputError(fmt::format("{}: is damaged: {} beads have {} radii and {} kinds", file, b.size(),
+                                     b.radius.size(), b.kind.size()));
     if (state.step < 0)
         throw InputError(fmt::format("{}: is damaged: a state of step {}", file, state.step));
 }

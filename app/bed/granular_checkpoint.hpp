@@ -24,6 +24,7 @@ struct GranularCheckpoint {
     granular::PressureSums pressure{};
     std::vector<granular::RodProgress> progress;
     std::vector<granular::RodThrust> thrust{};
+    std::vector<granular::SampleSums> kinds{};
     LogLengths logs;
     std::string measure_keys{}; ///< MeasurePlan::key_text; empty: nothing is measured on the way
     std::vector<double> measures{};

@@ -123,7 +123,9 @@ using granular::GranularProblem;
 /// for every start. Measures and output come on top. Throws RunError for a bed that fails so soon.
 double seconds_of_run(const BedPlan& bed) {
     GranularProblem problem = bed.problem;
-    problem.start = granular::Start::lattice;
+    problem.start =
+        granular::bead_mix(problem).one_size() ? granular::Start::lattice : granular::Start::random;
+    problem.given.reset();
     problem.equilibration_steps = 0;
     problem.steps = 1'000'000'000'000;
     granular::Simulation simulation(problem, granular::make_start(problem, 0));

@@ -32,16 +32,18 @@ void add_particle(store::FrameLayout& layout, std::int32_t species, std::size_t 
     layout.radius.push_back(radius);
 }
 
-store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vector<granular::Clump>& clumps,
-                             std::size_t every_bead) {
+store::FrameLayout layout_of(const granular::GranularProblem& p, const std::vector<double>& radii,
+                             const std::vector<granular::Clump>& clumps, std::size_t every_bead) {
     store::FrameLayout layout;
     const double height = p.plates.gap + 2.0 * p.plates.amplitude(p.gravity);
     const PeriodicBox& sides = granular::bed_sides(p);
     layout.box = {sides.x, sides.y, height};
     if (p.container)
         layout.periodic = {false, false, false};
-    for (std::size_t i = 0; i < p.beads; i += every_bead)
-        add_particle(layout, 0, i, granular::bead_mass(p), p.bead_radius);
+    for (std::size_t i = 0; i < p.beads; i += every_bead) {
+        const double radius = radii.empty() ? p.bead_radius : radii[i];
+        add_particle(layout, 0, i, granular::bead_mass(p, radius), radius);
+    }
     std::size_t sphere = p.beads;
     for (std::size_t r = 0; r < clumps.size(); ++r) {
         for (const double radius : clumps[r].radius) {
@@ -64,14 +66,6 @@ std::vector<double> doubles(const std::vector<std::byte>& record) {
     std::vector<double> values(record.size() / sizeof(double));
     std::memcpy(values.data(), record.data(), record.size());
     return values;
-}
-
-/// As many bodies as in a run.
-State empty_state(const granular::GranularProblem& problem) {
-    State state;
-    state.beads.resize(problem.beads);
-    state.rods.resize(problem.rods.size());
-    return state;
 }
 
 /// A frame cut out of its record.
@@ -97,9 +91,10 @@ store::Frame frame_of(const std::vector<double>& record, std::size_t particles, 
 } // namespace
 
 GranularFiles::GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
-                             const GranularSchedule& schedule, const LogLengths& kept, std::size_t states)
+                             const State& state, const GranularSchedule& schedule, const LogLengths& kept,
+                             std::size_t states)
     : folder_(std::move(folder)), problem_(problem), schedule_(schedule), clumps_(clumps_of(problem)),
-      layout_(layout_of(problem, clumps_, schedule.every_bead)),
+      layout_(layout_of(problem, state.beads.radius, clumps_, schedule.every_bead)),
       frame_doubles_(2 + 6 * layout_.particles() + 13 * layout_.rods()),
       row_doubles_(field_count<granular::TableRow> + field_count<granular::TrackPoint> * layout_.rods()) {
     std::filesystem::create_directories(folder_);
@@ -115,7 +110,7 @@ GranularFiles::GranularFiles(std::filesystem::path folder, const granular::Granu
     if (schedule_.last_period)
         open(period_, "last_period.log", frame_doubles_ * sizeof(double), kept.period_frames);
     if (schedule_.archive_every > 0)
-        open(states_, "archive.log", state_bytes(empty_state(problem)).size(), states);
+        open(states_, "archive.log", state_bytes(state).size(), states);
 }
 
 void GranularFiles::add_row(const granular::TableRow& r, const std::vector<granular::TrackPoint>& track) {

@@ -23,9 +23,10 @@ struct LogLengths {
 class GranularFiles {
 public:
     /// Takes the logs up at these lengths, that of the archive with so many states; from zero on, makes them
-    /// anew.
+    /// anew. `state`: any of the run, for the sizes of its beads.
     GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
-                  const GranularSchedule& schedule, const LogLengths& kept, std::size_t states = 0);
+                  const granular::State& state, const GranularSchedule& schedule, const LogLengths& kept,
+                  std::size_t states = 0);
 
     void add_row(const granular::TableRow& row, const std::vector<granular::TrackPoint>& track);
     void add_frame(const granular::State& state, double time);

@@ -63,14 +63,15 @@ public:
           simulation_(plan.bed.problem, first_state(), first_tallies(),
                       granular::worthwhile_threads(plan.bed.problem, threads)),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
-          files_(task.folder, plan.bed.problem, plan.bed.schedule,
+          files_(task.folder, plan.bed.problem, simulation_.state(), plan.bed.schedule,
                  loaded_ && !is_over ? loaded_->logs : LogLengths{},
                  loaded_ && !is_over ? states_kept(loaded_->state.step) : 0),
           period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
         if (loaded_)
-            record_.restore(loaded_->sums, loaded_->pressure, loaded_->progress, loaded_->thrust);
+            record_.restore(loaded_->sums, loaded_->pressure, loaded_->progress, loaded_->thrust,
+                            loaded_->kinds);
         else
             observe(); // the start itself is the first sample, row and, without equilibration, frame
     }
@@ -239,7 +240,7 @@ private:
                              simulation_.state(), simulation_.tallies(),
                              record_.sums(),      record_.pressure_sums(),
                              record_.rods(),      record_.thrust(),
-                             files_.sync()};
+                             record_.kinds(),     files_.sync()};
         if (measures_) {
             c.measure_keys = bed_.measures->key_text;
             c.measures = measures_->save();
@@ -303,6 +304,15 @@ private:
         return rod;
     }
 
+    KindSummary kind_summary(std::size_t k) const {
+        const granular::SampleSums& sums = record_.kinds()[k];
+        const double samples = static_cast<double>(std::max<std::int64_t>(sums.count, 1));
+        const std::vector<std::uint8_t> kind = simulation_.state().beads.kind; // restarts take some out
+        return {bed_.problem.bead_kinds[k].radius, static_cast<double>(std::ranges::count(kind, k)),
+                sums.T_xy / samples, sums.T_z / samples,
+                granular::in_absorbing_state(simulation_.far_temperatures(k), bed_.problem)};
+    }
+
     static PairSummary pair_summary(const granular::PairProgress& pair) {
         PairSummary summary{.separation_change = pair.change};
         if (pair.half_box_time >= 0.0) {
@@ -327,6 +337,8 @@ private:
         const granular::PlaneTensor pressure = record_.mean_pressure(simulation_);
         s.pressure = {granular::isotropic(pressure), pressure[0], pressure[1], pressure[2]};
         s.absorbing_state = granular::in_absorbing_state(simulation_.far_temperatures(), bed_.problem);
+        for (std::size_t k = 0; k < record_.kinds().size(); ++k)
+            s.kinds.push_back(kind_summary(k));
         for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
             s.rods.push_back(rod_summary(i, s.simulated_time));
         if (s.rods.size() == 2)

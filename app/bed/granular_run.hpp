@@ -53,6 +53,27 @@ struct RodSummary {
     }
 };
 
+/// Of the beads of one kind.
+struct KindSummary {
+    double radius = 0.0, beads = 0.0, T_xy = 0.0, T_z = 0.0;
+    bool absorbing_state = false; ///< at the end
+
+    static constexpr auto fields() {
+        using R = KindSummary;
+        return std::tuple{
+            field("radius", &R::radius, {"m", "of the beads of the kind, in the scene", OverRuns::same, ""}),
+            field("beads", &R::beads, {"1", "number of the beads of the kind", OverRuns::same, ""}),
+            field("T_xy", &R::T_xy,
+                  {"m^2/s^2", "(var vx + var vy)/2 of the beads of the kind, mean from t = 0", OverRuns::mean,
+                   "T_xy_kind"}),
+            field(
+                "T_z", &R::T_z,
+                {"m^2/s^2", "var vz of the beads of the kind, mean from t = 0", OverRuns::mean, "T_z_kind"}),
+            field("absorbing_state", &R::absorbing_state,
+                  {"", "whether the beads of the kind ended in step with the plates", OverRuns::not_told})};
+    }
+};
+
 /// In the plane, mean from t = 0.
 struct PressureSummary {
     double mean = unknown_error, xx = unknown_error, xy = unknown_error, yy = unknown_error;
@@ -101,6 +122,7 @@ struct GranularSummary {
     std::uint32_t run = 0;
     std::uint64_t state_hash = 0;
     RunCost cost{};
+    std::vector<KindSummary> kinds{}; ///< empty if there is one kind; the files then have none
 
     static constexpr auto fields() {
         using R = GranularSummary;

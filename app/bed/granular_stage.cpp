@@ -2,6 +2,7 @@
 #include "granular_summary.hpp"
 #include "rodwake/app/describe.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/granular/start.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/cost_parts.hpp"
 #include "run/log.hpp"
@@ -107,6 +108,17 @@ void warn_of_absorbing(const Session& session, const BedWork& one, std::span<con
             "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
             "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
             one.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
+    for (std::size_t k = 0; !runs.empty() && k < runs[0].kinds.size(); ++k)
+        if (const auto count = std::ranges::count_if(runs, [k](const GranularSummary& run) {
+                return run.kinds[k].absorbing_state && !run.absorbing_state;
+            }))
+            session.log->warn("dem{}: in {} of {} runs the beads of kind {} (radius {:g} mm) ended in an "
+                              "absorbing state: they "
+                              "move in step with the plates and no longer sideways. Beads that nearly fill "
+                              "the gap do so: widen "
+                              "granular.plates.gap ({:g} mm), or change frequency ({:g} Hz) or gamma ({:g})",
+                              one.of().suffix(), count, runs.size(), k, 1e3 * runs[0].kinds[k].radius,
+                              1e3 * plates.gap, plates.frequency, plates.gamma);
 }
 
 StageEnd conclude(const Session& session, const BedWork& one) {
@@ -151,6 +163,13 @@ std::string text_of(const granular::RodShape& s) {
                        s.thick_diameter, s.thin_diameter, s.spheres, s.density);
 }
 
+std::string text_of(const granular::BeadMix& mix) {
+    std::string text = mix.kinds.empty() ? fmt::format("{:.10g} m", mix.radius) : std::string();
+    for (const granular::BeadKind& kind : mix.kinds)
+        text += fmt::format("{}{:.10g} m (share {:g})", text.empty() ? "" : ", ", kind.radius, kind.share);
+    return mix.spread > 0.0 ? fmt::format("{} with a spread of {:g}", text, mix.spread) : text;
+}
+
 /// A stored bed goes on in its own box only, and where its rods were it has holes of their shape.
 void require_like(const std::string& file, const granular::GranularProblem& stored,
                   const granular::GranularProblem& wanted) {
@@ -172,6 +191,9 @@ void require_like(const std::string& file, const granular::GranularProblem& stor
     require(std::string_view(room(stored)) == room(wanted), "the bed is in", room(stored), room(wanted));
     require(near(stored.bead_radius, wanted.bead_radius), "bead_radius is",
             fmt::format("{:.10g} m", stored.bead_radius), fmt::format("{:.10g} m", wanted.bead_radius));
+    const granular::BeadMix sizes = granular::bead_mix(stored), asked = granular::bead_mix(wanted);
+    require(sizes.kinds == asked.kinds && sizes.spread == asked.spread, "radii of the beads are",
+            text_of(sizes), text_of(asked));
     const std::size_t rods = stored.rods.size();
     require(rods == 0 || rods == wanted.rods.size(), "the number of rods is", rods, wanted.rods.size());
     for (std::size_t i = 0; i < rods; ++i)
@@ -211,6 +233,8 @@ void require_granular(const Plan& plan, const std::filesystem::path& folder, con
         require_same_beds(plan.scene, folder);
     for (const BedPlan& one : plan.beds) {
         const scene::Granular& bed = *one.of.scene.granular;
+        if (bed.start == scene::GranularStart::file)
+            granular::make_start(one.problem, 0); // refuses beads that overlap
         if (bed.start != scene::GranularStart::restart)
             continue;
         const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;

@@ -134,6 +134,20 @@ ordered_json mean_rods(std::span<const GranularSummary> runs) {
     return list;
 }
 
+ordered_json mean_kinds(std::span<const GranularSummary> runs) {
+    ordered_json list = ordered_json::array();
+    for (std::size_t k = 0; k < runs[0].kinds.size(); ++k) {
+        std::vector<KindSummary> kind;
+        for (const GranularSummary& run : runs)
+            kind.push_back(run.kinds[k]);
+        ordered_json means = {{"radius", kind[0].radius}, {"beads", kind[0].beads}};
+        means.update(means_json(std::span<const KindSummary>(kind)));
+        means["absorbing_runs"] = std::ranges::count(kind, true, &KindSummary::absorbing_state);
+        list.push_back(means);
+    }
+    return list;
+}
+
 ordered_json mean_pair(std::span<const GranularSummary> runs) {
     std::vector<PairSummary> pairs;
     for (const GranularSummary& run : runs)
@@ -183,6 +197,8 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
     s.run = run;
     read_record(j, s);
     s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
+    if (j.contains("kinds")) // of several kinds of beads
+        read_member(j.at("kinds"), s.kinds);
     if (j.contains("cost")) // not in files of earlier versions
         s.cost = cost_of(j.at("cost"));
     return s;
@@ -203,6 +219,8 @@ double phi_b(const BedPlan& bed) {
 
 std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
     ordered_json out = record_json(s);
+    if (!s.kinds.empty())
+        out["kinds"] = member_json(s.kinds);
     out["state_hash"] = hash_text(s.state_hash);
     out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
@@ -218,6 +236,8 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     out["rods"] = mean_rods(runs);
     if (bed.problem.rods.size() == 2)
         out["pair"] = mean_pair(runs);
+    if (!runs[0].kinds.empty())
+        out["kinds"] = mean_kinds(runs);
     out["state_hash"] = hash_text(granular::combined_hash(members(runs, &GranularSummary::state_hash)));
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
@@ -226,14 +246,15 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     return json_text(out, 2) + "\n";
 }
 
-std::vector<std::string> rod_numbers(std::size_t rods) {
+std::vector<std::string> numbers_to(std::size_t count) {
     std::vector<std::string> numbers;
-    for (std::size_t k = 0; k < rods; ++k)
+    for (std::size_t k = 0; k < count; ++k)
         numbers.push_back(std::to_string(k));
     return numbers;
 }
 
-std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair) {
+std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair,
+                                           const std::vector<std::string>& kinds) {
     std::vector<SummaryNumber> all;
     const auto whole = [](const GranularSummary& s) -> const GranularSummary& { return s; };
     for (const bool largest : {false, true})
@@ -247,6 +268,10 @@ std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods,
     if (pair)
         add_numbers(
             all, [](const GranularSummary& s) -> const PairSummary& { return s.pair.value(); }, "pair.", "");
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+        add_numbers(
+            all, [k](const GranularSummary& s) -> const KindSummary& { return s.kinds[k]; },
+            "kinds." + kinds[k] + ".", kinds[k]);
     return all;
 }
 
@@ -256,7 +281,8 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
     for (const GranularSummary& s : runs)
         columns[0].push_back(static_cast<double>(s.run + 1));
     for (const SummaryNumber& number :
-         summary_numbers(rod_numbers(problem.rods.size()), problem.rods.size() == 2))
+         summary_numbers(numbers_to(problem.rods.size()), problem.rods.size() == 2,
+                         numbers_to(runs.empty() ? 0 : runs[0].kinds.size())))
         if (!number.column.empty()) {
             names.push_back(number.column);
             std::ranges::transform(runs, std::back_inserter(columns.emplace_back()), number.of);
@@ -266,7 +292,7 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
 
 std::vector<ColumnInfo> runs_columns() {
     std::vector<ColumnInfo> columns = {{"run", "1", "number of the run, from 1"}};
-    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+    for (const SummaryNumber& number : summary_numbers({"<k>"}, true, {"<k>"}))
         if (!number.column.empty())
             columns.push_back(column_info(number.column, number.unit, number.meaning));
     return columns;
@@ -274,7 +300,7 @@ std::vector<ColumnInfo> runs_columns() {
 
 std::vector<ColumnInfo> summary_values() {
     std::vector<ColumnInfo> values;
-    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+    for (const SummaryNumber& number : summary_numbers({"<k>"}, true, {"<k>"}))
         values.push_back(column_info(number.path, number.unit, number.meaning));
     for_each_field<BedHeader>([&](const auto& field) {
         if (!field.info.unit.empty())

@@ -35,10 +35,12 @@ struct SummaryNumber {
     std::function<double(const GranularSummary&)> of;
 };
 
-/// All of them, in the order of the columns; `rods`: their numbers as text, or "<k>" for every rod.
-std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair);
+/// All of them, in the order of the columns; `rods` and `kinds` of beads: their numbers as text, or "<k>" for
+/// all.
+std::vector<SummaryNumber> summary_numbers(const std::vector<std::string>& rods, bool pair,
+                                           const std::vector<std::string>& kinds = {});
 /// "0", "1", ...
-std::vector<std::string> rod_numbers(std::size_t rods);
+std::vector<std::string> numbers_to(std::size_t count);
 
 /// Columns of runs.csv, and the numbers of summary.json.
 std::vector<ColumnInfo> runs_columns();

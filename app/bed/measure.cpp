@@ -92,13 +92,14 @@ std::optional<measure::Window> window_of(const granular::GranularProblem& p) {
     if (!p.container)
         return {};
     const PeriodicBox& sides = p.container->sides;
-    return measure::room_within(p.container->kind == granular::ContainerKind::circle, sides, p.bead_radius);
+    return measure::room_within(p.container->kind == granular::ContainerKind::circle, sides,
+                                granular::bead_mix(p).smallest());
 }
 
 } // namespace
 
 measure::Layout layout_of(const granular::GranularProblem& p) {
-    measure::Layout layout{granular::bed_sides(p), p.bead_radius, granular::bead_mass(p), p.beads,
+    measure::Layout layout{granular::bed_sides(p), p.bead_radius, granular::mean_bead_mass(p), p.beads,
                            p.rods.size()};
     layout.window = window_of(p);
     for (const granular::RodSpec& rod : p.rods)

@@ -132,7 +132,7 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     schedule.h5md = true;
     schedule.xyz = schedule.last_period = false;
     schedule.archive_every = 0;
-    GranularFiles files(folder, p, schedule, {});
+    GranularFiles files(folder, p, simulation.state(), schedule, {});
     Progress progress(context, "replay", kept.time(steps.to) - done.begun_at, "s");
     done.from = kept.time(steps.from);
     for (std::int64_t step = steps.from; step <= steps.to; step += steps.every) {

@@ -75,8 +75,13 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
     if ((scene.granular || scene.fit || scene.scan || scene.rods_random || scene.noise || measured) &&
         seed > largest)
         throw InputError(fmt::format("--seed {}: must be from 0 to {}", seed, largest));
-    if (scene.granular)
+    if (scene.granular) {
         scene.granular->seed = static_cast<long>(seed);
+        if (scene.granular->rods_random) {
+            scene.granular->rods_random->seed = static_cast<long>(seed);
+            scene.granular->rods = scene::random_bed_rods(*scene.granular);
+        }
+    }
     if (scene.rods_random) {
         scene.rods_random->seed = static_cast<long>(seed);
         scene.rods = random_rods(*scene.rods_random);

@@ -82,7 +82,7 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
     if (scene.measure)
         names.push_back(scene.measure->trajectory);
     if (scene.granular)
-        names.push_back(scene.granular->restart_from);
+        names.insert(names.end(), {scene.granular->restart_from, scene.granular->start_file});
     if (scene.tracks)
         names.insert(names.end(), {scene.tracks->file, scene.tracks->rods_file});
     if (scene.scan)

@@ -181,7 +181,7 @@ bool has_pair(const scene::Scene& scene) { return scene.granular->rods.size() ==
 /// What the summary of a run tells behind the numbers of a pair, which have a time of their own.
 std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
     std::vector<SummaryNumber> told =
-        summary_numbers(rod_numbers(std::min(scene.granular->rods.size(), told_rods)), false);
+        summary_numbers(numbers_to(std::min(scene.granular->rods.size(), told_rods)), false);
     const std::string_view time = field_names<PairNumbers>().front();
     std::erase_if(told, [&](const SummaryNumber& number) {
         return number.scan_column.empty() || (has_pair(scene) && number.scan_column == time);

@@ -15,10 +15,29 @@ constexpr double max_steps = 1e12, max_frames = 1e6, max_rows = 1e7;
 void start(const Granular& bed, const Report& report) {
     if (bed.start == GranularStart::restart && bed.restart_from.empty())
         report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to resume");
+    if (bed.start == GranularStart::file && bed.start_file.empty())
+        report("granular.start",
+               "start = \"file\" needs start_file, the CSV of the beads, in place of phi_b and "
+               "beads");
+    if (bed.start != GranularStart::file && !bed.start_file.empty())
+        report("granular.start_file", "start_file belongs to start = \"file\" only");
+    if (bed.start == GranularStart::file && bed.box.fit)
+        report("granular.box",
+               "box = \"fit\" is made for a lattice, and start_file has places: give its two sides");
     if (bed.start == GranularStart::restart && bed.box.fit)
         report("granular.box",
                "box = \"fit\" is made for a lattice and the rods in it, and the stored bed has a box: "
                "give its two sides and its beads, `box` (m) and `beads` in its summary.json");
+    if (const granular::BeadMix mix = bead_mix(bed); !mix.one_size()) {
+        if (bed.start == GranularStart::lattice)
+            report("granular.start",
+                   "start = \"lattice\" puts equal beads on the sites of a triangular lattice, and "
+                   "[[granular.bead_kinds]] have different radii: use start = \"random\"");
+        if (bed.box.fit)
+            report("granular.box",
+                   "box = \"fit\" fits a lattice of equal beads, and [[granular.bead_kinds]] have "
+                   "different radii: give its sides");
+    }
     if (bed.start != GranularStart::restart && !bed.restart_from.empty())
         report("granular.restart_from", "restart_from belongs to start = \"restart\" only");
     if (bed.beads == 0 && bed.rods.empty())
@@ -110,7 +129,7 @@ void radii(const Scene& scene, const Report& report) {
 } // namespace
 
 double time_step(const Granular& bed) {
-    return bed.time_step.value_or(bed.plates.longest_step(bed.gravity, bed.bead_radius));
+    return bed.time_step.value_or(bed.plates.longest_step(bed.gravity, bead_mix(bed).smallest()));
 }
 
 void check_granular(const Scene& scene, const Report& report) {
@@ -269,6 +288,31 @@ void periodic_only(const Measure& m, const Report& report) {
                                one.what));
 }
 
+/// What is defined for beads of one size on a lattice only.
+void equal_beads_only(const Measure& m, const Report& report) {
+    const struct {
+        const char *key, *what, *why;
+        bool wanted;
+    } keys[] = {
+        {"displacement", "displacement = \"phase\"",
+         "it follows the Bragg peaks of a lattice, which beads of several sizes do not form; use "
+         "displacement = \"lagrangian\" or \"density\"",
+         m.displacement == measure::DisplacementMethod::phase},
+        {"phonons", "phonons", "they are waves of a lattice, which beads of several sizes do not form",
+         m.phonons},
+        {"mechanics", "mechanics", "it takes the mass of a bead, and here beads have several", m.mechanics},
+        {"microrheology", "microrheology", "it takes the mass of a bead, and here beads have several",
+         m.microrheology},
+        {"order_neighbours", "order_neighbours = \"cutoff\"",
+         "they have no common first shell; use order_neighbours = \"delaunay\", or give order_cutoff",
+         m.order && m.order_neighbours == measure::Neighbours::cutoff && !m.order_cutoff}};
+    for (const auto& item : keys)
+        if (item.wanted)
+            report(std::string("measure.") + item.key,
+                   fmt::format("{} with beads of several sizes ([[granular.bead_kinds]]): {}", item.what,
+                               item.why));
+}
+
 /// Of the box, or of what the container fits into, m; endless where that is not known.
 double shorter_side(const Granular& bed) {
     if (!bed.container)
@@ -307,6 +351,8 @@ void check_measure(const Scene& scene, const Report& report) {
     headings(*scene.measure, *scene.granular, report);
     if (scene.granular->container)
         periodic_only(*scene.measure, report);
+    if (!bead_mix(*scene.granular).one_size())
+        equal_beads_only(*scene.measure, report);
     lengths(*scene.measure, *scene.granular, report);
 }
 

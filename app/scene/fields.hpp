@@ -29,6 +29,8 @@ void fields(Visitor& v, BedContainer& container);
 void fields(Visitor& v, Contacts& contacts);
 void fields(Visitor& v, GranularOutput& output);
 void fields(Visitor& v, GranularRod& rod);
+void fields(Visitor& v, granular::BeadKind& kind);
+void fields(Visitor& v, RandomBedRods& random);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, TracksColumns& columns);
 void fields(Visitor& v, Tracks& tracks);

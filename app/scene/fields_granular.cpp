@@ -3,6 +3,8 @@
 
 #include "fields.hpp"
 
+#include <fmt/format.h>
+
 namespace rodwake::scene {
 
 namespace {
@@ -25,13 +27,22 @@ void bead_fields(Visitor& v, Granular& bed) {
       bed.beads);
     v(key("count_rod_area")
           .written_if(bed.phi_b.has_value())
-          .doc("with phi_b; true: the beads that the rods displace are taken out, N pi a^2 = phi_b L_x L_y - "
+          .doc("with phi_b; true: the beads that the rods displace are taken out, sum pi a^2 = phi_b L_x L_y "
+               "- "
                "shadows "
                "of the rods, so that the bed around them is as dense as one of phi_b without rods; false: "
                "they "
                "stay and the bed is squeezed")
           .example("false"),
       bed.count_rod_area);
+    v(key("bead_spread")
+          .within(0.0, 0.2)
+          .doc("standard deviation of the radii of beads of one kind, over their mean; normal, cut at two "
+               "deviations; with phi_b all radii are then scaled by one factor near 1, so that the beads "
+               "cover "
+               "phi_b exactly")
+          .example("0.02"),
+      bed.bead_spread);
     v(key("bead_density").unit(density).above(0.0, 1e6).doc("mass density of the beads").example("2700.0"),
       bed.bead_density);
     v(key("gravity")
@@ -59,16 +70,27 @@ void bead_fields(Visitor& v, Granular& bed) {
 void start_fields(Visitor& v, Granular& bed) {
     v(key("start")
           .doc("lattice: beads on a triangular lattice; random: dropped at random; restart: the state in "
-               "restart_from")
+               "restart_from; file: the beads in start_file")
           .example("\"random\""),
       choice(bed.start, {{"lattice", GranularStart::lattice},
                          {"random", GranularStart::random},
-                         {"restart", GranularStart::restart}}));
+                         {"restart", GranularStart::restart},
+                         {"file", GranularStart::file}}));
     v(key("restart_from")
           .absent("only with start = \"restart\"")
           .doc("checkpoint file, seen from where the program runs; needed with start = \"restart\"")
           .example("\"results/bed/final.rwc\""),
       bed.restart_from);
+    v(key("start_file")
+          .absent("only with start = \"file\"")
+          .doc("CSV of the beads, seen from the scene's folder, or from where the program runs: columns x, "
+               "y, and "
+               "of z (from the mean height of the floor), vx, vy, vz, radius (m, m/s) and kind (number in "
+               "bead_kinds, from 0) those that are there; without z beads lie near mid gap and are moved "
+               "apart "
+               "where they overlap; what else is missing is drawn as for a random start")
+          .example("\"beads.csv\""),
+      bed.start_file);
     v(key("orientation")
           .unit(angle)
           .doc("wanted angle of the close-packed rows from +x; the lattice that closes in the box and is "
@@ -92,16 +114,17 @@ void time_fields(Visitor& v, Granular& bed) {
           .because("above 1e-3 s overlaps are far beyond overlap_limit")
           .absent(
               "1/(n f), n >= 50 the least integer for which the plates move by at most 0.0137 a and a body "
-              "falls by at most 2e-4 a in a step: 1e-4 s at gamma = 7, 200 Hz, a = 0.4 mm")
+              "falls by at most 2e-4 a in a step, a of the smallest beads: 1e-4 s at gamma = 7, 200 Hz, "
+              "a = 0.4 mm")
           .doc("step of the integration")
           .example("\"2e-5 s\""),
       bed.time_step);
     v(key("equilibrate")
           .unit(time)
           .within(0.0, 1e7)
-          .absent(
-              "lattice: 0.5 s; restart: 0; random: the time to order, 1 s up to phi_b = 0.60, then linear "
-              "through 2 s (0.70), 8 s (0.72), 10 s (0.76), 24 s from 0.80 on")
+          .absent("lattice: 0.5 s; restart, file: 0; random: the time to order, 1 s up to phi_b = 0.60, then "
+                  "linear "
+                  "through 2 s (0.70), 8 s (0.72), 10 s (0.76), 24 s from 0.80 on")
           .doc("before t = 0, with the rods held where they are; round(equilibrate/time_step) steps")
           .example("\"0.5 s\""),
       bed.equilibrate);
@@ -143,15 +166,37 @@ void time_fields(Visitor& v, Granular& bed) {
       bed.order_cutoff);
 }
 
-constexpr Form count_forms[] = {{"phi_b"}, {"beads"}};
+void place_random_rods(Visitor& v, Granular& bed, const std::vector<GranularRod>& listed) {
+    if (!bed.rods_random)
+        return;
+    const RandomBedRods& random = *bed.rods_random;
+    if (!listed.empty())
+        v.complain("rods", "[[granular.rods]] and [granular.rods_random] are given: leave one out");
+    if (bed.box.fit)
+        v.complain(
+            "box",
+            "box = \"fit\" depends on the rods, and [granular.rods_random] on the box: give its two sides");
+    bed.rods = random_bed_rods(bed);
+    const bool has_sides = !bed.box.fit && (bed.container || bed.box.x > 0.0);
+    if (const auto placed = static_cast<long>(bed.rods.size()); has_sides && placed < random.count)
+        v.complain(
+            "rods_random",
+            fmt::format("no room for {} rods of 4.5 mm with min_separation = {:g} m between them: after {} "
+                        "no further one was found; lower count or min_separation, or take a larger bed",
+                        random.count, random.min_separation, placed));
+}
 
-/// The beads are given in one of two ways; what an override drops is not given.
+constexpr Form count_forms[] = {{"phi_b"}, {"beads"}, {"start_file"}};
+
+/// The beads are given in one of these ways; what an override drops is not given.
 void one_count(Visitor& v, Granular& bed) {
     v.one_form(count_forms, [&bed](int form) {
-        if (form == 0)
-            bed.beads.reset();
-        else
+        if (form != 0)
             bed.phi_b.reset();
+        if (form != 1)
+            bed.beads.reset();
+        if (form != 2)
+            bed.start_file.clear();
     });
 }
 
@@ -341,13 +386,15 @@ void fields(Visitor& v, Granular& bed) {
           .symbol("a")
           .unit(length)
           .above(0.0, 1.0)
-          .doc("a; what \"a\" means in \"78 a\" here")
+          .doc("a; what \"a\" means in \"78 a\" here, and the radius of all beads unless "
+               "[[granular.bead_kinds]] "
+               "gives others")
           .example("\"0.4 mm\""),
       bed.bead_radius);
     v.use_units(si_units(bed.bead_radius));
     bead_fields(v, bed);
-    one_count(v, bed);
     start_fields(v, bed);
+    one_count(v, bed);
     time_fields(v, bed);
     v.table(key("plates").doc("Floor z = A cos(2 pi f t), lid the same plus the gap. Absent: the defaults, "
                               "which are the paper's."),
@@ -365,91 +412,20 @@ void fields(Visitor& v, Granular& bed) {
                      "Absent: there is none."),
             bed.body_force);
     v.table(key("output").doc("What is stored. Absent: the defaults."), bed.output);
-    v.list(key("rods").items(0, max_rods).doc("One entry for each rod in the bed."), bed.rods);
-}
-
-// Field list of [[granular.rods]].
-
-namespace {
-
-using granular::RodKind, granular::Taper;
-
-long default_spheres(RodKind kind) { return kind == RodKind::apolar ? 13 : 12; }
-double default_thickness(RodKind kind) { return kind == RodKind::apolar ? 0.95e-3 : 1.1e-3; }
-
-template<class T>
-std::optional<T> unless(T value, T fallback) {
-    return value == fallback ? std::nullopt : std::optional(value);
-}
-
-/// Keys whose default depends on the kind; one that has its default is left to follow the kind.
-void kind_fields(Visitor& v, granular::RodShape& rod) {
-    auto spheres = unless(static_cast<long>(rod.spheres), default_spheres(rod.kind));
-    auto thick = unless(rod.thick_diameter, default_thickness(rod.kind));
-    v(key("kind")
-          .doc("motile: tapers from one end to the other; apolar: from the middle to both ends")
-          .example("\"motile\""),
-      choice(rod.kind, {{"motile", RodKind::motile}, {"apolar", RodKind::apolar}}));
-    v(key("spheres")
-          .within(1, 1000)
-          .absent("12; apolar: 13")
-          .doc("overlapping spheres in a row; apolar: an odd number, an even row has no middle and starts to "
-               "move")
-          .example("13"),
-      spheres);
-    v(key("thick_diameter")
-          .unit(length)
-          .above(0.0, 1.0)
-          .absent("1.1 mm; apolar: 0.95 mm, the middle of the motile rod")
-          .doc("motile: of the thick end; apolar: of the middle")
-          .example("\"1.1 mm\""),
-      thick);
-    v.derive([&] {
-        rod.spheres = static_cast<std::size_t>(spheres.value_or(default_spheres(rod.kind)));
-        rod.thick_diameter = thick.value_or(default_thickness(rod.kind));
-    });
-}
-
-void shape_fields(Visitor& v, granular::RodShape& rod) {
-    v(key("thin_diameter").unit(length).above(0.0, 1.0).doc("of the thin end or ends").example("\"0.8 mm\""),
-      rod.thin_diameter);
-    v(key("length").unit(length).above(0.0, 1.0).doc("end to end").example("\"4.5 mm\""), rod.length);
-    v(key("taper")
-          .doc("linear: radii fall evenly along the axis; stepwise: in equal pieces of constant radius")
-          .example("\"linear\""),
-      choice(rod.taper, {{"linear", Taper::linear}, {"stepwise", Taper::stepwise}}));
-    v(key("segments")
-          .within(1, 1000)
-          .written_if(rod.taper == Taper::stepwise)
-          .doc("pieces of a stepwise taper")
-          .example("4"),
-      rod.segments);
-    v(key("density").unit(density).above(0.0, 1e6).doc("mass density").example("8500.0"), rod.density);
-}
-
-} // namespace
-
-void fields(Visitor& v, GranularRod& rod) {
-    v(key("position")
-          .required()
-          .unit(length)
-          .within(-1e3, 1e3)
-          .items(2, 2)
-          .doc("of the centre of mass, [x, y]; the box reaches from 0 to L_x, L_y")
-          .example("[\"20 a\", \"46.5 a\"]"),
-      rod.position);
-    v(key("heading").unit(angle).doc("of the thin end, counter-clockwise from +x").example("\"90 deg\""),
-      rod.heading);
-    v(key("imposed_speed")
-          .unit(speed)
-          .within(-10.0, 10.0)
-          .absent("the rod moves freely")
-          .doc("in-plane velocity along the heading, held fixed under all impacts; the rod does not turn; 0: "
-               "pinned")
-          .example("\"1 mm/s\""),
-      rod.imposed_speed);
-    kind_fields(v, rod.shape);
-    shape_fields(v, rod.shape);
+    v.list(key("bead_kinds")
+               .items(0, granular::most_bead_kinds)
+               .doc("One entry for each kind of beads in the mixture, at random places (start = \"random\"). "
+                    "Absent: all beads have bead_radius."),
+           bed.bead_kinds);
+    v.table(key("rods_random")
+                .doc("Rods at random in the bed, in place of [[granular.rods]]. They depend on these keys, "
+                     "the sides of "
+                     "the bed and its container alone, and are the same in all runs."),
+            bed.rods_random);
+    std::vector<GranularRod> listed;
+    v.list(key("rods").items(0, max_rods).doc("One entry for each rod in the bed."),
+           bed.rods_random ? listed : bed.rods);
+    v.derive([&] { place_random_rods(v, bed, listed); });
 }
 
 } // namespace rodwake::scene

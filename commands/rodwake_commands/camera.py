@@ -68,12 +68,13 @@ class Bed:
     circle or (x0, y0, x1, y1) of a rectangle; None if the box is periodic."""
 
     box: np.ndarray
-    bead_radius: float
+    bead_radius: float            # the unit of lengths
     beads: int
     rods: int = 0
     window: Optional[tuple] = None
     sphere_radius: Sequence = ()  # of the spheres of rods, which come after the beads
     time: Sequence = ()           # s
+    bead_radii: Sequence = ()
 
     @property
     def is_round(self):
@@ -108,15 +109,16 @@ def read_bed(path):
         boundary = [flag.decode() if isinstance(flag, bytes) else flag for flag in spheres["box"].attrs["boundary"]][:2]
         for holds, damage in (((edges == edges[0]).all() and (box > 0).all(), "the box changes, or has no positive sides"),
                               ((species[:beads] == 0).all() and beads > 0, "the beads (species 0) are not the first of its particles"),
-                              (radius.shape == species.shape and (radius[:beads] == radius[0]).all(), "beads of several radii"),
+                              (radius.shape == species.shape and (radius > 0).all(), "bodies without a radius"),
                               (time.size > 0 and (np.diff(time) > 0).all(), "no frames, or frames that are not later than the one before"),
                               (boundary in (["periodic"] * 2, ["none"] * 2), f"the boundary of its box is {boundary}"),
                               (spheres["position/value"].attrs.get("unit", "m") == "m", "lengths that are not in m")):
             if not holds:
                 raise ValueError(damage)
         rods = file["particles/trajectory_rods/mass"].size if "particles/trajectory_rods" in file else 0
-        window = None if boundary[0] == "periodic" else room_within("wall_radius" in parameters, box, radius[0])
-        return Bed(box, float(radius[0]), beads, rods, window, radius[beads:], time)
+        unit = radius[0] if (radius[:beads] == radius[0]).all() else parameters["bead_radius"]
+        window = None if boundary[0] == "periodic" else room_within("wall_radius" in parameters, box, radius[:beads].min())
+        return Bed(box, float(unit), beads, rods, window, radius[beads:], time, radius[:beads])
 
 
 def read_pictures(path, bed, camera):
@@ -330,7 +332,7 @@ def main(request):
     interval = camera.every * (bed.time[-1] - bed.time[0]) / (bed.time.size - 1)
 
     film, rows, spots = Film(camera, bed), ["frame,particle,x,y,theta,kind\n"], 0
-    radius = np.concatenate([np.full(bed.beads, bed.bead_radius), bed.sphere_radius])
+    radius = np.concatenate([bed.bead_radii, bed.sphere_radius])
     white = np.where(np.arange(len(radius)) < bed.beads, 1.0, 0.5)  # beads are white and rods grey: a finder has it easy
     for picture, (position, image, heading, spheres) in enumerate(read_pictures(file, bed, camera)):
         particles, at, theta = film.spots(position, image, heading)

@@ -12,10 +12,15 @@ namespace rodwake::granular {
 
 namespace {
 
-Rows packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z) {
+/// fourth(i): what stands behind x, y and z.
+template<class Fourth>
+Rows packed(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z,
+            const Fourth& fourth) {
     Rows rows(4 * x.size(), 0.0);
-    for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t i = 0; i < x.size(); ++i) {
         row(rows, i) << x[i], y[i], z[i];
+        rows[4 * i + 3] = fourth(i);
+    }
     return rows;
 }
 
@@ -42,13 +47,54 @@ Eigen::Map<const Eigen::Array4Xd> bead_velocities(const Bodies& bodies) {
     return {bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads)};
 }
 
-/// Of the beads; 0 if there are none.
+/// Of the beads' centre of mass; 0 if there are none.
 Eigen::Array4d mean_velocity(const Bodies& bodies) {
     const auto v = bead_velocities(bodies);
     Eigen::Array4d sum = Eigen::Array4d::Zero();
-    for (Eigen::Index i = 0; i < v.cols(); ++i)
-        sum += v.col(i);
-    return sum / std::max(static_cast<double>(bodies.beads), 1.0);
+    if (bodies.equal_beads) {
+        for (Eigen::Index i = 0; i < v.cols(); ++i)
+            sum += v.col(i);
+        return sum / std::max(static_cast<double>(bodies.beads), 1.0);
+    }
+    double masses = 0.0;
+    for (Eigen::Index i = 0; i < v.cols(); ++i) {
+        const double mass = bodies.mass_of_bead(static_cast<std::size_t>(i));
+        sum += mass * v.col(i);
+        masses += mass;
+    }
+    return sum / masses;
+}
+
+PlaneTensor flux_of_unequal(const Bodies& bodies, const Eigen::Array4d& mean) {
+    PlaneTensor flux{};
+    for (std::size_t i = 0; i < bodies.beads; ++i) {
+        const double m = bodies.mass_of_bead(i), x = bodies.velocity[4 * i] - mean[0],
+                     y = bodies.velocity[4 * i + 1] - mean[1];
+        flux[0] += m * x * x;
+        flux[1] += m * x * y;
+        flux[2] += m * y * y;
+    }
+    return flux;
+}
+
+/// About the velocity of the centre of mass of all beads; nothing if there is one kind.
+std::vector<Temperatures> temperatures_of_kinds(const Bodies& bodies, const Eigen::Array4d& mean) {
+    if (bodies.kind.empty())
+        return {};
+    std::vector<Temperatures> kinds(bodies.kinds);
+    std::vector<double> count(kinds.size(), 0.0);
+    for (std::size_t i = 0; i < bodies.beads; ++i) {
+        const Eigen::Vector3d v = row(bodies.velocity, i) - mean.head<3>().matrix();
+        Temperatures& of_kind = kinds[bodies.kind[i]];
+        of_kind.xy += (v.x() * v.x() + v.y() * v.y()) / 2.0;
+        of_kind.z += v.z() * v.z();
+        ++count[bodies.kind[i]];
+    }
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+        kinds[k].xy /= std::max(count[k], 1.0);
+        kinds[k].z /= std::max(count[k], 1.0);
+    }
+    return kinds;
 }
 
 } // namespace
@@ -76,18 +122,27 @@ Vector3 Bodies::velocity_of(std::size_t sphere) const {
 Bodies make_bodies(const GranularProblem& problem, const State& state) {
     Bodies bodies;
     bodies.beads = state.beads.size();
-    const double a = problem.bead_radius;
-    bodies.bead_radius = a;
-    bodies.bead_mass = bead_mass(problem);
-    bodies.bead_inertia = 0.4 * bodies.bead_mass * a * a;
     const Beads& b = state.beads;
-    bodies.position = packed(b.x, b.y, b.z);
-    bodies.velocity = packed(b.vx, b.vy, b.vz);
-    bodies.spin = packed(b.wx, b.wy, b.wz);
-    bodies.radius.assign(bodies.beads, a);
+    bodies.equal_beads = std::ranges::adjacent_find(b.radius, std::ranges::not_equal_to()) == b.radius.end();
+    const double a = bodies.equal_beads && !b.radius.empty() ? b.radius.front() : problem.bead_radius;
+    bodies.bead_radius = a;
+    bodies.bead_mass = bead_mass(problem, a);
+    bodies.bead_inertia = 0.4 * bodies.bead_mass * a * a;
+    bodies.radius = b.radius;
+    bodies.radius.resize(bodies.beads, a);
+    bodies.stores_radii = !b.radius.empty();
+    bodies.kind = b.kind;
+    bodies.kinds = std::max<std::size_t>(problem.bead_kinds.size(), 1);
+    const auto radius = [&](std::size_t i) { return bodies.radius[i]; };
+    const auto mass = [&](std::size_t i) { return bead_mass(problem, bodies.radius[i]); };
+    bodies.position = packed(b.x, b.y, b.z, radius);
+    bodies.velocity = packed(b.vx, b.vy, b.vz, [](std::size_t) { return 0.0; });
+    bodies.spin = packed(b.wx, b.wy, b.wz, mass);
     for (std::size_t i = 0; i < state.rods.size(); ++i)
         add_rod(bodies, problem.rods[i], state.rods[i]);
     bodies.position.resize(4 * bodies.spheres(), 0.0);
+    for (std::size_t k = bodies.beads; k < bodies.spheres(); ++k)
+        bodies.position[4 * k + 3] = bodies.radius[k];
     bodies.place_rod_spheres();
     return bodies;
 }
@@ -100,6 +155,10 @@ State to_state(const Bodies& bodies, std::int64_t step) {
     unpack(bodies.position, b.x, b.y, b.z);
     unpack(bodies.velocity, b.vx, b.vy, b.vz);
     unpack(bodies.spin, b.wx, b.wy, b.wz);
+    if (bodies.stores_radii)
+        b.radius.assign(bodies.radius.begin(),
+                        bodies.radius.begin() + static_cast<std::ptrdiff_t>(bodies.beads));
+    b.kind = bodies.kind;
     for (const MovingRod& rod : bodies.rods)
         state.rods.push_back(rod.body());
     return state;
@@ -116,22 +175,26 @@ Agitation agitation_of(const Bodies& bodies) {
     }
     const double count = std::max(static_cast<double>(bodies.beads), 1.0), m = bodies.bead_mass;
     PlaneTensor flux{m * products[0], m * products[3], m * products[1]};
+    if (!bodies.equal_beads)
+        flux = flux_of_unequal(bodies, mean);
     for (const MovingRod& rod : bodies.rods) {
         const double x = rod.body().velocity.x() - mean[0], y = rod.body().velocity.y() - mean[1];
         flux[0] += rod.clump().mass * x * x;
         flux[1] += rod.clump().mass * x * y;
         flux[2] += rod.clump().mass * y * y;
     }
-    return {{(products[0] + products[1]) / (2.0 * count), products[2] / count}, flux};
+    return {{(products[0] + products[1]) / (2.0 * count), products[2] / count},
+            flux,
+            temperatures_of_kinds(bodies, mean)};
 }
 
 Energy total_energy(const Bodies& bodies, double gravity) {
     Energy energy;
     for (std::size_t i = 0; i < bodies.beads; ++i) {
-        energy.kinetic += (bodies.bead_mass * row(bodies.velocity, i).squaredNorm() +
-                           bodies.bead_inertia * row(bodies.spin, i).squaredNorm()) /
+        energy.kinetic += (bodies.mass_of_bead(i) * row(bodies.velocity, i).squaredNorm() +
+                           bodies.inertia_of_bead(i) * row(bodies.spin, i).squaredNorm()) /
                           2.0;
-        energy.potential += bodies.bead_mass * gravity * bodies.position[4 * i + 2];
+        energy.potential += bodies.mass_of_bead(i) * gravity * bodies.position[4 * i + 2];
     }
     for (const MovingRod& rod : bodies.rods) {
         const double potential = rod.clump().mass * gravity * rod.body().position.z();

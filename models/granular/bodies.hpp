@@ -1,7 +1,11 @@
 #pragma once
-// The moving bodies in the layout the step works on: four doubles a sphere (x, y, z, 0), so that one vector
-// load brings a whole position. Measured against separate x, y, z arrays with gathers it halves the cost of
-// the overlap test; the state that is stored and handed out is a structure of arrays (state.hpp).
+// The moving bodies in the layout the step works on: four doubles a sphere (x, y, z and one more), so that
+// one vector load brings a whole position. Measured against separate x, y, z arrays with gathers it halves
+// the cost of the overlap test; the state that is stored and handed out is a structure of arrays (state.hpp).
+//
+// The fourth number of a position is the sphere's radius and that of a spin the bead's mass, so that an
+// impact of beads of several sizes reads no memory that it does not read anyway. Loops over pairs and over
+// all beads are compiled twice: beads that are all equal have their size in constants, not in rows.
 
 #include "kernels.hpp"
 #include "rod_motion.hpp"
@@ -31,19 +35,36 @@ inline constexpr double deep = 0.05, most_moved = 1e-4;
 
 struct Bodies {
     std::size_t beads = 0;
+    bool equal_beads = true; ///< all have the following size; else that of a bead of radius a
     double bead_radius = 0.0, bead_mass = 0.0, bead_inertia = 0.0;
 
-    Rows position;       ///< [beads + rod spheres][4], unwrapped
-    Rows velocity, spin; ///< [beads][4]
+    Rows position; ///< [beads + rod spheres][4], unwrapped; the fourth: radius, m
+    Rows velocity; ///< [beads][4]; the fourth: 0
+    Rows spin;     ///< [beads][4]; the fourth: mass, kg
     std::vector<MovingRod> rods;
-    std::vector<double> radius;            ///< [beads + rod spheres]
+    std::vector<double> radius;     ///< [beads + rod spheres]
+    std::vector<std::uint8_t> kind; ///< [beads]; empty: one
+    std::size_t kinds = 1;
+    bool stores_radii = false;             ///< its states hold the radii of the beads
     std::vector<std::uint32_t> rod_of;     ///< [rod spheres]
     std::vector<std::size_t> first_sphere; ///< [rods]
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }
-    /// Of beads without a look into memory.
-    double radius_of(std::size_t sphere) const { return is_bead(sphere) ? bead_radius : radius[sphere]; }
+    /// Of equal beads without a look into memory.
+    template<bool equal>
+    double radius_of(std::size_t sphere) const {
+        if constexpr (equal)
+            return is_bead(sphere) ? bead_radius : radius[sphere];
+        else
+            return position[4 * sphere + 3];
+    }
+    double radius_of_bead(std::size_t bead) const { return position[4 * bead + 3]; }
+    double mass_of_bead(std::size_t bead) const { return spin[4 * bead + 3]; }
+    double inertia_of_bead(std::size_t bead) const {
+        const double a = radius_of_bead(bead);
+        return 0.4 * mass_of_bead(bead) * a * a;
+    }
     bool same_rod(std::size_t one, std::size_t two) const {
         return one >= beads && two >= beads && rod_of[one - beads] == rod_of[two - beads];
     }

@@ -46,14 +46,14 @@ void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plat
                const Surface& surface, PlateTally& tally) {
     auto v = row(bodies.velocity, bead);
     auto w = row(bodies.spin, bead);
-    const double a = bodies.bead_radius, per_mass = 1.0 / bodies.bead_mass,
-                 k_t = per_mass + a * a / bodies.bead_inertia;
+    const double a = bodies.radius_of_bead(bead), per_mass = 1.0 / bodies.mass_of_bead(bead),
+                 inertia = bodies.inertia_of_bead(bead), k_t = per_mass + a * a / inertia;
     // arm = -side a z; its spin velocity w x arm
     const Vector3 relative(v.x() - plate.side * a * w.y(), v.y() + plate.side * a * w.x(),
                            plate.side * (v.z() - plate_speed));
     const Vector3 p = uncoupled_impact(k_t, per_mass, relative, surface).impulse;
     v += per_mass * Vector3(p.x(), p.y(), plate.side * p.z());
-    w += plate.side * a / bodies.bead_inertia * Vector3(p.y(), -p.x(), 0.0); // arm x P
+    w += plate.side * a / inertia * Vector3(p.y(), -p.x(), 0.0); // arm x P
     plate.impulse(tally) += plate.side * p.z();
     ++tally.impulses;
 }
@@ -74,7 +74,7 @@ void rest_until(Bodies& bodies, std::size_t bead, const Plate& plate, double bef
                 PlateTally& tally) {
     bounce_at(bodies, bead, plate, before, {surface.friction, 0.0}, tally);
     const double vz = bodies.velocity[4 * bead + 2], gravity = plate.step->gravity;
-    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * bodies.bead_radius +
+    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * bodies.radius_of_bead(bead) +
                                     (vz + gravity * before) * before - gravity * before * before / 2.0;
 }
 
@@ -95,6 +95,7 @@ bool comes_to_rest(double touching_speed, double pressing, const Plate& plate, d
 void note_flight(const Bodies& bodies, std::size_t bead, double back, Touches& touches, std::size_t k) {
     touches.z[k] = bodies.position[4 * bead + 2];
     touches.vz[k] = bodies.velocity[4 * bead + 2];
+    touches.radius[k] = bodies.radius_of_bead(bead);
     touches.back[k] = back;
 }
 
@@ -106,7 +107,8 @@ void note_depth(PlateTally& tally, double depth, std::size_t bead) {
 }
 
 bool in_a_plate(const Bodies& bodies, std::size_t bead, const PlateStep& step) {
-    const double z = bodies.position[4 * bead + 2], a = bodies.bead_radius, floor = step.floor.position();
+    const double z = bodies.position[4 * bead + 2], a = bodies.radius_of_bead(bead),
+                 floor = step.floor.position();
     return -floor + (z - a) < 0.0 || floor + (-(z - step.gap) - a) < 0.0; // to the bit as in touches.cpp
 }
 
@@ -118,7 +120,7 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
     for (int bounces = 0; touch->side[k] != 0.0; ++bounces) {
         const Plate plate{touch->side[k], &step};
         const double back = touch->back[k];
-        note_depth(tally, touch->depth[k] / bodies.bead_radius, bead);
+        note_depth(tally, touch->depth[k] / bodies.radius_of_bead(bead), bead);
         const bool last = bounces == most_bounces;
         const bool rests =
             surface.restitution < 1.0 &&
@@ -133,7 +135,7 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
         touch = &again;
         k = 0;
         note_flight(bodies, bead, back, again, k);
-        find_touches(step, bodies.bead_radius, 1, again);
+        find_touches(step, 1, again);
     }
 }
 
@@ -148,7 +150,7 @@ void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const Pl
             note_flight(bodies, some[k], step.time_step, touches, k);
             bodies.fetch(beads[std::min(k + Touches::most, beads.size() - 1)]);
         }
-        find_touches(step, bodies.bead_radius, some.size(), touches);
+        find_touches(step, some.size(), touches);
         for (std::size_t k = 0; k < some.size(); ++k)
             bounce_bead(bodies, some[k], step, surface, touches, k, velocities, tally);
     }

@@ -34,12 +34,16 @@ void DriftOne(double* x, double* v, const Drift& d, Range& range) {
     }
 }
 
+template<bool own>
 bool Outside(const double* x, const Drift& d) {
-    return !(x[2] > d.lowest && x[2] < d.highest && std::abs(x[0]) + std::abs(x[1]) < 1e300);
+    const double radius = own ? x[3] : 0.0;
+    return !(x[2] - radius > d.lowest && x[2] + radius < d.highest &&
+             std::abs(x[0]) + std::abs(x[1]) < 1e300);
 }
 
-void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
-                Range& range, std::vector<std::uint32_t>& out) {
+template<bool own>
+void DriftEach(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
+               Range& range, std::vector<std::uint32_t>& out) {
     std::size_t i = begin;
 #if RODWAKE_ROWS
     // as many beads at a time as fit into a vector: one or two
@@ -53,6 +57,8 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
     alignas(64) const double high[8] = {far, far, d.highest, inf, far, far, d.highest, inf};
     const auto vfall = hn::Load(lanes, fall), vslow = hn::Load(lanes, slow), vlow = hn::Load(lanes, low),
                vhigh = hn::Load(lanes, high), step = hn::Set(lanes, d.step);
+    alignas(64) const double height[8] = {0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+    const auto of_height = hn::Gt(hn::Load(lanes, height), hn::Zero(lanes));
     auto least = hn::Set(lanes, inf), most = hn::Set(lanes, -inf);
     for (; i + beads <= end; i += beads) {
         double *p = position + 4 * i, *q = velocity + 4 * i;
@@ -62,9 +68,14 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
         most = hn::Max(most, v);
         hn::StoreU(x, lanes, p);
         hn::StoreU(hn::Add(v, vslow), lanes, q);
-        if (HWY_UNLIKELY(!hn::AllTrue(lanes, hn::And(hn::Gt(x, vlow), hn::Lt(x, vhigh)))))
+        auto inside = hn::And(hn::Gt(x, vlow), hn::Lt(x, vhigh));
+        if constexpr (own) { // z and the radius behind it change places
+            const auto radius = hn::IfThenElseZero(of_height, hn::Reverse2(lanes, x));
+            inside = hn::And(hn::Gt(hn::Sub(x, radius), vlow), hn::Lt(hn::Add(x, radius), vhigh));
+        }
+        if (HWY_UNLIKELY(!hn::AllTrue(lanes, inside)))
             for (std::size_t k = i; k < i + beads; ++k)
-                if (Outside(position + 4 * k, d))
+                if (Outside<own>(position + 4 * k, d))
                     out.push_back(static_cast<std::uint32_t>(k));
     }
     alignas(64) double lowest[8], highest[8];
@@ -77,9 +88,17 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
 #endif
     for (; i < end; ++i) {
         DriftOne(position + 4 * i, velocity + 4 * i, d, range);
-        if (Outside(position + 4 * i, d))
+        if (Outside<own>(position + 4 * i, d))
             out.push_back(static_cast<std::uint32_t>(i));
     }
+}
+
+void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
+                Range& range, std::vector<std::uint32_t>& out) {
+    if (d.own_radii)
+        DriftEach<true>(position, velocity, begin, end, d, range, out);
+    else
+        DriftEach<false>(position, velocity, begin, end, d, range, out);
 }
 
 /// Squared distance in the plane and height difference of a pair, the nearest image.

@@ -1,7 +1,7 @@
 #pragma once
 // The two loops that every step runs over all beads and all near pairs, with vector instructions chosen at
-// run time (Highway). Positions and velocities are packed rows x, y, z, 0 (bodies.hpp). Every target gives
-// the same bits: no sum is reordered and no product is fused.
+// run time (Highway). Positions and velocities are packed rows x, y, z and one more number (bodies.hpp).
+// Every target gives the same bits: no sum is reordered and no product is fused.
 
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
@@ -74,10 +74,13 @@ struct Range {
 struct Drift {
     double step, gravity;
     double lowest, highest; ///< z between which a bead touches no plate
+    bool own_radii = false; ///< these are the plates' heights: each bead keeps its radius, the fourth number
+                            ///< of its position, away from them
 };
 
 /// Free flight of beads [begin, end) over one step: x += v dt - g dt^2/2, v -= g dt. Adds the beads that end
-/// outside (lowest, highest), NaN among them, to `out`, and their velocities before the step to `velocities`.
+/// outside (lowest, highest), NaN among them, to `out`, and their velocities before the step to `velocities`,
+/// whose fourth numbers are 0.
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& drift,
            Range& velocities, std::vector<std::uint32_t>& out);
 

@@ -24,13 +24,13 @@ constexpr double kick = 0.1;       // of a radius, when shaken
 constexpr int sweeps_a_round = 2500, rounds = 4;
 
 struct Place {
-    double x, y, z;
+    double x, y, z, radius;
 };
 
 class PushApart {
 public:
     PushApart(Places& places, const Room& room)
-        : places_(places), room_(room), skin_(skin_share * room.radius), diameter_(2.0 * room.radius) {}
+        : places_(places), room_(room), skin_(skin_share * room.radius) {}
 
     /// Largest overlap left.
     double settle(int sweeps) {
@@ -52,7 +52,9 @@ public:
             const auto [sine, cosine] = repeatable::sin_cos(angle);
             places_.x[i] += step * cosine;
             places_.y[i] += step * sine;
-            places_.z[i] = lifted(places_.z[i], kick * room_.radius * random.uniform(-1.0, 1.0));
+            const double top = free_height(room_.gap, places_.radius[i]),
+                         rise = kick * room_.radius * random.uniform(-1.0, 1.0);
+            places_.z[i] = std::clamp(places_.z[i] + rise, -top, top);
         }
     }
 
@@ -69,18 +71,16 @@ private:
     }
     Gap gap_to_rod(Near pair) const {
         const Disc& disc = room_.rods[pair.other];
-        return gap(p_[pair.bead], {disc.x, disc.y, disc.height}, room_.box);
+        return gap(p_[pair.bead], {disc.x, disc.y, disc.height, disc.radius}, room_.box);
     }
-    double touching(Near pair) const { return room_.rods[pair.other].radius + room_.radius; }
-
-    double lifted(double z, double step) const { return std::clamp(z + step, -room_.height, room_.height); }
+    double touching(Near pair) const { return room_.rods[pair.other].radius + p_[pair.bead].radius; }
 
     /// Pairs of the places as they are; the largest overlap.
     double find() {
         near_ = neighbours(places_, room_, skin_);
         p_.clear();
         for (const std::uint32_t i : near_.order)
-            p_.push_back({places_.x[i], places_.y[i], places_.z[i]});
+            p_.push_back({places_.x[i], places_.y[i], places_.z[i], places_.radius[i]});
         found_at_ = p_;
         return largest_overlap();
     }
@@ -108,9 +108,11 @@ private:
 
     double largest_overlap() const {
         double largest = 0.0;
-        for (const Near pair : near_.beads)
-            largest = std::max(largest, diameter_ * (1.0 + separation) -
-                                            gap(p_[pair.bead], p_[pair.other], room_.box).distance);
+        for (const Near pair : near_.beads) {
+            const Place &a = p_[pair.bead], &b = p_[pair.other];
+            largest =
+                std::max(largest, (a.radius + b.radius) * (1.0 + separation) - gap(a, b, room_.box).distance);
+        }
         for (const Near pair : near_.rods)
             largest = std::max(largest, touching(pair) * (1.0 + separation) - gap_to_rod(pair).distance);
         return largest;
@@ -130,7 +132,7 @@ private:
     void keep_inside() {
         for (Place& bead : p_) {
             const Eigen::Vector2d inside =
-                put_inside(*room_.container, {bead.x, bead.y}, room_.radius * (1.0 + separation));
+                put_inside(*room_.container, {bead.x, bead.y}, bead.radius * (1.0 + separation));
             bead.x = inside.x();
             bead.y = inside.y();
         }
@@ -139,16 +141,16 @@ private:
     /// All that is constant is local: the compiler could not know that places are not among the members.
     double part_beads() {
         const PeriodicBox box = room_.box;
-        const double top = room_.height, wanted = diameter_ * (1.0 + aim),
-                     enough = diameter_ * (1.0 + separation);
-        const auto move = [top](Place& at, double x, double y, double z) {
-            at = {at.x + x, at.y + y, std::clamp(at.z + z, -top, top)};
+        const double between_plates = room_.gap;
+        const auto move = [between_plates](Place& at, double x, double y, double z) {
+            const double top = free_height(between_plates, at.radius);
+            at = {at.x + x, at.y + y, std::clamp(at.z + z, -top, top), at.radius};
         };
         double largest = 0.0;
         for (const Near pair : near_.beads) {
             Place &a = p_[pair.bead], &b = p_[pair.other];
             const Gap g = gap(a, b, box);
-            const double missing = wanted - g.distance;
+            const double reach = a.radius + b.radius, missing = reach * (1.0 + aim) - g.distance;
             if (missing <= 0.0)
                 continue;
             if (g.distance > 0.0) {
@@ -158,7 +160,7 @@ private:
             } else { // the same place: any direction will do
                 move(a, push * missing, 0.0, 0.0);
             }
-            largest = std::max(largest, enough - g.distance);
+            largest = std::max(largest, reach * (1.0 + separation) - g.distance);
         }
         return largest;
     }
@@ -179,7 +181,7 @@ private:
 
     Places& places_;
     const Room& room_;
-    double skin_, diameter_;
+    double skin_;
     Neighbours near_;
     std::vector<Place> p_, found_at_; ///< cell by cell; now, and when the pairs were found
 };
@@ -202,17 +204,20 @@ constexpr double jitter = 0.01; // of the room's height: a layer that is exactly
 constexpr int most_attempts = 10000;
 
 /// Depth to which a rod covers a bead here, m; negative if none does.
-double cover(double x, double y, const Room& room) {
-    return overlap({{x, y, room.radius}}, room.rods, room.box);
+double cover(double x, double y, double bead, const Room& room) {
+    return overlap({{x, y, bead}}, room.rods, room.box);
 }
 
 /// Sites in the order in which they are given up: covered ones by depth, the others at random.
-std::vector<std::size_t> by_vacancy(const std::vector<Eigen::Vector2d>& sites, const GranularProblem& problem,
+std::vector<std::size_t> by_vacancy(const std::vector<Eigen::Vector2d>& sites,
+                                    const std::vector<double>& radius, const GranularProblem& problem,
                                     const Room& room, std::uint32_t run) {
     std::vector<double> rank(sites.size());
     for (std::size_t k = 0; k < sites.size(); ++k) {
-        const double depth =
-            room.rods.empty() ? -1.0 : cover(sites[k].x(), sites[k].y(), room) / room.box.shorter();
+        const double bead = radius.empty() ? room.radius : radius[k],
+                     depth = room.rods.empty()
+                                 ? -1.0
+                                 : cover(sites[k].x(), sites[k].y(), bead, room) / room.box.shorter();
         rank[k] = depth > 0.0 ? depth : -stream_for(Purpose::vacancy, problem.seed, run, k).uniform();
     }
     std::vector<std::size_t> order(sites.size());
@@ -279,22 +284,32 @@ RandomStream stream_for(Purpose purpose, std::uint64_t seed, std::uint32_t run, 
     return RandomStream(seed ^ salt, run, static_cast<std::uint32_t>(index));
 }
 
-std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites, const GranularProblem& problem,
+void Places::add(double to_x, double to_y, double to_z, double of_radius, std::uint8_t of_kind) {
+    x.push_back(to_x);
+    y.push_back(to_y);
+    z.push_back(to_z);
+    radius.push_back(of_radius);
+    kind.push_back(of_kind);
+}
+
+std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
+                                    const std::vector<double>& radius, const GranularProblem& problem,
                                     const Room& room, std::uint32_t run) {
-    const auto order = by_vacancy(sites, problem, room, run);
+    const auto order = by_vacancy(sites, radius, problem, room, run);
     std::vector<std::size_t> kept(order.end() - static_cast<std::ptrdiff_t>(problem.beads), order.end());
     std::sort(kept.begin(), kept.end());
     return kept;
 }
 
 Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
-                  const GranularProblem& problem, const Room& room, std::uint32_t run) {
+                  const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
+                  std::uint32_t run) {
     Places places;
     for (std::size_t i = 0; i < kept.size(); ++i) {
-        places.x.push_back(sites[kept[i]].x());
-        places.y.push_back(sites[kept[i]].y());
-        const double height = jitter * room.height;
-        places.z.push_back(stream_for(Purpose::place, problem.seed, run, i).uniform(-height, height));
+        const double height = jitter * free_height(room.gap, sizes.radius[i]);
+        places.add(sites[kept[i]].x(), sites[kept[i]].y(),
+                   stream_for(Purpose::place, problem.seed, run, i).uniform(-height, height), sizes.radius[i],
+                   sizes.kind[i]);
     }
     return places;
 }
@@ -305,15 +320,25 @@ Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_
                              problem.box);
     };
     const auto sites = room.container ? container_sites(problem, room) : fitted();
-    return flat_layer(sites, kept_sites(sites, problem, room, run), problem, room, run);
+    Places places = flat_layer(sites, kept_sites(sites, {}, problem, room, run), bead_sizes(problem, run),
+                               problem, room, run);
+    if (room.container && problem.bead_spread > 0.0) // sites are those of the smallest beads
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const Eigen::Vector2d inside = put_inside(*room.container, {places.x[i], places.y[i]},
+                                                      places.radius[i] * (1.0 + separation));
+            places.x[i] = inside.x();
+            places.y[i] = inside.y();
+        }
+    return places;
 }
 
 Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run) {
     Places places;
     const PeriodicBox& sides = bed_sides(problem);
-    const auto is_free = [&](double x, double y) {
-        return (!room.container || nearest_wall(*room.container, {x, y}, room.radius).depth <= 0.0) &&
-               (room.rods.empty() || cover(x, y, room) < 0.0);
+    const BeadSizes sizes = bead_sizes(problem, run);
+    const auto is_free = [&](double x, double y, double bead) {
+        return (!room.container || nearest_wall(*room.container, {x, y}, bead).depth <= 0.0) &&
+               (room.rods.empty() || cover(x, y, bead, room) < 0.0);
     };
     for (std::size_t i = 0; i < problem.beads; ++i) {
         auto random = stream_for(Purpose::place, problem.seed, run, i);
@@ -321,12 +346,11 @@ Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
             x = random.uniform(0.0, sides.x);
             y = random.uniform(0.0, sides.y);
-            if (is_free(x, y))
+            if (is_free(x, y, sizes.radius[i]))
                 break;
         }
-        places.x.push_back(x);
-        places.y.push_back(y);
-        places.z.push_back(random.uniform(-room.height, room.height));
+        const double height = free_height(room.gap, sizes.radius[i]);
+        places.add(x, y, random.uniform(-height, height), sizes.radius[i], sizes.kind[i]);
     }
     return places;
 }
@@ -340,9 +364,11 @@ double square_in_plan(double dx, double dy, const PeriodicBox& box) {
 }
 
 /// In an order that decides how beads are moved apart: that of the cells.
-void bead_pairs(const CellList& cells, const PeriodicBox& box, double range, std::vector<Near>& pairs) {
+void bead_pairs(const CellList& cells, const std::vector<double>& radius, const PeriodicBox& box, double skin,
+                std::vector<Near>& pairs) {
     const auto &x = cells.x(), &y = cells.y();
     cells.pairs([&](std::size_t p, std::size_t q) {
+        const double range = radius[p] + radius[q] + skin;
         if (square_in_plan(x[p] - x[q], y[p] - y[q], box) < range * range)
             pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q)});
     });
@@ -360,17 +386,19 @@ Span span_of(std::size_t at, std::size_t cells, double range_in_cells) {
     return {static_cast<std::ptrdiff_t>(at) - count / 2, count};
 }
 
-void rod_pairs(const CellList& cells, const Room& room, double skin, std::vector<Near>& pairs) {
+void rod_pairs(const CellList& cells, const std::vector<double>& radius, const Room& room, double skin,
+               std::vector<Near>& pairs) {
+    const double largest = radius.empty() ? 0.0 : std::ranges::max(radius);
     for (std::size_t k = 0; k < room.rods.size(); ++k) {
         const Disc& disc = room.rods[k];
-        const double range = disc.radius + room.radius + skin;
+        const double range = disc.radius + largest + skin;
         const Span columns = span_of(cells.column(disc.x), cells.columns(), range / cells.width()),
                    rows = span_of(cells.row(disc.y), cells.rows(), range / cells.height());
         for (std::ptrdiff_t i = 0; i < columns.count; ++i)
             for (std::ptrdiff_t j = 0; j < rows.count; ++j)
                 cells.in_cell(columns.first + i, rows.first + j, [&](std::size_t p) {
-                    if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) <
-                        range * range)
+                    const double near = disc.radius + radius[p] + skin;
+                    if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) < near * near)
                         pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(k)});
                 });
     }
@@ -379,12 +407,15 @@ void rod_pairs(const CellList& cells, const Room& room, double skin, std::vector
 } // namespace
 
 Neighbours neighbours(const Places& places, const Room& room, double skin) {
-    const double range = 2.0 * room.radius + skin;
-    const CellList cells(places.x, places.y, room.box, range);
+    const double largest = places.radius.empty() ? room.radius : std::ranges::max(places.radius);
+    const CellList cells(places.x, places.y, room.box, 2.0 * largest + skin);
     Neighbours found;
     found.order = cells.member();
-    bead_pairs(cells, room.box, range, found.beads);
-    rod_pairs(cells, room, skin, found.rods);
+    std::vector<double> radius; // in the order of the cells
+    for (const std::uint32_t i : found.order)
+        radius.push_back(places.radius[i]);
+    bead_pairs(cells, radius, room.box, skin, found.beads);
+    rod_pairs(cells, radius, room, skin, found.rods);
     return found;
 }
 

@@ -31,16 +31,22 @@ double overlap(const std::vector<Disc>& first, const std::vector<Disc>& second, 
 /// Where beads may be. z = 0 is the middle of the gap; rods lie there, but for a little (Disc::height).
 struct Room {
     PeriodicBox box;        ///< m
-    double radius;          ///< of the beads, m
-    double height;          ///< bead centres keep to |z| <= height, m
+    double radius;          ///< of the smallest beads, m: the scale of steps
+    double gap;             ///< between the plates, m
     std::vector<Disc> rods; ///< spheres of all rods
     std::optional<Container> container = {};
 };
 
+/// The centre of a bead of this radius keeps to |z| <= that, m; a thousandth of it stays free at both plates.
+inline double free_height(double gap, double radius) { return (1.0 - 1e-3) * (0.5 * gap - radius); }
+
 struct Places {
-    std::vector<double> x, y, z; ///< m
+    std::vector<double> x, y, z;    ///< m
+    std::vector<double> radius;     ///< m
+    std::vector<std::uint8_t> kind; ///< number of the bead's kind
 
     std::size_t size() const { return x.size(); }
+    void add(double to_x, double to_y, double to_z, double of_radius, std::uint8_t of_kind);
 };
 
 /// Beads with less than this share of free distance, of two radii, count as overlapping.
@@ -53,19 +59,22 @@ double push_apart(Places& places, const Room& room, RandomStream random);
 // First places of the beads, before they are pushed apart.
 
 /// What the random numbers of a start are for; each purpose has streams of its own.
-enum class Purpose : std::uint64_t { place = 1, vacancy, velocity, shake, rod };
+enum class Purpose : std::uint64_t { place = 1, vacancy, velocity, shake, rod, kind, radius };
 
 /// Stream of one bead or site: independent of all others and of how many there are.
 RandomStream stream_for(Purpose purpose, std::uint64_t seed, std::uint32_t run, std::size_t index = 0);
 
 /// Indices, in order, of `beads` of these sites. Sites under rods are dropped, the most covered first, then
 /// sites at random; where the beads are dense, some that rods cover a little stay and have to give way.
-std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites, const GranularProblem& problem,
+/// `radius`: of the bead at each site; empty: room.radius.
+std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
+                                    const std::vector<double>& radius, const GranularProblem& problem,
                                     const Room& room, std::uint32_t run);
 
-/// Beads at these of the sites, at mid gap but for a little.
+/// Beads of these sizes at these of the sites, at mid gap but for a little.
 Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
-                  const GranularProblem& problem, const Room& room, std::uint32_t run);
+                  const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
+                  std::uint32_t run);
 
 /// On the lattice that fits best; in a container on a perfect one, as wide as the beads allow.
 Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run);

@@ -15,15 +15,15 @@ using Eigen::Matrix3d;
 constexpr int most_sweeps = 8; // while a pair is deeper than `deep`
 
 /// Of a point at distance `arm` from the centre along the normal.
-Matrix3d bead_inverse_mass(const Bodies& bodies, const Vector3& normal, double arm) {
+Matrix3d bead_inverse_mass(const Bodies& bodies, std::size_t bead, const Vector3& normal, double arm) {
     const Matrix3d along = normal * normal.transpose();
-    return Matrix3d::Identity() / bodies.bead_mass +
-           (Matrix3d::Identity() - along) * (arm * arm / bodies.bead_inertia);
+    return Matrix3d::Identity() / bodies.mass_of_bead(bead) +
+           (Matrix3d::Identity() - along) * (arm * arm / bodies.inertia_of_bead(bead));
 }
 
 void push(Bodies& bodies, std::size_t bead, const Vector3& impulse, const Vector3& arm) {
-    row(bodies.velocity, bead) += impulse / bodies.bead_mass;
-    row(bodies.spin, bead) += arm.cross(impulse) / bodies.bead_inertia;
+    row(bodies.velocity, bead) += impulse / bodies.mass_of_bead(bead);
+    row(bodies.spin, bead) += arm.cross(impulse) / bodies.inertia_of_bead(bead);
 }
 
 /// A bead flies for a while, back too.
@@ -33,13 +33,6 @@ void fly(Bodies& bodies, std::size_t bead, double time, double gravity) {
     x += v * time;
     x.z() -= gravity * time * time / 2.0;
     v.z() -= gravity * time;
-}
-
-/// On the first of two beads that touch along n.
-Vector3 impulse_of_beads(const Bodies& bodies, const Vector3& n, const Vector3& relative, double arm,
-                         double approach, const Surface& surface) {
-    const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
-    return uncoupled_along(n, relative, approach, k_t, k_n, surface);
 }
 
 /// Where two spheres touch, in the middle of their overlap: normal, and arms from the centres of their
@@ -86,11 +79,12 @@ Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
     return r;
 }
 
+template<bool equal>
 std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
                                                            WorstOverlap& worst) const {
     const Vector3 r = apart(bodies, pair);
-    const double one = bodies.radius_of(pair.first), two = bodies.radius_of(pair.second), reach = one + two,
-                 distance = r.norm();
+    const double one = bodies.radius_of<equal>(pair.first), two = bodies.radius_of<equal>(pair.second),
+                 reach = one + two, distance = r.norm();
     if (!(distance < reach)) // an impulse before took them apart
         return {};
     const double radii = (reach - distance) / std::min(one, two);
@@ -106,7 +100,10 @@ std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies,
     return along < 0.0 ? std::optional(Meeting{pair, 0.0, distance}) : std::nullopt;
 }
 
+template<bool equal>
 void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const {
+    if constexpr (!equal)
+        return unequal_beads(bodies, meeting, virial);
     const auto [one, two] = meeting.pair;
     auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two);
     const Vector3 difference = v1 - v2;
@@ -115,7 +112,8 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor
     const double approach = n.dot(difference), arm = meeting.length / 2.0;
     const Vector3 spin = row(bodies.spin, one) + row(bodies.spin, two);
     const Vector3 relative = difference - arm * spin.cross(n);
-    const Vector3 impulse = impulse_of_beads(bodies, n, relative, arm, approach, setting_.table.bead_bead);
+    const double k_n = 2.0 / bodies.bead_mass, k_t = k_n + 2.0 * arm * arm / bodies.bead_inertia;
+    const Vector3 impulse = uncoupled_along(n, relative, approach, k_t, k_n, setting_.table.bead_bead);
     const Vector3 change = impulse / bodies.bead_mass;
     v1 += change;
     v2 -= change;
@@ -125,6 +123,36 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor
         (-arm / bodies.bead_inertia) * n.cross(impulse); // arms -arm n and +arm n, impulses P and -P
     row(bodies.spin, one) += turn;
     row(bodies.spin, two) += turn;
+    add_virial(virial, meeting.length * n, impulse);
+}
+
+/// As bead_bead, of beads that differ in size.
+void PairContacts::unequal_beads(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const {
+    const auto [one, two] = meeting.pair;
+    auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two), w1 = row(bodies.spin, one),
+         w2 = row(bodies.spin, two);
+    const double radius1 = bodies.radius_of_bead(one), radius2 = bodies.radius_of_bead(two),
+                 half_overlap = (radius1 + radius2 - meeting.length) / 2.0, arm1 = radius1 - half_overlap,
+                 arm2 = radius2 - half_overlap;
+    const double per_mass1 = 1.0 / bodies.mass_of_bead(one), per_mass2 = 1.0 / bodies.mass_of_bead(two),
+                 turning1 = arm1 / bodies.inertia_of_bead(one), turning2 = arm2 / bodies.inertia_of_bead(two);
+    // The contact is at -arm1 n from the first centre and at arm2 n from the second.
+    const Vector3 difference = v1 - v2;
+    const Vector3 n = (apart(bodies, meeting.pair) - meeting.back * difference) / meeting.length;
+    const double approach = n.dot(difference), k_n = per_mass1 + per_mass2,
+                 k_t = k_n + arm1 * turning1 + arm2 * turning2;
+    const Vector3 turning = arm1 * w1 + arm2 * w2;
+    const Vector3 relative = difference - turning.cross(n);
+    const Vector3 impulse = uncoupled_along(n, relative, approach, k_t, k_n, setting_.table.bead_bead);
+    // Both have flown on since the touch, with the velocities that they get now.
+    const Vector3 change1 = per_mass1 * impulse, change2 = per_mass2 * impulse;
+    v1 += change1;
+    v2 -= change2;
+    row(bodies.position, one) += meeting.back * change1;
+    row(bodies.position, two) -= meeting.back * change2;
+    const Vector3 turn = n.cross(impulse);
+    w1 -= turning1 * turn;
+    w2 -= turning2 * turn;
     add_virial(virial, meeting.length * n, impulse);
 }
 
@@ -138,12 +166,12 @@ void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tal
         bodies.place_rod_spheres(index);
     };
     fly_both(-meeting.back);
-    const auto [n, arm1, arm2, lever] = touch(apart(bodies, meeting.pair), bodies.bead_radius,
+    const auto [n, arm1, arm2, lever] = touch(apart(bodies, meeting.pair), bodies.radius_of_bead(bead),
                                               bodies.radius[sphere], Vector3::Zero(), bodies.arm_of(sphere));
     const Vector3 spin = row(bodies.spin, bead);
     const Vector3 relative = row(bodies.velocity, bead) + spin.cross(arm1) - rod.velocity_at(arm2);
     if (relative.dot(n) < 0.0) {
-        const Matrix3d inverse_mass = bead_inverse_mass(bodies, n, lever) + rod.inverse_mass_at(arm2);
+        const Matrix3d inverse_mass = bead_inverse_mass(bodies, bead, n, lever) + rod.inverse_mass_at(arm2);
         const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.bead_rod);
         push(bodies, bead, impulse, arm1);
         rod.push(-impulse, arm2);
@@ -194,6 +222,7 @@ void PairContacts::keep_first(const Bodies& bodies, const Meeting& meeting) {
 }
 
 /// Pairs with both beads below `end`, the first number after the block; the others are left.
+template<bool equal>
 void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end,
                                 Block& block) const {
     block.left.clear();
@@ -207,22 +236,23 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
             block.left.push_back(pair);
             continue;
         }
-        if (const auto found = meeting(bodies, pair, block.worst)) {
-            bead_bead(bodies, *found, block.virial);
+        if (const auto found = meeting<equal>(bodies, pair, block.worst)) {
+            bead_bead<equal>(bodies, *found, block.virial);
             ++block.impulses;
         }
     }
 }
 
+template<bool equal>
 void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst,
                               Tallies& tallies) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const Pair pair = pairs[k];
         fetch_ahead(bodies, pairs, k);
-        std::optional<Meeting> found = meeting(bodies, pair, worst);
+        std::optional<Meeting> found = meeting<equal>(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
             if (found) {
-                bead_bead(bodies, *found, tallies.virial);
+                bead_bead<equal>(bodies, *found, tallies.virial);
                 ++tallies.bead_bead;
             }
             continue;
@@ -236,7 +266,7 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
         for (; k + 1 < pairs.size() && pairs[k + 1].first == pair.first &&
                bodies.same_rod(pairs[k + 1].second, pair.second);
              ++k) {
-            const auto next = meeting(bodies, pairs[k + 1], worst);
+            const auto next = meeting<equal>(bodies, pairs[k + 1], worst);
             if (next && (!found || first(next->back, next->length, found->back, found->length)))
                 found = next;
         }
@@ -278,6 +308,13 @@ double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) con
 
 WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
                                    Team& team, bool settles) {
+    return bodies.equal_beads ? resolve_as<true>(bodies, overlapping, tallies, team, settles)
+                              : resolve_as<false>(bodies, overlapping, tallies, team, settles);
+}
+
+template<bool equal>
+WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
+                                      Team& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
     const auto first_from = [&](std::size_t bead) {
@@ -285,7 +322,7 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
     };
     team.run(blocks_.size(), [&](std::size_t b) {
         const std::size_t end = std::min(bodies.beads, (b + 1) * beads_per_block);
-        within_block(bodies, {first_from(b * beads_per_block), first_from(end)}, end, blocks_[b]);
+        within_block<equal>(bodies, {first_from(b * beads_per_block), first_from(end)}, end, blocks_[b]);
     });
     WorstOverlap worst;
     rod_contacts_.clear();
@@ -297,15 +334,15 @@ WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlap
             tallies.virial[k] += block.virial[k];
     }
     for (const Block& block : blocks_)
-        one_by_one(bodies, block.left, worst, tallies);
-    one_by_one(bodies, {first_from(bodies.beads), overlapping.end()}, worst, tallies);
+        one_by_one<equal>(bodies, block.left, worst, tallies);
+    one_by_one<equal>(bodies, {first_from(bodies.beads), overlapping.end()}, worst, tallies);
     for (const RodContact& contact : rod_contacts_)
         rod_rod(bodies, contact.meeting, tallies);
     WorstOverlap left = worst;
     for (int sweep = 1; left.radii > deep && sweep < most_sweeps; ++sweep) {
         left = {};
         rod_contacts_.clear();
-        one_by_one(bodies, overlapping, left, tallies);
+        one_by_one<equal>(bodies, overlapping, left, tallies);
         for (const RodContact& contact : rod_contacts_)
             rod_rod(bodies, contact.meeting, tallies);
     }

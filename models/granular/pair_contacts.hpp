@@ -61,11 +61,20 @@ private:
         std::uint32_t first_rod, second_rod;
         Meeting meeting;
     };
+    // Compiled for beads that are all equal and for others; what they share differs in bits.
+    template<bool equal>
+    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
+                            bool settles);
+    template<bool equal>
     std::optional<Meeting> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
     Vector3 apart(const Bodies& bodies, const Pair& pair) const;
+    template<bool equal>
     void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end, Block& block) const;
+    template<bool equal>
     void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Tallies& tallies);
+    template<bool equal>
     void bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const;
+    void unequal_beads(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const;
     void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
     void keep_first(const Bodies& bodies, const Meeting& meeting);

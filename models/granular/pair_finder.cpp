@@ -202,10 +202,11 @@ std::vector<double> column(const Rows& position, std::size_t count, std::size_t 
 
 /// The spheres with higher numbers than i nearer than their radii and the skin in the plane: how many.
 /// Without branches on the answer, which nobody can predict.
+template<bool equal>
 std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cells, const PeriodicBox& box,
                         double skin, std::vector<std::uint32_t>& partners) {
     const double x = bodies.position[4 * i], y = bodies.position[4 * i + 1],
-                 radius = bodies.radius_of(i) + skin;
+                 radius = bodies.radius_of<equal>(i) + skin;
     std::size_t count = 0;
     cells.cells_around(cells.column(x), cells.row(y), [&](std::size_t begin, std::size_t end) {
         if (begin == end || cells.member()[end - 1] <= i)
@@ -216,7 +217,7 @@ std::size_t partners_of(std::size_t i, const Bodies& bodies, const CellList& cel
             const std::uint32_t j = cells.member()[k];
             const double dx = nearest_image_rounded(x - cells.x()[k], box.x),
                          dy = nearest_image_rounded(y - cells.y()[k], box.y),
-                         reach = radius + bodies.radius_of(j);
+                         reach = radius + bodies.radius_of<equal>(j);
             *out = j;
             out += (j > i) & (dx * dx + dy * dy < reach * reach);
         }
@@ -235,7 +236,9 @@ void pairs_of(const Bodies& bodies, const CellList& cells, const PeriodicBox& bo
               std::size_t begin, std::size_t end, PairList& found) {
     std::vector<std::uint32_t> partners;
     for (std::size_t i = begin; i < end; ++i) {
-        const std::size_t count = partners_of(i, bodies, cells, box, skin, partners);
+        const std::size_t count = bodies.equal_beads
+                                      ? partners_of<true>(i, bodies, cells, box, skin, partners)
+                                      : partners_of<false>(i, bodies, cells, box, skin, partners);
         std::sort(partners.data(), partners.data() + count);
         for (std::size_t k = 0; k < count; ++k) {
             const std::uint32_t j = partners[k];

@@ -17,6 +17,7 @@ constexpr double least_box = 8.0;       // bead radii: a bead's neighbours are t
 constexpr double image_clearance = 2.2; // bead radii between a rod and its own image: a bead passes
 constexpr double furthest_rod = 1000.0; // boxes: beyond, wrapping loses digits
 constexpr std::size_t most_beads = 100'000'000;
+constexpr double widest_spread = 0.2;                      // the smallest bead is then 0.6 of the mean
 constexpr std::int64_t most_steps = 1'000'000'000'000'000; // step * dt keeps its digits
 
 void check_surface(std::string_view pair, const Surface& surface, Checks& checks) {
@@ -59,12 +60,26 @@ void check_time(const GranularProblem& problem, Checks& checks) {
                     1.0 / (problem.plates.frequency * least_steps_per_period)));
 }
 
+void check_sizes(const GranularProblem& problem, Checks& checks) {
+    checks.positive("bead_radius", problem.bead_radius);
+    checks.require(problem.bead_kinds.size() <= most_bead_kinds,
+                   fmt::format("bead_kinds: {} of them: must be at most {}", problem.bead_kinds.size(),
+                               most_bead_kinds));
+    for (std::size_t k = 0; k < problem.bead_kinds.size(); ++k) {
+        checks.positive(fmt::format("bead kind {}: radius", k), problem.bead_kinds[k].radius);
+        checks.positive(fmt::format("bead kind {}: share", k), problem.bead_kinds[k].share);
+    }
+    checks.number(problem.bead_spread >= 0.0 && problem.bead_spread <= widest_spread, "bead_spread",
+                  problem.bead_spread, fmt::format("between 0 and {}", widest_spread));
+    checks.number(problem.bead_area >= 0.0, "bead_area", problem.bead_area, ">= 0 and finite (m^2)");
+}
+
 void check_numbers(const GranularProblem& problem, Checks& checks) {
     checks.require(problem.beads > 0 || !problem.rods.empty(),
                    "no beads and no rods: must have at least one of them");
     checks.require(problem.beads <= most_beads,
                    fmt::format("beads = {}: must be at most {}", problem.beads, most_beads));
-    checks.positive("bead_radius", problem.bead_radius);
+    check_sizes(problem, checks);
     checks.positive("bead_density", problem.bead_density);
     checks.sides(problem.box);
     checks.number(true, "orientation", problem.orientation, "finite (rad)");
@@ -108,7 +123,7 @@ std::vector<Clump> check_rods(const GranularProblem& problem, Checks& checks) {
 
 void check_box(const GranularProblem& problem, Checks& checks) {
     // a rod turns: its image along the shorter side is the near one
-    const double a = problem.bead_radius, box = problem.box.shorter();
+    const double a = bead_mix(problem).largest(), box = problem.box.shorter();
     if (problem.container)
         return; // no images
     checks.require(problem.beads == 0 || box >= least_box * a,
@@ -145,7 +160,7 @@ void check_container(const GranularProblem& problem, const std::vector<Clump>& c
     checks.require(problem.box == container.box(),
                    fmt::format("box = {} m, {} m: must be twice the sides of the container", problem.box.x,
                                problem.box.y));
-    const double least = 4.0 * problem.bead_radius;
+    const double least = 4.0 * bead_mix(problem).largest();
     checks.require(container.sides.shorter() >= least,
                    fmt::format("container: its {} {} m must be at least 4 bead radii, {} m",
                                container.kind == ContainerKind::circle ? "diameter" : "shorter side",
@@ -192,10 +207,11 @@ void check_body_force(const GranularProblem& problem, Checks& checks) {
 }
 
 void check_gap(const GranularProblem& problem, Checks& checks) {
-    const double gap = problem.plates.gap, bead = 2.0 * problem.bead_radius;
-    checks.require(
-        problem.beads == 0 || gap > bead,
-        fmt::format("gap = {} m between the plates: must be larger than the bead diameter, {} m", gap, bead));
+    const BeadMix mix = bead_mix(problem);
+    const double gap = problem.plates.gap, bead = 2.0 * mix.largest();
+    checks.require(problem.beads == 0 || gap > bead,
+                   fmt::format("gap = {} m between the plates: must be larger than the {}bead diameter, {} m",
+                               gap, mix.equal() ? "" : "largest ", bead));
     for (std::size_t k = 0; k < problem.rods.size(); ++k) {
         const double thickest = problem.rods[k].shape.thick_diameter;
         checks.require(gap > thickest,
@@ -203,6 +219,27 @@ void check_gap(const GranularProblem& problem, Checks& checks) {
                                    "diameter of the rod, {} m",
                                    k, gap, thickest));
     }
+}
+
+void check_given(const GranularProblem& problem, Checks& checks) {
+    checks.require((problem.start == Start::given) == problem.given.has_value(),
+                   "start: given beads and no other start go together");
+    if (!problem.given)
+        return;
+    const GivenBeads& given = *problem.given;
+    const auto column = [&](const char* name, const auto& values, bool needed) {
+        checks.require(
+            values.size() == problem.beads || (!needed && values.empty()),
+            fmt::format("given beads: {} values of {}: must be {}", values.size(), name, problem.beads));
+    };
+    column("x", given.x, true);
+    column("y", given.y, true);
+    column("z", given.z, false);
+    column("vx", given.vx, false);
+    column("vy", given.vy, false);
+    column("vz", given.vz, false);
+    column("radius", given.radius, false);
+    column("kind", given.kind, !given.radius.empty() && problem.bead_kinds.size() > 1);
 }
 
 void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
@@ -213,12 +250,13 @@ void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps
         rods += clump.projected_area() / bed_area(problem);
     checks.require(
         beads + rods <= closest_packing,
-        fmt::format("{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
-                    "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
-                    problem.beads, beads, room, rods, beads + rods, closest_packing,
-                    std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
-                                                   (M_PI * problem.bead_radius * problem.bead_radius))),
-                    room));
+        fmt::format(
+            "{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
+            "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
+            problem.beads, beads, room, rods, beads + rods, closest_packing,
+            std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
+                                           (M_PI * std::pow(bead_mix(problem).root_mean_square(), 2)))),
+            room));
 }
 
 void check_overlaps(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
@@ -251,19 +289,42 @@ double Plates::longest_step(double gravity, double bead_radius) const {
 }
 
 double bead_area_fraction(const GranularProblem& problem) {
-    const double a = problem.bead_radius;
-    if (problem.container)
-        return static_cast<double>(problem.beads) * M_PI * a * a / problem.container->area();
-    return static_cast<double>(problem.beads) * M_PI * (a / problem.box.x) * (a / problem.box.y);
+    if (problem.bead_spread > 0.0 && problem.bead_area > 0.0)
+        return problem.bead_area / bed_area(problem);
+    double fraction = 0.0;
+    if (problem.given && !problem.given->radius.empty()) {
+        for (const double radius : problem.given->radius)
+            fraction += M_PI * radius * radius / bed_area(problem);
+        return fraction;
+    }
+    const BeadMix mix = bead_mix(problem);
+    const std::vector<std::size_t> counts = kind_counts(problem);
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+        const double a = mix.kinds.empty() ? mix.radius : mix.kinds[k].radius,
+                     count = static_cast<double>(counts[k]);
+        fraction += problem.container ? count * M_PI * a * a / problem.container->area()
+                                      : count * M_PI * (a / problem.box.x) * (a / problem.box.y);
+    }
+    return fraction;
 }
 
 double bed_area(const GranularProblem& problem) {
     return problem.container ? problem.container->area() : problem.box.area();
 }
 
-double bead_mass(const GranularProblem& problem) {
-    const double a = problem.bead_radius;
-    return 4.0 / 3.0 * M_PI * a * a * a * problem.bead_density;
+double bead_mass(const GranularProblem& problem, double radius) {
+    return 4.0 / 3.0 * M_PI * radius * radius * radius * problem.bead_density;
+}
+
+double mean_bead_mass(const GranularProblem& problem) {
+    if (problem.bead_kinds.empty())
+        return bead_mass(problem);
+    double mass = 0.0, shares = 0.0;
+    for (const BeadKind& kind : problem.bead_kinds) {
+        mass += kind.share * bead_mass(problem, kind.radius);
+        shares += kind.share;
+    }
+    return mass / shares;
 }
 
 std::int64_t whole_steps(double time, double step, std::int64_t least) {
@@ -280,6 +341,8 @@ void validate(const GranularProblem& problem) {
         check_container(problem, clumps, checks);
     check_body_force(problem, checks);
     check_gap(problem, checks);
+    check_given(problem, checks);
+    checks.finish();
     check_room(problem, clumps, checks);
     check_overlaps(problem, clumps, checks);
     checks.finish();

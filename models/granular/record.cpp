@@ -58,6 +58,7 @@ bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
 
 void Record::begin(const Simulation& simulation) {
     sums_.run = {};
+    kinds_.clear();
     sums_.psi6 = 0.0;
     sums_.rows = 0;
     pressure_.run_flux = {};
@@ -115,11 +116,17 @@ void Record::follow_pair(const Simulation& simulation) {
 void Record::sample(const Simulation& simulation) {
     if (simulation.step() == simulation.problem().equilibration_steps)
         begin(simulation);
-    const auto [T, flux] = simulation.agitation();
+    const auto [T, flux, of_kinds] = simulation.agitation();
     for (SampleSums* sums : {&sums_.run, &sums_.row}) {
         sums->T_xy += T.xy;
         sums->T_z += T.z;
         ++sums->count;
+    }
+    kinds_.resize(of_kinds.size());
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+        kinds_[k].T_xy += of_kinds[k].xy;
+        kinds_[k].T_z += of_kinds[k].z;
+        ++kinds_[k].count;
     }
     add(pressure_.run_flux, flux);
     add(pressure_.row_flux, flux);
@@ -192,11 +199,12 @@ double Record::mean_advance() const {
 }
 
 void Record::restore(const RecordSums& sums, const PressureSums& pressure, std::vector<RodProgress> rods,
-                     std::vector<RodThrust> thrust) {
+                     std::vector<RodThrust> thrust, std::vector<SampleSums> kinds) {
     sums_ = sums;
     pressure_ = pressure;
     rods_ = std::move(rods);
     thrust_ = std::move(thrust);
+    kinds_ = std::move(kinds);
 }
 
 } // namespace rodwake::granular

@@ -66,9 +66,11 @@ void check_numbers(const GranularProblem& problem, const State& state) {
 }
 
 /// In a container: a state of another one.
-void check_place(const Container& container, const State& state, double radius) {
-    for (std::size_t i = 0; i < state.beads.size(); ++i)
-        if (nearest_wall(container, {state.beads.x[i], state.beads.y[i]}, radius).depth > radius)
+void check_place(const GranularProblem& problem, const State& state) {
+    const Beads& b = state.beads;
+    for (std::size_t i = 0; i < b.size(); ++i)
+        if (const double radius = b.radius.empty() ? problem.bead_radius : b.radius[i];
+            nearest_wall(*problem.container, {b.x[i], b.y[i]}, radius).depth > radius)
             throw InputError(fmt::format("the stored state is damaged or of another container: bead {} is "
                                          "outside the wall; start again or from an older checkpoint",
                                          i));
@@ -79,6 +81,18 @@ void check_fit(const GranularProblem& problem, const State& state) {
         throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
                                      state.beads.size(), state.rods.size(), problem.beads,
                                      problem.rods.size()));
+    const Beads& b = state.beads;
+    const std::size_t kinds = std::max<std::size_t>(problem.bead_kinds.size(), 1);
+    const bool radii = (b.radius.empty() || b.radius.size() == b.size()) &&
+                       std::ranges::all_of(b.radius, [&](double radius) {
+                           return radius > 0.0 && 2.0 * radius < problem.plates.gap;
+                       });
+    if (!radii || !(b.kind.empty() || b.kind.size() == b.size()) ||
+        std::ranges::any_of(b.kind, [&](std::uint8_t kind) { return kind >= kinds; }))
+        throw InputError(
+            "the stored state is damaged or of another scene: its beads have radii that do not fit "
+            "between the plates, or kinds that the scene does not have; start again or from an "
+            "older checkpoint");
 }
 
 } // namespace
@@ -125,15 +139,15 @@ struct Simulation::Impl {
     }
 
     void fly_block(std::size_t b, const PlateStep& plate) {
-        const double a = problem.bead_radius, floor = plate.floor.position();
+        const double floor = plate.floor.position(), a = bodies.equal_beads ? bodies.bead_radius : 0.0;
         BlockResult& mine = blocks[b];
         mine.hits.clear();
         mine.velocities = Range::empty();
         mine.tally = {};
         const std::size_t begin = b * beads_per_block, end = std::min(bodies.beads, begin + beads_per_block);
         drift(bodies.position.data(), bodies.velocity.data(), begin, end,
-              {problem.time_step, problem.gravity, floor + a, floor + plate.gap - a}, mine.velocities,
-              mine.hits);
+              {problem.time_step, problem.gravity, floor + a, floor + plate.gap - a, !bodies.equal_beads},
+              mine.velocities, mine.hits);
         bounce_beads(bodies, mine.hits, plate, problem.contacts.bead_plate, mine.velocities, mine.tally);
         for (const std::uint32_t bead : mine.hits)
             if (!row(bodies.position, bead).allFinite()) // minima and maxima pass over NaN, hits do not
@@ -379,7 +393,7 @@ Simulation::Simulation(const GranularProblem& problem, const State& state, const
     check_fit(problem, state);
     check_numbers(problem, state);
     if (problem.container)
-        check_place(*problem.container, state, problem.bead_radius);
+        check_place(problem, state);
     impl_ = std::make_unique<Impl>(problem, state, tallies, threads);
 }
 
@@ -424,21 +438,24 @@ const Tallies& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
 Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
 
-Temperatures Simulation::far_temperatures() const {
+Temperatures Simulation::far_temperatures(std::optional<std::size_t> kind) const {
     const Bodies& b = impl_->bodies;
     const PeriodicBox& box = impl_->problem.box;
-    std::vector<std::pair<double, std::size_t>> far(b.beads); // squared distance from the nearest rod, bead
+    std::vector<std::pair<double, std::size_t>> far; // squared distance from the nearest rod, bead
     for (std::size_t i = 0; i < b.beads; ++i) {
-        far[i] = {HUGE_VAL, i};
+        if (kind && (b.kind.empty() ? 0u : b.kind[i]) != *kind)
+            continue;
+        double nearest = HUGE_VAL;
         for (const MovingRod& rod : b.rods) {
             const Vector3 apart = row(b.position, i) - rod.body().position;
-            far[i].first = std::min(far[i].first, std::pow(std::remainder(apart.x(), box.x), 2) +
-                                                      std::pow(std::remainder(apart.y(), box.y), 2));
+            nearest = std::min(nearest, std::pow(std::remainder(apart.x(), box.x), 2) +
+                                            std::pow(std::remainder(apart.y(), box.y), 2));
         }
+        far.emplace_back(nearest, i);
     }
     if (!b.rods.empty()) {
         std::ranges::sort(far, std::ranges::greater());
-        far.resize(std::min(b.beads, std::max<std::size_t>(2, b.beads / 4)));
+        far.resize(std::min(far.size(), std::max<std::size_t>(2, far.size() / 4)));
     }
     const double count = std::max(static_cast<double>(far.size()), 1.0);
     Vector3 mean = Vector3::Zero(), squares = Vector3::Zero();

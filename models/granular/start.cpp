@@ -4,6 +4,7 @@
 #include "packing.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/periodic.hpp"
+#include "wall.hpp"
 
 #include <fmt/format.h>
 
@@ -26,8 +27,7 @@ Places numbered_by_place(const Places& places, const PeriodicBox& box);
 
 namespace {
 
-constexpr double height_margin = 1e-3; // of the free height stays free at both plates
-constexpr double rod_offset = 0.01;    // of a rod's free height, up or down
+constexpr double rod_offset = 0.01; // of a rod's free height, up or down
 
 /// Two independent normal numbers (Box and Muller).
 Eigen::Vector2d normal_pair(RandomStream& random) {
@@ -56,8 +56,7 @@ RodStart rod_start(const GranularProblem& problem, std::size_t rod, std::uint32_
 }
 
 Room room_of(const GranularProblem& problem, std::uint32_t run) {
-    const double free = 0.5 * problem.plates.gap - problem.bead_radius;
-    Room room{problem.box, problem.bead_radius, (1.0 - height_margin) * free, {}, problem.container};
+    Room room{problem.box, bead_mix(problem).smallest(), problem.plates.gap, {}, problem.container};
     for (std::size_t k = 0; k < problem.rods.size(); ++k)
         for (Disc disc : rod_discs(problem.rods[k], make_clump(problem.rods[k].shape))) {
             disc.height = rod_start(problem, k, run).height;
@@ -73,12 +72,16 @@ double middle_height(const GranularProblem& problem) {
     return problem.plates.amplitude(problem.gravity) * repeatable::cos(phase) + 0.5 * problem.plates.gap;
 }
 
-void remove_mean(std::vector<double>& velocity) {
-    double sum = 0.0;
-    for (const double v : velocity)
-        sum += v;
+/// Of beads of these radii, or of equal ones: the velocity of their centre of mass.
+void remove_mean(std::vector<double>& velocity, const std::vector<double>& radius) {
+    double sum = 0.0, weights = 0.0;
+    for (std::size_t i = 0; i < velocity.size(); ++i) {
+        const double weight = radius.empty() ? 1.0 : radius[i] * radius[i] * radius[i];
+        sum += weight * velocity[i];
+        weights += weight;
+    }
     for (double& v : velocity)
-        v -= sum / static_cast<double>(velocity.size());
+        v -= sum / weights;
 }
 
 void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t run) {
@@ -89,8 +92,10 @@ void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t 
         beads.vy[i] = problem.start_speed * in_plane.y();
         beads.vz[i] = problem.start_speed * upwards.x();
     }
+    const bool alike =
+        std::ranges::adjacent_find(beads.radius, std::ranges::not_equal_to()) == beads.radius.end();
     for (auto* velocity : {&beads.vx, &beads.vy, &beads.vz})
-        remove_mean(*velocity);
+        remove_mean(*velocity, alike ? std::vector<double>() : beads.radius);
 }
 
 void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
@@ -113,24 +118,104 @@ void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
 std::string no_packing(const GranularProblem& problem, const char* kind, const char* advice, double overlap) {
     return fmt::format(
         "found no {} of {} beads (phi_b = {:.4f}) {}that is free of overlaps: the best one still overlaps by "
-        "{:.2g} bead radii; {}use fewer beads or a larger {}",
+        "{:.2g} bead radii; {}use fewer beads or a larger {}{}",
         kind, problem.beads, bead_area_fraction(problem),
         problem.rods.empty() ? "" : fmt::format("beside {} rods ", problem.rods.size()),
-        overlap / problem.bead_radius, advice, problem.container ? "container" : "box");
+        overlap / problem.bead_radius, advice, problem.container ? "container" : "box",
+        bead_mix(problem).equal() ? ""
+                                  : ", or a wider plates.gap, in which beads of several sizes find room");
 }
 
-/// Places of the state's beads: these, moved apart.
-double set_places(State& state, Places places, const GranularProblem& problem, const Room& room,
-                  std::uint32_t run) {
-    const double left = push_apart(places, room, stream_for(Purpose::shake, problem.seed, run));
+/// Places and sizes of the state's beads.
+void put_places(State& state, const Places& places, const GranularProblem& problem) {
     const double middle = middle_height(problem);
     state.beads.resize(places.size());
+    // One size and one kind are the problem's, and no numbers of the state.
+    if (const BeadMix mix = bead_mix(problem); !mix.equal() || mix.smallest() != problem.bead_radius)
+        state.beads.radius = places.radius;
+    if (problem.bead_kinds.size() > 1)
+        state.beads.kind = places.kind;
     for (std::size_t i = 0; i < places.size(); ++i) {
         state.beads.x[i] = into_box(places.x[i], problem.box.x);
         state.beads.y[i] = into_box(places.y[i], problem.box.y);
         state.beads.z[i] = middle + places.z[i];
     }
+}
+
+/// The same moved apart; returns what overlap is left.
+double set_places(State& state, Places places, const GranularProblem& problem, const Room& room,
+                  std::uint32_t run) {
+    const double left = push_apart(places, room, stream_for(Purpose::shake, problem.seed, run));
+    put_places(state, places, problem);
     return left;
+}
+
+/// Throws InputError for given beads that are in a plate, a wall, a rod or each other by more than
+/// overlap_limit radii; what is less deep the run itself takes apart.
+void check_places(const GranularProblem& problem, const Places& p, const Room& room) {
+    constexpr double rounding = 1e-9;
+    const double limit = problem.overlap_limit;
+    const auto require = [&](double depth, double radius, std::size_t bead, const std::string& other) {
+        if (depth > (limit + rounding) * radius)
+            throw InputError(
+                fmt::format("start_file: bead {} (of radius {:g} m, numbered from 0 by rows) is {:.3g} "
+                            "radii deep in {}: must be at most overlap_limit = {:g}",
+                            bead, p.radius[bead], depth / radius, other, limit));
+    };
+    for (std::size_t i = 0; i < p.size(); ++i) {
+        require(std::abs(p.z[i]) + p.radius[i] - 0.5 * room.gap, p.radius[i], i,
+                p.z[i] > 0.0 ? "the lid, which z is measured from the mean height of the floor to"
+                             : "the floor");
+        if (room.container)
+            require(nearest_wall(*room.container, {p.x[i], p.y[i]}, p.radius[i]).depth, p.radius[i], i,
+                    "the wall of the container");
+    }
+    const auto depth = [&](std::size_t i, double x, double y, double z, double radius) {
+        const double dx = nearest_image_rounded(p.x[i] - x, room.box.x),
+                     dy = nearest_image_rounded(p.y[i] - y, room.box.y), dz = p.z[i] - z;
+        return p.radius[i] + radius - std::sqrt(dx * dx + dy * dy + dz * dz);
+    };
+    const Neighbours near = neighbours(p, room, 0.0);
+    for (const Near pair : near.beads) {
+        const std::size_t i = near.order[pair.bead], j = near.order[pair.other];
+        require(depth(i, p.x[j], p.y[j], p.z[j], p.radius[j]), std::min(p.radius[i], p.radius[j]), i,
+                fmt::format("bead {}", j));
+    }
+    for (const Near pair : near.rods) {
+        const Disc& disc = room.rods[pair.other];
+        const std::size_t i = near.order[pair.bead];
+        require(depth(i, disc.x, disc.y, disc.height, disc.radius), std::min(p.radius[i], disc.radius), i,
+                "a rod");
+    }
+}
+
+/// The given beads in their order. Where heights are given beads stay as they are, to the bit; a layer
+/// without lies near mid gap, and is moved apart where beads overlap.
+void place_given(State& state, const GranularProblem& problem, const Room& room, std::uint32_t run) {
+    const GivenBeads& given = *problem.given;
+    const BeadSizes sizes = bead_sizes(problem, run);
+    std::vector<Eigen::Vector2d> sites;
+    std::vector<std::size_t> all(problem.beads);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    for (const std::size_t i : all)
+        sites.emplace_back(into_box(given.x[i], problem.box.x), into_box(given.y[i], problem.box.y));
+    Places places = flat_layer(sites, all, sizes, problem, room, run);
+    if (given.z.empty()) {
+        if (const double left = set_places(state, places, problem, room, run); left > 0.0)
+            throw RunError(no_packing(problem, "packing from start_file", "", left));
+    } else {
+        const double middle = middle_height(problem);
+        for (const std::size_t i : all)
+            places.z[i] = given.z[i] - middle;
+        check_places(problem, places, room);
+        put_places(state, places, problem);
+        state.beads.z = given.z;
+    }
+    set_velocities(state.beads, problem, run);
+    for (const auto& [from, to] :
+         {std::pair{&given.vx, &state.beads.vx}, {&given.vy, &state.beads.vy}, {&given.vz, &state.beads.vz}})
+        if (!from->empty())
+            *to = *from;
 }
 
 void check_stored(const GranularProblem& problem, const Beads& stored) {
@@ -147,6 +232,27 @@ void check_stored(const GranularProblem& problem, const Beads& stored) {
                     fmt::format("the stored bed is damaged: place or velocity of bead {} is {}; restart "
                                 "from another one",
                                 i, (*column)[i]));
+}
+
+/// Sizes of the stored beads, which they keep. Throws InputError if the problem has others.
+BeadSizes stored_sizes(const GranularProblem& problem, const Beads& stored) {
+    BeadSizes sizes{stored.radius, stored.kind};
+    if (stored.radius.empty())
+        sizes.radius.assign(stored.size(), problem.bead_radius);
+    if (stored.kind.empty())
+        sizes.kind.assign(stored.size(), 0);
+    require_sizes(bead_mix(problem), sizes, "the stored bed:");
+    return sizes;
+}
+
+/// Of the kept beads.
+BeadSizes chosen(const BeadSizes& sizes, const std::vector<std::size_t>& kept) {
+    BeadSizes out;
+    for (const std::size_t i : kept) {
+        out.radius.push_back(sizes.radius[i]);
+        out.kind.push_back(sizes.kind[i]);
+    }
+    return out;
 }
 
 std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, const PeriodicBox& box) {
@@ -166,6 +272,8 @@ void copy_velocities(const Beads& from, const std::vector<std::size_t>& kept, Be
 } // namespace
 
 double settling_time(Start start, double phi_b) {
+    if (start == Start::given) // as it is
+        return 0.0;
     if (start == Start::lattice)
         return 0.5;
     struct Knot {
@@ -185,15 +293,22 @@ double settling_time(Start start, double phi_b) {
 State make_start(const GranularProblem& problem, std::uint32_t run) {
     validate(problem);
     State state;
-    if (problem.beads > 0) {
+    if (problem.start == Start::given) {
+        place_given(state, problem, room_of(problem, run), run);
+    } else if (problem.beads > 0) {
         const bool lattice = problem.start == Start::lattice;
+        if (lattice && !bead_mix(problem).one_size())
+            throw InputError(
+                "start = \"lattice\" puts equal beads on the sites of a triangular lattice, and these "
+                "are of kinds of different radii: use start = \"random\"");
         const Room room = room_of(problem, run);
         const Places places = lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
         const double left =
             set_places(state, numbered_by_place(places, bed_sides(problem)), problem, room, run);
         if (left > 0.0)
-            throw RunError(no_packing(problem, lattice ? "lattice packing" : "random packing",
-                                      lattice ? "" : "try start = \"lattice\", or ", left));
+            throw RunError(no_packing(
+                problem, lattice ? "lattice packing" : "random packing",
+                lattice || !bead_mix(problem).one_size() ? "" : "try start = \"lattice\", or ", left));
         set_velocities(state.beads, problem, run);
     }
     add_rods(state, problem, run);
@@ -207,9 +322,10 @@ State restart_from(const GranularProblem& problem, const State& stored, std::uin
     if (problem.beads > 0) {
         const Room room = room_of(problem, run);
         const auto sites = places_in_box(stored.beads, problem.box);
-        const auto kept = kept_sites(sites, problem, room, run);
-        const double left =
-            set_places(state, flat_layer(sites, kept, problem, room, run), problem, room, run);
+        const BeadSizes sizes = stored_sizes(problem, stored.beads);
+        const auto kept = kept_sites(sites, sizes.radius, problem, room, run);
+        const double left = set_places(
+            state, flat_layer(sites, kept, chosen(sizes, kept), problem, room, run), problem, room, run);
         if (left > 0.0)
             throw RunError(no_packing(problem, "packing from the stored bed",
                                       "restart from a bed in a box of the same size, ", left));
@@ -254,11 +370,8 @@ Places numbered_by_place(const Places& places, const PeriodicBox& box) {
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return tile[i]; });
     Places sorted;
-    for (const std::size_t i : order) {
-        sorted.x.push_back(places.x[i]);
-        sorted.y.push_back(places.y[i]);
-        sorted.z.push_back(places.z[i]);
-    }
+    for (const std::size_t i : order)
+        sorted.add(places.x[i], places.y[i], places.z[i], places.radius[i], places.kind[i]);
     return sorted;
 }
 

@@ -5,6 +5,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rodwake::granular {
@@ -73,6 +74,8 @@ std::uint64_t state_hash(const State& state) {
     const Beads& b = state.beads;
     for (const auto* array : {&b.x, &b.y, &b.z, &b.vx, &b.vy, &b.vz, &b.wx, &b.wy, &b.wz})
         hash.add(*array);
+    if (std::ranges::adjacent_find(b.radius, std::ranges::not_equal_to()) != b.radius.end())
+        hash.add(b.radius);
     for (const RodBody& rod : state.rods) {
         hash.add(rod.position);
         hash.add(rod.velocity);

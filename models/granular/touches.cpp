@@ -40,13 +40,13 @@ struct Approach {
     }
 };
 
-HWY_INLINE Approach ApproachOf(const PlateStep& step, double radius, V side, M floor, V z, V vz) {
+HWY_INLINE Approach ApproachOf(const PlateStep& step, V radius, V side, M floor, V z, V vz) {
     Approach approach;
     for (std::size_t n = 0; n < 8; ++n)
         approach.c[n] = hn::Mul(hn::Neg(side), All(step.floor.coefficients()[n]));
     V* c = approach.c;
     const V height = hn::Sub(z, hn::IfThenElse(floor, hn::Zero(Lanes()), All(step.gap)));
-    c[0] = hn::Add(c[0], hn::Sub(hn::Mul(side, height), All(radius)));
+    c[0] = hn::Add(c[0], hn::Sub(hn::Mul(side, height), radius));
     c[1] = hn::Sub(c[1], hn::Mul(side, vz));
     c[2] = hn::Sub(c[2], hn::Div(hn::Mul(side, All(step.gravity)), All(2.0)));
     for (std::size_t n = 1; n < 8; ++n)
@@ -113,10 +113,11 @@ HWY_INLINE V TimeSinceTouch(const PlateStep& step, const Approach& approach, V s
     return hn::IfThenElse(touching, back, time);
 }
 
-void FindTouches(const PlateStep& step, double radius, std::size_t count, Touches& touches) {
+void FindTouches(const PlateStep& step, std::size_t count, Touches& touches) {
     const Lanes lanes;
     for (std::size_t i = 0; i < count; i += hn::Lanes(lanes)) {
-        const V z = hn::Load(lanes, touches.z + i), vz = hn::Load(lanes, touches.vz + i);
+        const V z = hn::Load(lanes, touches.z + i), vz = hn::Load(lanes, touches.vz + i),
+                radius = hn::Load(lanes, touches.radius + i);
         const V back = hn::Load(lanes, touches.back + i), zero = hn::Zero(lanes), one = All(1.0);
         const auto gap_now = [&](M floor) HWY_ATTR {
             return ApproachOf(step, radius, hn::IfThenElse(floor, one, hn::Neg(one)), floor, z, vz).c[0];
@@ -144,10 +145,11 @@ namespace rodwake::granular {
 
 HWY_EXPORT(FindTouches);
 
-void find_touches(const PlateStep& step, double radius, std::size_t count, Touches& touches) {
+void find_touches(const PlateStep& step, std::size_t count, Touches& touches) {
     for (std::size_t i = count; i < Touches::most; ++i) // in neither plate
-        touches.z[i] = touches.vz[i] = touches.back[i] = std::numeric_limits<double>::quiet_NaN();
-    HWY_DYNAMIC_DISPATCH(FindTouches)(step, radius, count, touches);
+        touches.z[i] = touches.vz[i] = touches.radius[i] = touches.back[i] =
+            std::numeric_limits<double>::quiet_NaN();
+    HWY_DYNAMIC_DISPATCH(FindTouches)(step, count, touches);
 }
 
 } // namespace rodwake::granular

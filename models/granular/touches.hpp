@@ -15,6 +15,7 @@ struct Touches {
     static constexpr std::size_t most = 8;
 
     alignas(64) double z[most], vz[most]; ///< at the end of the step, m, m/s
+    alignas(64) double radius[most];      ///< of the beads, m
     /// How long before the end the flight began; then: when it touched, s.
     alignas(64) double back[most];
     alignas(64) double side[most];  ///< of the plate: +1 floor, -1 lid, 0: it is in neither
@@ -24,6 +25,6 @@ struct Touches {
 
 /// For the first `count` beads. What was in the plate from the start, where another bead pushed it, leaves it
 /// by itself: the plate counts as that much lower for it.
-void find_touches(const PlateStep& step, double radius, std::size_t count, Touches& touches);
+void find_touches(const PlateStep& step, std::size_t count, Touches& touches);
 
 } // namespace rodwake::granular

@@ -69,16 +69,16 @@ void push_bead_from_wall(Bodies& bodies, std::size_t bead, const Vector2d& outwa
                          WallTally& tally) {
     auto v = row(bodies.velocity, bead);
     auto w = row(bodies.spin, bead);
-    const Vector3 inwards(-outwards.x(), -outwards.y(), 0.0), arm = -bodies.bead_radius * inwards;
+    const double radius = bodies.radius_of_bead(bead), inertia = bodies.inertia_of_bead(bead);
+    const Vector3 inwards(-outwards.x(), -outwards.y(), 0.0), arm = -radius * inwards;
     const Vector3 relative = v + w.cross(arm);
-    const double per_mass = 1.0 / bodies.bead_mass,
-                 k_t = per_mass + bodies.bead_radius * bodies.bead_radius / bodies.bead_inertia;
+    const double per_mass = 1.0 / bodies.mass_of_bead(bead), k_t = per_mass + radius * radius / inertia;
     const double approach = v.dot(inwards);
     if (!(approach < 0.0))
         return;
     const Vector3 impulse = uncoupled_along(inwards, relative, approach, k_t, per_mass, surface);
     v += per_mass * impulse;
-    w += arm.cross(impulse) / bodies.bead_inertia;
+    w += arm.cross(impulse) / inertia;
     tally.impulse += impulse.dot(inwards);
     ++tally.beads;
 }
@@ -141,16 +141,20 @@ Vector2d put_inside(const Container& container, const Vector2d& centre, double r
 
 void Wall::find_near(const Bodies& bodies) {
     near_.clear();
+    largest_bead_ = bodies.bead_radius;
+    for (std::size_t i = 0; i < bodies.beads && !bodies.equal_beads; ++i)
+        largest_bead_ = std::max(largest_bead_, bodies.radius[i]);
     const double limit = -skin * bodies.bead_radius;
     for (std::size_t i = 0; i < bodies.beads; ++i)
-        if (!(nearest_wall(container_, row(bodies.position, i).head<2>(), bodies.bead_radius).depth < limit))
+        if (!(nearest_wall(container_, row(bodies.position, i).head<2>(), bodies.radius_of_bead(i)).depth <
+              limit))
             near_.push_back(static_cast<std::uint32_t>(i));
     moved_ = 0.0;
 }
 
 void Wall::move_out(Bodies& bodies) const {
-    const double a = bodies.bead_radius;
     for (const std::uint32_t bead : near_) {
+        const double a = bodies.radius_of_bead(bead);
         auto centre = row(bodies.position, bead).head<2>();
         const WallPoint at = nearest_wall(container_, centre, a);
         if (at.depth > deep * a)
@@ -168,7 +172,7 @@ WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, double sh
         bead(bodies, i, velocities, tally);
     if (tally.worst > deep && !settles) {
         move_out(bodies);
-        tally.shift = most_moved * bodies.bead_radius;
+        tally.shift = most_moved * largest_bead_;
     }
     for (std::size_t i = 0; i < bodies.rods.size(); ++i)
         rod(bodies, i, tally);
@@ -180,7 +184,7 @@ void Wall::bead(Bodies& bodies, std::size_t bead, Range& velocities, WallTally& 
     auto v = row(bodies.velocity, bead);
     const Surface& surface = container_.beads;
     const Surface dead{surface.friction, 0.0};
-    const double a = bodies.bead_radius;
+    const double a = bodies.radius_of_bead(bead);
     const Vector2d start = (position - time_step_ * v).head<2>();
     double left = time_step_;
     bool slides = false;

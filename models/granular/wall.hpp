@@ -58,6 +58,7 @@ private:
     std::vector<std::uint32_t> near_; ///< beads less than the skin away from the wall when they were found
     double moved_ = std::numeric_limits<double>::infinity(); ///< no bead moved further since, m
     double fastest_ = 0.0;                                   ///< of the step before
+    double largest_bead_ = 0.0;                              ///< no bead has a larger radius, m
 };
 
 } // namespace rodwake::granular

@@ -89,19 +89,43 @@ void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
         side *= si_factor(file, path, H5mdUnit::length);
 }
 
-/// The one radius or mass of all beads.
-double common_value(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what,
-                    H5mdUnit unit) {
-    const auto values = read_column<double>(file, spheres + what, H5T_IEEE_F64LE);
+/// The radii or masses of the beads, SI.
+std::vector<double> bead_values(const Hdf5Input& file, const TrajectoryInfo& info, const std::string& what,
+                                H5mdUnit unit) {
+    auto values = read_column<double>(file, spheres + what, H5T_IEEE_F64LE);
     if (values.size() != info.particles)
         file.refuse(fmt::format("{} particles have {} values of {}", info.particles, values.size(), what));
-    if (!(values[0] > 0.0) || !std::isfinite(values[0]))
-        file.refuse(fmt::format("the {} of bead 0 is {}: not positive and finite", what, values[0]));
-    for (std::size_t i = 1; i < info.beads; ++i)
-        if (values[i] != values[0])
-            file.refuse(fmt::format("the {} of bead {} is {}, of bead 0 {}: all beads must be alike", what, i,
-                                    values[i], values[0]));
-    return values[0] * si_factor(file, spheres + what, unit);
+    values.resize(info.beads);
+    const double factor = si_factor(file, spheres + what, unit);
+    for (std::size_t i = 0; i < info.beads; ++i) {
+        if (!(values[i] > 0.0) || !std::isfinite(values[i]))
+            file.refuse(fmt::format("the {} of bead {} is {}: not positive and finite", what, i, values[i]));
+        values[i] *= factor;
+    }
+    return values;
+}
+
+/// Radius and mass of the beads; of several sizes the radius that lengths refer to, and the mean mass.
+void read_sizes(const Hdf5Input& file, TrajectoryInfo& info) {
+    const std::vector<double> radius = bead_values(file, info, "radius", H5mdUnit::length),
+                              mass = bead_values(file, info, "mass", H5mdUnit::mass);
+    const auto differ = [](const std::vector<double>& values) {
+        return std::ranges::adjacent_find(values, std::ranges::not_equal_to()) != values.end();
+    };
+    info.bead_radius = radius[0];
+    info.bead_mass = mass[0];
+    if (differ(mass)) {
+        info.bead_mass = 0.0;
+        for (const double m : mass)
+            info.bead_mass += m / static_cast<double>(mass.size());
+    }
+    if (!differ(radius))
+        return;
+    const auto unit = info.parameters.find("bead_radius");
+    if (unit == info.parameters.end())
+        file.refuse(
+            "beads have different radii, and parameters/bead_radius, the unit of lengths, is missing");
+    info.bead_radius = unit->second;
 }
 
 void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
@@ -113,8 +137,6 @@ void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
         std::any_of(species.begin() + static_cast<std::ptrdiff_t>(info.beads), species.end(), bead))
         file.refuse(
             fmt::format("the beads (species 0) are not the first of its {} particles", info.particles));
-    info.bead_radius = common_value(file, info, "radius", H5mdUnit::length);
-    info.bead_mass = common_value(file, info, "mass", H5mdUnit::mass);
 }
 
 void count_rods(const Hdf5Input& file, TrajectoryInfo& info) {
@@ -147,6 +169,7 @@ TrajectoryInfo read_trajectory_info(const Hdf5Input& file) {
     read_particles(file, info);
     count_rods(file, info);
     read_parameters(file, info);
+    read_sizes(file, info);
     info.seed = unsigned_attribute(file, "rodwake", "seed");
     return info;
 }

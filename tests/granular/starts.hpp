@@ -58,7 +58,7 @@ inline std::vector<Ball> balls_of(const State& state, const GranularProblem& pro
     std::vector<Ball> balls;
     const auto& b = state.beads;
     for (std::size_t i = 0; i < b.size(); ++i)
-        balls.push_back({b.x[i], b.y[i], b.z[i], problem.bead_radius, i});
+        balls.push_back({b.x[i], b.y[i], b.z[i], b.radius.empty() ? problem.bead_radius : b.radius[i], i});
     for (std::size_t k = 0; k < state.rods.size(); ++k) {
         const auto clump = granular::make_clump(problem.rods[k].shape);
         for (std::size_t s = 0; s < clump.offset.size(); ++s) {

@@ -182,7 +182,7 @@ TEST_CASE("a record that is stored and restored writes the same rows") {
         go_on(first, begun, all, stop);
         Simulation second(problem, first.state(), first.tallies());
         Record resumed(3.0 * a, 2);
-        resumed.restore(begun.sums(), begun.pressure_sums(), begun.rods(), begun.thrust());
+        resumed.restore(begun.sums(), begun.pressure_sums(), begun.rods(), begun.thrust(), begun.kinds());
         go_on(second, resumed, all, 1100);
         CAPTURE(stop);
         REQUIRE(all.table.size() == rows.table.size());

@@ -47,6 +47,8 @@ box = "78 a"
 duration = "10 s"
 [granular.output]
 formats = ["h5md", "xyz"]
+[[granular.bead_kinds]]
+radius = "0.4 mm"
 [[granular.rods]]
 position = ["20 a", "46.5 a"]
 taper = "stepwise"
@@ -124,6 +126,11 @@ inline const std::string crowded = complete.substr(0, complete.find("[[rods]]"))
                                    "[rods_random]\ncount = 10\nextent = 40.0\nmin_separation = 0.5\n" +
                                    complete.substr(complete.find("[rods_run]"));
 
+/// The complete scene with rods at random in the bed in place of those.
+inline const std::string crowded_bed = complete.substr(0, complete.find("[[granular.rods]]")) +
+                                       "[granular.rods_random]\ncount = 4\n" +
+                                       complete.substr(complete.find("[measure]"));
+
 /// Tracks of a camera in place of a bed.
 inline const std::string filmed = R"(schema = 1
 [tracks]
@@ -140,6 +147,8 @@ inline const std::string& complete_for(const KeyInfo& info) {
         return filmed;
     if (info.table == "rods_random")
         return crowded;
+    if (info.table == "granular.rods_random")
+        return crowded_bed;
     return info.table.starts_with("scan") ? scanned : complete;
 }
 

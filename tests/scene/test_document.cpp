@@ -50,7 +50,7 @@ TEST_CASE("the schema tells unit, symbol and range of a key") {
     CHECK(kappa.at("default") == "0.0");
     CHECK(find("medium", "eta").at("range") == nlohmann::json{{"above", -1.0}, {"to", 1e12}});
     CHECK(find("granular", "box").at("unit").at("reduced") == "m"); // SI whatever `units` says
-    CHECK(find("granular", "start").at("choices").size() == 3);
+    CHECK(find("granular", "start").at("choices").size() == 4);
     CHECK(find("figures[]", "fps").at("meaning") ==
           "kinds movie, rods_movie, medium_film: stored frames shown a second");
 }

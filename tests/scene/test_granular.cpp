@@ -5,6 +5,9 @@
 #include "support.hpp"
 
 #include <catch2/catch.hpp>
+
+#include <array>
+#include <cmath>
 #include <numbers>
 
 using namespace scene_test;
@@ -121,9 +124,96 @@ TEST_CASE("in a bed, a is its own bead radius") {
     CHECK(error_text(bed("bead_radius = 0.0005\n" + scales)) == "");
 }
 
+TEST_CASE("kinds of beads, their spread, and what they rule out") {
+    const std::string kinds = "[[granular.bead_kinds]]\nradius = \"0.4 mm\"\nshare = 0.5\n"
+                              "[[granular.bead_kinds]]\nradius = \"1.4 a\"\nshare = 0.5\n";
+    const Granular mixed = granular("start = \"random\"\nbead_spread = 0.02\n" + kinds);
+    REQUIRE(mixed.bead_kinds.size() == 2);
+    CHECK(mixed.bead_kinds[1].radius == 1.4 * 0.4e-3);
+    CHECK(mixed.bead_kinds[1].share == 0.5);
+    CHECK(mixed.bead_spread == 0.02);
+    CHECK(granular().bead_kinds.empty());
+    // the time step is that of the smallest beads
+    CHECK(time_step(mixed) == mixed.plates.longest_step(mixed.gravity, 0.96 * 0.4e-3));
+    CHECK(time_step(granular()) == granular().plates.longest_step(9.81, 0.4e-3));
+    check_round_trip(parse(bed("start = \"random\"\nbead_spread = 0.02\n" + kinds)));
+    says(bed(kinds), "start = \"lattice\" puts equal beads on the sites of a triangular lattice");
+    says(bed("start = \"random\"\n" + kinds), "box = \"fit\" fits a lattice of equal beads",
+         {"granular.box=fit"});
+    says(bed("bead_spread = 0.3\n"), "bead_spread");
+    says(bed("[[granular.bead_kinds]]\nshare = 1.0\n"), "granular.bead_kinds[0] needs the key radius");
+    CHECK(error_text(bed("[[granular.bead_kinds]]\nradius = \"0.4 mm\"\n")) == ""); // one size: a lattice
+    const std::string measured =
+        "start = \"random\"\n" + kinds + "[[granular.rods]]\nposition = [\"10 a\", 0.004]\n[measure]\n";
+    says(bed(measured + "displacement = \"phase\"\n"),
+         "beads of several sizes ([[granular.bead_kinds]]): it follows "
+         "the Bragg peaks of a lattice");
+    says(bed(measured + "phonons = true\n"), "they are waves of a lattice");
+    says(bed(measured + "mechanics = true\n"), "it takes the mass of a bead");
+    says(bed(measured + "microrheology = true\n"), "it takes the mass of a bead");
+    says(bed(measured + "order = true\n"),
+         "they have no common first shell; use order_neighbours = \"delaunay\"");
+    CHECK(error_text(bed(measured + "order = true\norder_neighbours = \"delaunay\"\n"
+                                    "displacement = \"lagrangian\"\n")) == "");
+}
+
+TEST_CASE("rods at random in a bed") {
+    const std::string random =
+        "[granular.rods_random]\ncount = 8\nmin_separation = \"3 a\"\nspread = \"20 deg\"\n";
+    const Granular placed = granular(random);
+    REQUIRE(placed.rods.size() == 8);
+    CHECK(granular(random).rods == placed.rods);
+    CHECK(granular(random + "seed = 2\n").rods != placed.rods);
+    const double a = 0.4e-3, side = 78 * a;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const GranularRod& one = placed.rods[i];
+        CHECK(std::abs(one.heading) <= 20.0 * std::numbers::pi / 180.0);
+        CHECK((one.position[0] >= 0.0 && one.position[0] <= side && one.position[1] >= 0.0 &&
+               one.position[1] <= side));
+        // Points on the axes, a thousandth of the rod apart: those of two rods are a diameter and 3 a apart
+        // at least.
+        for (std::size_t j = 0; j < i; ++j) {
+            double least = 1.0;
+            for (int s = -40; s <= 40; ++s)
+                for (int t = -40; t <= 40; ++t) {
+                    const auto at = [](const GranularRod& rod, int step) {
+                        const double along = 1.7e-3 * step / 40.0;
+                        return std::array{rod.position[0] + along * std::cos(rod.heading),
+                                          rod.position[1] + along * std::sin(rod.heading)};
+                    };
+                    const auto p = at(one, s), q = at(placed.rods[j], t);
+                    least = std::min(least, std::hypot(std::remainder(p[0] - q[0], side),
+                                                       std::remainder(p[1] - q[1], side)));
+                }
+            CHECK(least > 2.0 * 0.4e-3 + 3.0 * a);
+        }
+    }
+    const Scene scene = parse(bed(random + "kind = \"apolar\"\n"));
+    CHECK(scene.granular->rods[0].shape.spheres == 13);
+    check_round_trip(scene);
+    says(bed(random), "no room for 500 rods of 4.5 mm with min_separation = 0.0012 m",
+         {"granular.rods_random.count=500"});
+    says(bed(random + rod), "[[granular.rods]] and [granular.rods_random] are given: leave one out");
+    says(bed(random), "box = \"fit\" depends on the rods", {"granular.box=fit"});
+}
+
+TEST_CASE("beads from a file") {
+    const std::string text = "schema = 1\n[granular]\nbox = \"30 a\"\nduration = 1\n";
+    const Granular given = *parse(text + "start = \"file\"\nstart_file = \"beads.csv\"\n").granular;
+    CHECK(given.start == GranularStart::file);
+    CHECK(given.start_file == "beads.csv");
+    check_round_trip(parse(text + "start = \"file\"\nstart_file = \"beads.csv\"\n"));
+    says(text + "start_file = \"beads.csv\"\n", "start_file belongs to start = \"file\" only");
+    says(text + "start = \"file\"\nbeads = 10\n", "start = \"file\" needs start_file");
+    says(text + "start = \"file\"\nbeads = 10\nstart_file = \"b.csv\"\n",
+         "give one of phi_b | beads | start_file");
+}
+
 TEST_CASE("beads are given once") {
-    says("schema = 1\n[granular]\nbox = 1\nduration = 1\n", "granular needs one of phi_b | beads");
-    says(bed("beads = 10\n"), "granular gives phi_b (line 3) and beads (line 6): give one of phi_b | beads");
+    says("schema = 1\n[granular]\nbox = 1\nduration = 1\n",
+         "granular needs one of phi_b | beads | start_file");
+    says(bed("beads = 10\n"),
+         "granular gives phi_b (line 3) and beads (line 6): give one of phi_b | beads | start_file");
     const Granular counted = granular("", {"granular.beads=10"});
     CHECK(counted.beads == 10);
     CHECK_FALSE(counted.phi_b);

@@ -226,6 +226,8 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.end(), {"figures.0.kind=series", "measure.microrheology=true"});
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
+        if (info.name == "start_file")
+            overrides.push_back("granular.start=file");
         if (full_name(info) == "fit.measured_drag" || full_name(info) == "fit.compare[].line")
             overrides.insert(
                 overrides.begin(),

@@ -58,7 +58,7 @@ TEST_CASE("several keys are set at once, alternatives among them together") {
     CHECK(scene.rods[0].heading == 2.0);
     CHECK(setter.set(scene, 1.0) == "1 values for 4 keys");
     CHECK(why_not(scene, {"granular.phi_b", "granular.beads"}) ==
-          "granular gives phi_b and beads: give one of phi_b | beads");
+          "granular gives phi_b and beads: give one of phi_b | beads | start_file");
     CHECK(why_not(scene, {"medium.mu"}).starts_with("medium gives mu: give one of eta"));
     CHECK(why_not(scene, {"medium.xi", "medium.xi"}) != "");
 }

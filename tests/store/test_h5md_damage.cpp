@@ -139,7 +139,8 @@ TEST_CASE("Moments, boxes and particles that cannot be are refused") {
                    value(edges, 9 * 1 + 4, not_a_number, "the box changes in frame 1"),
                    value(group + "species", 0, 1, "the beads (species 0) are not the first of its 15"),
                    value(group + "species", 14, 0, "the beads (species 0) are not the first of its 15"),
-                   value(group + "radius", 8, 3e-4, "the radius of bead 8 is 0.0003, of bead 0 0.0004"),
+                   value(group + "radius", 8, 3e-4,
+                         "beads have different radii, and parameters/bead_radius, the unit of lengths, is"),
                    value(group + "radius", 1, not_a_number, "the radius of bead 1 is nan"),
                    value(group + "mass", 0, 0.0, "the mass of bead 0 is 0: not positive"),
                    value(group + "mass", 0, inf, "the mass of bead 0 is inf: not positive")});

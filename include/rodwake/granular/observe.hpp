@@ -4,6 +4,7 @@
 #include "rodwake/granular/problem.hpp"
 
 #include <array>
+#include <vector>
 
 namespace rodwake::granular {
 
@@ -19,8 +20,10 @@ using PlaneTensor = std::array<double, 3>;
 /// What a sample asks of all beads, in one pass.
 struct Agitation {
     Temperatures temperatures;
-    /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V the beads' mean velocity, J.
+    /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V that of the beads' centre of mass, J.
     PlaneTensor momentum_flux{};
+    /// Of the beads of each kind, V still that of all; empty if there is one kind.
+    std::vector<Temperatures> of_kinds = {};
 };
 
 /// Pressure tensor of the layer in the plane, N/m, as momentum that crosses a line per time and length, mean
@@ -29,9 +32,9 @@ struct Agitation {
 ///
 ///   p_ab = (1/(L_x L_y)) [ < sum_i m_i (v_ia - V_a)(v_ib - V_b) > + (1/t) sum_k (r_ka P_kb + r_kb P_ka)/2 ]
 ///
-/// i: beads and rods, V the beads' mean velocity. k: impulses between two bodies, r from the centre of mass
-/// of the second to that of the first, P on the first. What the plates do acts on single bodies: it is no
-/// part of it. J, J, s, m^2; where no time has passed (0 s) the first part alone.
+/// i: beads and rods, V the velocity of the beads' centre of mass. k: impulses between two bodies, r from the
+/// centre of mass of the second to that of the first, P on the first. What the plates do acts on single
+/// bodies: it is no part of it. J, J, s, m^2; where no time has passed (0 s) the first part alone.
 PlaneTensor pressure(const PlaneTensor& momentum_flux, const PlaneTensor& virial, double time, double area);
 
 /// Mean over the directions.
@@ -51,7 +54,8 @@ struct Energy {
 };
 
 /// Cut-off for the neighbours of a bead, between the first and second shell: 1.4 spacings of the perfect
-/// triangular lattice of this area fraction, d = 2 a sqrt(0.9069/phi_b), m. phi_b > 0.
+/// triangular lattice of this area fraction, d = 2 a sqrt(0.9069/phi_b), m; of several sizes a is the root of
+/// the mean square of their radii. phi_b > 0.
 double neighbour_cutoff(double bead_radius, double phi_b);
 
 } // namespace rodwake::granular

@@ -135,10 +135,12 @@ public:
     const std::vector<RodThrust>& thrust() const { return thrust_; }
     const RecordSums& sums() const { return sums_; }
     const PressureSums& pressure_sums() const { return pressure_; }
+    /// Of the beads of each kind since t = 0; empty if there is one kind.
+    const std::vector<SampleSums>& kinds() const { return kinds_; }
     /// Mean from t = 0 on, N/m.
     PlaneTensor mean_pressure(const Simulation& simulation) const;
     void restore(const RecordSums& sums, const PressureSums& pressure, std::vector<RodProgress> rods,
-                 std::vector<RodThrust> thrust);
+                 std::vector<RodThrust> thrust, std::vector<SampleSums> kinds);
 
 private:
     void begin(const Simulation& simulation);
@@ -150,6 +152,7 @@ private:
     PressureSums pressure_{};
     std::vector<RodProgress> rods_;
     std::vector<RodThrust> thrust_; ///< a value a rod
+    std::vector<SampleSums> kinds_;
 };
 
 } // namespace rodwake::granular

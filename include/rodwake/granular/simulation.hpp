@@ -89,8 +89,9 @@ public:
     const RodBody& rod(std::size_t i) const;
     Agitation agitation() const;
     Temperatures temperatures() const { return agitation().temperatures; }
-    /// The same of the quarter of the beads that is farthest from any rod; of all where there is no rod.
-    Temperatures far_temperatures() const;
+    /// The same of the quarter of the beads that is farthest from any rod; of all where there is no rod. Of
+    /// the beads of one kind, if it is named.
+    Temperatures far_temperatures(std::optional<std::size_t> kind = {}) const;
     Energy energy() const;
     /// |mean of psi_6| of the beads, neighbours nearer in the plane than the cut-off (core/bond_order.hpp).
     /// In a container of the beads further than that from the wall, which have all their neighbours; 0: none

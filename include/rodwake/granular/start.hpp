@@ -38,16 +38,18 @@ LatticeBox lattice_box(double sites, long least, double orientation);
 /// The same in a box of this area.
 LatticeBox with_area(LatticeBox shape, double area);
 
-/// How long a bed takes to settle before it is worth measuring, s: 0.5 s from a lattice. A random start needs
-/// time to order: at phi_b = 0.70 a fluid settles in 2 s, from the transition on (0.72) crystals grow, 8 s,
-/// ever slower the denser the bed, 24 s from 0.80 on; between the measured densities it is interpolated.
+/// How long a bed takes to settle before it is worth measuring, s: 0.5 s from a lattice, 0 where its beads
+/// are given. A random start needs time to order: at phi_b = 0.70 a fluid settles in 2 s, from the transition
+/// on (0.72) crystals grow, 8 s, ever slower the denser the bed, 24 s from 0.80 on; between the measured
+/// densities it is interpolated.
 double settling_time(Start start, double phi_b);
 
 /// State at step 0. Deterministic in (problem, run): beads and velocities from the stream (seed, run).
 /// Nothing overlaps: beads with beads, rods or plates. Rods lie flat within 1 % of their free height of mid
 /// gap and move upwards at a normal speed of rms start_speed, so that runs differ without beads too; in the
-/// plane they rest. Beads are numbered by place: successive numbers are near each other. Throws RunError if
-/// no such packing was found.
+/// plane they rest. Beads are numbered by place: successive numbers are near each other. Given beads keep
+/// their order and, if their heights are given too, their places: InputError if they overlap. Throws RunError
+/// if no such packing was found.
 State make_start(const GranularProblem& problem, std::uint32_t run);
 
 /// State at step 0 with the bed of `stored`: its beads' places in the plane, wrapped into the box, and

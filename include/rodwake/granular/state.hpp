@@ -17,8 +17,11 @@ struct Beads {
     std::vector<double> x, y, z;    ///< m
     std::vector<double> vx, vy, vz; ///< m/s
     std::vector<double> wx, wy, wz; ///< angular velocity, rad/s
+    std::vector<double> radius;     ///< m; empty: all are GranularProblem::bead_radius
+    std::vector<std::uint8_t> kind; ///< number of the bead's kind; empty: there is one
 
     std::size_t size() const { return x.size(); }
+    /// Places and motion, zero where new.
     void resize(std::size_t count);
     bool operator==(const Beads&) const = default;
 };
@@ -47,7 +50,8 @@ std::vector<double> sphere_positions(const State& state, std::span<const Clump> 
 /// Their velocities, m/s: the spin of a rod across its axis moves its spheres, that about it does not.
 std::vector<double> sphere_velocities(const State& state, std::span<const Clump> clumps);
 
-/// 64-bit XXH3 of every bit of the state.
+/// 64-bit XXH3 of every bit of the state. Radii count where they differ; kinds, which change no motion, do
+/// not.
 std::uint64_t state_hash(const State& state);
 
 /// Of the hashes of several runs, in this order.

@@ -4,6 +4,7 @@
 // The granular bed has its own scale: everything here is SI, whatever `units` says, and "a" in a string means
 // granular.bead_radius. [scales] is not needed. What is absent and follows from other keys stays absent here.
 
+#include "rodwake/granular/bead_kinds.hpp"
 #include "rodwake/granular/body_force.hpp"
 #include "rodwake/granular/container.hpp"
 #include "rodwake/granular/shape.hpp"
@@ -15,7 +16,7 @@
 
 namespace rodwake::scene {
 
-enum class GranularStart { lattice, random, restart };
+enum class GranularStart { lattice, random, restart, file };
 
 /// Of a pair of particles that differs from particle_particle; a key that is absent does not differ.
 struct SurfaceChange {
@@ -56,6 +57,18 @@ struct GranularRod {
     bool operator==(const GranularRod&) const = default;
 };
 
+/// [granular.rods_random]: rods at random in the bed, in place of [[granular.rods]].
+struct RandomBedRods {
+    long count = 0;
+    granular::RodKind kind = granular::RodKind::motile; ///< of the shape that its rods have by default
+    double min_separation = 0.0; ///< between the surfaces of two rods, and of a rod and a wall, m
+    double heading = 0.0;        ///< rad; headings are uniform within `spread` of it
+    double spread = 3.14159265358979323846;
+    long seed = 1;
+
+    bool operator==(const RandomBedRods&) const = default;
+};
+
 /// granular.box, m.
 struct BoxSize {
     double x = 0.0, y = 0.0;
@@ -79,18 +92,21 @@ struct BedContainer {
 
 /// [granular]: beads and rods between two plates, periodic in x and y or within a wall.
 struct Granular {
-    std::optional<double> phi_b; ///< N pi a^2/A, A the area of the bed; either this or beads
+    std::optional<double> phi_b; ///< sum pi a_i^2/A, A the area of the bed; either this or beads
     std::optional<long> beads;
     /// Rods take the place of beads: N pi a^2 = phi_b L_x L_y - shadows of the rods.
     bool count_rod_area = true;
-    double bead_radius = 0.4e-3;  ///< a, m
-    double bead_density = 2700.0; ///< kg/m^3
-    double gravity = 9.81;        ///< m/s^2
-    BoxSize box;                  ///< the periodic box; 0: there is a container
+    double bead_radius = 0.4e-3;                ///< a, m
+    double bead_density = 2700.0;               ///< kg/m^3
+    std::vector<granular::BeadKind> bead_kinds; ///< empty: all beads have bead_radius
+    double bead_spread = 0.0;                   ///< of the radii of a kind, over their mean
+    double gravity = 9.81;                      ///< m/s^2
+    BoxSize box;                                ///< the periodic box; 0: there is a container
     GranularStart start = GranularStart::lattice;
-    std::string restart_from;          ///< checkpoint file; with start = restart only
-    double orientation = 0.0;          ///< of the close-packed rows from +x, rad
-    double start_speed = 0.02;         ///< m/s
+    std::string restart_from;  ///< checkpoint file; with start = restart only
+    std::string start_file;    ///< CSV of the beads, in place of phi_b and beads; with start = file only
+    double orientation = 0.0;  ///< of the close-packed rows from +x, rad
+    double start_speed = 0.02; ///< m/s
     std::optional<double> time_step;   ///< s; absent: plates.longest_step()
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s
@@ -104,10 +120,22 @@ struct Granular {
     std::optional<BedContainer> container;
     std::optional<granular::BodyForce> body_force;
     GranularOutput output;
-    std::vector<GranularRod> rods;
+    std::optional<RandomBedRods> rods_random;
+    std::vector<GranularRod> rods; ///< with rods_random those it stands for
 
     bool operator==(const Granular&) const = default;
 };
+
+/// Of rods of which only the kind is given.
+granular::RodShape default_shape(granular::RodKind kind);
+
+/// The rods that bed.rods_random stands for; they depend on it, on the bed's sides and on its container.
+/// Fewer than its count where there is no room, none without sides.
+std::vector<GranularRod> random_bed_rods(const Granular& bed);
+
+inline granular::BeadMix bead_mix(const Granular& bed) {
+    return {bed.bead_radius, bed.bead_kinds, bed.bead_spread};
+}
 
 /// granular.time_step, or the longest one that follows the bed on its plates, s.
 double time_step(const Granular& bed);

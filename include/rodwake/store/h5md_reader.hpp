@@ -1,9 +1,8 @@
 #pragma once
 // Reads trajectories of beds as H5mdWriter writes them (h5md.hpp), frame by frame, exactly the stored bits.
 // Bodies with an `id` come in the order of the first frame, whatever row they have; numbers with a `unit`
-// come in SI. Species 0 are the beads: the first particles of a frame, all of one radius and one mass. Of a
-// rod its centre of mass and its orientation are read, and the places of its spheres, by which pictures draw
-// it.
+// come in SI. Species 0 are the beads: the first particles of a frame. Of a rod its centre of mass and its
+// orientation are read, and the places of its spheres, by which pictures draw it.
 //
 // A file that is none of these, is cut short, damaged, or holds what cannot be (values that are not finite,
 // places outside the box, a box that changes, steps or times that do not increase) is an InputError that
@@ -26,8 +25,9 @@ struct TrajectoryInfo {
     bool periodic = true;        ///< in x and y; false: a wall, round if the parameters have wall_radius
     std::size_t particles = 0;   ///< beads and spheres of rods
     std::size_t beads = 0, rods = 0;
-    double bead_radius = 0.0; ///< m
-    double bead_mass = 0.0;   ///< kg
+    double bead_radius =
+        0.0; ///< of all beads, m; if they differ, the parameter bead_radius, which lengths refer to
+    double bead_mass = 0.0; ///< mean, kg
     std::map<std::string, double> parameters;
     std::uint64_t seed = 0;
     std::vector<std::int64_t> step; ///< [frames], increasing

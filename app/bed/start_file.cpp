@@ -1,0 +1,89 @@
+#include "start_file.hpp"
+
+#include "rodwake/core/error.hpp"
+#include "rodwake/store/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+namespace rodwake::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path place_of(const std::string& file, const std::string& scene) {
+    const fs::path beside = (fs::path(scene).parent_path() / file).lexically_normal();
+    for (const fs::path& place : {beside, fs::path(file)})
+        if (fs::is_regular_file(place))
+            return place;
+    throw InputError(fmt::format("granular.start_file = \"{}\": there is no such file, neither {} nor {}",
+                                 file, fs::absolute(beside).string(),
+                                 fs::absolute(fs::path(file)).lexically_normal().string()));
+}
+
+/// Kinds of the column, or those whose radii are nearest.
+std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Table& table,
+                                   const std::string& name) {
+    std::vector<std::uint8_t> kinds;
+    const auto* column = table.find("kind");
+    const auto* radius = table.find("radius");
+    const std::size_t count = std::max<std::size_t>(bed.bead_kinds.size(), 1);
+    for (std::size_t i = 0; column && i < table.rows(); ++i) {
+        const double kind = (*column)[i];
+        if (!(kind >= 0.0 && kind < static_cast<double>(count) && kind == std::floor(kind)))
+            throw InputError(
+                fmt::format("{}:{}: kind = {}: must be a whole number from 0 to {}, the number of "
+                            "one of the [[granular.bead_kinds]]",
+                            name, table.lines[i], kind, count - 1));
+        kinds.push_back(static_cast<std::uint8_t>(kind));
+    }
+    for (std::size_t i = 0; !column && radius && i < table.rows(); ++i) {
+        std::size_t nearest = 0;
+        for (std::size_t k = 1; k < bed.bead_kinds.size(); ++k)
+            if (std::abs(bed.bead_kinds[k].radius - (*radius)[i]) <
+                std::abs(bed.bead_kinds[nearest].radius - (*radius)[i]))
+                nearest = k;
+        kinds.push_back(static_cast<std::uint8_t>(nearest));
+    }
+    return kinds;
+}
+
+} // namespace
+
+granular::GivenBeads read_start_file(const scene::Granular& bed, const std::string& path) {
+    static const std::array<std::string, 2> required{"x", "y"};
+    static const std::array<std::string, 6> optional{"z", "vx", "vy", "vz", "radius", "kind"};
+    const fs::path file = place_of(bed.start_file, path);
+    const store::Table table = store::read_csv(file, required, optional);
+    const auto take = [&](const std::string& name) {
+        const auto* column = table.find(name);
+        for (std::size_t i = 0; column && i < table.rows(); ++i)
+            if (!std::isfinite((*column)[i]))
+                throw InputError(
+                    fmt::format("{}:{}: column {} is empty: must be a finite number in every row; "
+                                "leave the column out if its values are to be drawn",
+                                file.string(), table.lines[i], name));
+        return column ? *column : std::vector<double>();
+    };
+    granular::GivenBeads given{take("x"),  take("y"),  take("z"),      take("vx"),
+                               take("vy"), take("vz"), take("radius"), kinds_of(bed, table, file.string())};
+    constexpr double furthest = 1e3; // m, as for other lengths of a scene
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const double radius = given.radius.empty() ? bed.bead_radius : given.radius[i];
+        if (!(radius > 0.0))
+            throw InputError(
+                fmt::format("{}:{}: radius = {} m: must be > 0", file.string(), table.lines[i], radius));
+        if (std::abs(given.x[i]) > furthest || std::abs(given.y[i]) > furthest)
+            throw InputError(fmt::format("{}:{}: x = {} m, y = {} m: must be within {} m of 0", file.string(),
+                                         table.lines[i], given.x[i], given.y[i], furthest));
+    }
+    if (given.x.empty())
+        throw InputError(fmt::format("{}: has no rows: must have one for each bead", file.string()));
+    return given;
+}
+
+} // namespace rodwake::app
