@@ -1,4 +1,4 @@
-"""What two rods can do for ever: fixed points of a pair's flow, and their branches.
+"""Steady long-time states of two rods: fixed points of a pair's flow, and their branches.
 
 Two rods in each other's steady wakes are a flow in three numbers, the pose (x, y, h) of rod 1 in the frame of rod 0. Lengths in f/mu,
 times in f/(mu v0), angles in rad. Equations and errors: include/rodwake/rods/pair_equilibria.hpp and pair_branches.hpp.
