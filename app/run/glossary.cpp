@@ -134,7 +134,7 @@ Made by `rodwake info --file-reference > docs/files.md`; do not edit.
 
 For users who read result files. Each section lists the files that one stage writes, then the columns of its CSV files
 and the keys of its JSON files. `<k>` stands for a number or a name. A column or key `<name>_error` is the standard
-error of `<name>` and is empty, null or NaN if it is unknown. A dot in a key opens a table: `a.b` is `{"a": {"b": ...}}`.
+error of `<name>` and is empty, null or NaN if it is unknown. A dot in a key opens a table.
 `manifest.json` in the run folder lists the files of that run with its units. `rodwake help NAME` prints the entry of a
 file, a column or a key.
 )md";
