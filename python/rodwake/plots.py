@@ -8,9 +8,10 @@ import importlib
 import math
 import sys
 from pathlib import Path
-from typing import Any, Callable, Iterator, Union
+from typing import Any, Callable, Iterator, Sequence, Union
 
 from . import arguments, shipped
+from .equilibria import PairBranch
 from .errors import Error, InputError, RunError
 from .fitting import FitResult
 from .reading import reading
@@ -66,6 +67,13 @@ def correlation(found: FitResult, title: str = "") -> Any:
     lacking = [not math.isfinite(found.parameters[name].standard_error) for name in found.free]
     matrix[lacking, :] = matrix[:, lacking] = math.nan
     return _plots("draw").in_style(_plots("fit_errors").of_matrix, found.free, matrix, title)
+
+
+def branches(found: Sequence[PairBranch], title: str = "") -> Any:
+    """Distance and turning rate along branches of `pair_branches`. Dashed lines are unstable, dots are folds."""
+    if not found:
+        raise InputError("branches: there are none to draw")
+    return _plots("draw").in_style(_plots("pair_branches").of_branches, found, title)
 
 
 def _plots(module: str) -> Any:
