@@ -8,8 +8,10 @@ A study has parts, functions of a Lab that print what they find, and ends with
 import argparse
 import contextlib
 import csv
+import io
 import json
 import math
+import os
 import shlex
 import subprocess
 import sys
@@ -22,6 +24,7 @@ import numpy as np
 
 SOURCE = Path(__file__).resolve().parents[1]
 PROGRAM = SOURCE / "build" / "release" / "rodwake"
+REPORTS = SOURCE / "studies" / "reports"
 RESULTS = {"dem": "summary.json", "measure": "measure.json", "fit": "fit.json", "scan": "scan.json", "rods": "outcome.json"}
 NAN = math.nan
 
@@ -33,6 +36,7 @@ OPTIONS = {
     "keep": (("--keep",), {"type": Path, "help": "folder for the results: the same command goes on there; otherwise they are removed"}),
     "runs": (("--runs",), {"type": int, "help": "number of runs in place of the scenes'"}),
     "seed": (("--seed",), {"type": int, "default": 1, "help": "of what is drawn by chance [1]"}),
+    "report": (("--report",), {"action": "store_true", "help": "write the tables into studies/reports, with date, machine and commit"}),
     "csv": (("--csv",), {"type": Path, "help": "file for the rows of the table"}),
 }
 
@@ -72,11 +76,58 @@ def run_parts(options, parts, before=lambda name: None, kind=None):
     with open_lab(options, kind) as lab:
         version = lab.call("--version").stdout.strip()
         print(f"{version}, {time.strftime('%Y-%m-%d')}" + (" (quick: numbers mean nothing)" if lab.quick else ""))
+        pages = {name: report_page(name) for name in options.only} if getattr(options, "report", False) else {}
+        if pages and lab.quick:
+            sys.exit("--report: not with --quick, whose numbers mean nothing")
         for name in options.only:
             before(name)
             began = time.monotonic()
-            parts[name](lab)
+            if pages:
+                printed = io.StringIO()
+                with contextlib.redirect_stdout(printed):
+                    parts[name](lab)
+                print(printed.getvalue())
+                write_report(pages[name], name, f"{stamp(lab, name)}\n\n{printed.getvalue().strip()}")
+            else:
+                parts[name](lab)
             print(f"({name}: {time.monotonic() - began:.0f} s)", flush=True)
+
+
+# Reports. What a part prints stands in a page of studies/reports between two comments, which decide where:
+#
+#     <!-- studies/validate_field.py plane -->
+#     <!-- end -->
+
+
+def report_mark(part):
+    return f"<!-- studies/{Path(sys.argv[0]).name} {part} -->\n"
+
+
+def report_page(part):
+    """The page that has a place for the part of this study."""
+    for page in sorted(REPORTS.glob("*.md")):
+        if report_mark(part) in page.read_text(encoding="utf-8"):
+            return page
+    sys.exit(f"--report: no page of {REPORTS} has the lines {report_mark(part).strip()} and <!-- end -->")
+
+
+def write_report(page, part, text):
+    before, mark, after = page.read_text(encoding="utf-8").partition(report_mark(part))
+    page.write_text(f"{before}{mark}\n{text}\n\n<!-- end -->{after.partition('<!-- end -->')[2]}", encoding="utf-8")
+
+
+def stamp(lab, part=None):
+    """Command, date, class of the machine, and program."""
+    words, options = iter(sys.argv[1:]), []
+    for word in words:
+        if word in ("--only", "--program", "--keep", "-j"):
+            next(words)
+        elif word != "--report":
+            options.append(word)
+    told = dict(line.split(maxsplit=1) for line in lab.call("info").stdout.splitlines())
+    command = shlex.join([f"studies/{Path(sys.argv[0]).name}", *(["--only", part] if part else []), *options])
+    return (f"By `{command}` on {time.strftime('%Y-%m-%d')}: {told['cpu']}, {os.cpu_count()} cores; rodwake {told['rodwake']}, {told['compiler']}, "
+            f"{told['build']}.")
 
 
 # Runs.

@@ -240,7 +240,7 @@ def narrow(lab):
 PARTS = {"straight": straight, "turning": turning, "diagrams": diagrams, "narrow": narrow}
 
 if __name__ == "__main__":
-    found = parser(__doc__, "quick", "keep", "threads", "seed", parts=PARTS)
+    found = parser(__doc__, "report", "quick", "keep", "threads", "seed", parts=PARTS)
     found.add_argument("--points", type=int, default=100_000, help="number of straight encounters; of pairs that turn a tenth [100000]")
     found.add_argument("--peers", type=Path, default=SOURCE / "build/release/bench/bench_grazing", help="other solvers' events, if it is there")
     run_parts(found.parse_args(), PARTS)

@@ -149,6 +149,6 @@ def still(lab):
 PARTS = {"pairs": pairs, "pursuit": pursuit, "still": still}
 
 if __name__ == "__main__":
-    arguments = parser(__doc__, "threads", "keep", "runs", parts=PARTS).parse_args()
+    arguments = parser(__doc__, "report", "threads", "keep", "runs", parts=PARTS).parse_args()
     arguments.runs = arguments.runs or 12
     run_parts(arguments, PARTS)

@@ -177,6 +177,6 @@ def axe(lab):
 PARTS = {"outcomes": outcomes, "strain": strain, "speed": speed, "axe": axe}
 
 if __name__ == "__main__":
-    options = parser(__doc__, "quick", "keep", "threads", parts=PARTS)
+    options = parser(__doc__, "report", "quick", "keep", "threads", parts=PARTS)
     options.add_argument("--axe", type=Path, help="axe.min.js of the npm package axe-core")
     run_parts(options.parse_args(), PARTS)

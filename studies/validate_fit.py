@@ -216,7 +216,7 @@ PARTS = {"periodic": periodic, "nist": of_tests("[.table]"), "synthetic": of_tes
 
 
 def main():
-    found = parser(__doc__, "threads", "keep", parts=PARTS)
+    found = parser(__doc__, "report", "threads", "keep", parts=PARTS)
     found.add_argument("--tests", type=Path, default=SOURCE / "build/dev/tests/test_fitting")
     found.add_argument("--mean-track", type=Path, metavar="RUN_DIRECTORY", help="prints the mean paths of its rods, and nothing else")
     found.add_argument("--step", type=float, default=0.5, help="s between the rows of --mean-track")

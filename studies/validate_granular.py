@@ -174,4 +174,4 @@ PARTS = {"impacts": impacts, "lone": lone, "beads": beads, "order": order, "bed"
          "force": force, "yield": yielding}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "threads", "keep", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "threads", "keep", parts=PARTS).parse_args(), PARTS)

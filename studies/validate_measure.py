@@ -302,4 +302,4 @@ PARTS = {"order": order, "wake": wake, "large": large, "flow": flow, "pairs": pa
          "force": force, "measured_pair": measured_pair, "cost": cost}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)

@@ -191,4 +191,4 @@ def line_of(phi, rows, medium):
 PARTS = {"beds": beds, "weigh": weigh, "weights": weights, "apart": apart}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "runs", "threads", "quick", "keep", parts=PARTS, chosen=("beds", "weigh", "apart")).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "runs", "threads", "quick", "keep", parts=PARTS, chosen=("beds", "weigh", "apart")).parse_args(), PARTS)

@@ -31,7 +31,7 @@ def tell_cost(name):
 
 
 def main():
-    options = parser(__doc__, "quick", "threads", "keep", parts=PARTS, chosen=[name for name in PARTS if name not in NAMED_ONLY]).parse_args()
+    options = parser(__doc__, "report", "quick", "threads", "keep", parts=PARTS, chosen=[name for name in PARTS if name not in NAMED_ONLY]).parse_args()
     run_parts(options, {name: make for name, (make, _) in PARTS.items()}, before=(lambda name: None) if options.quick else tell_cost, kind=Beds)
 
 

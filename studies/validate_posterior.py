@@ -329,4 +329,4 @@ PARTS = {"exact": exact, "grid": grid, "speed": speed, "track_speed": track_spee
          "wandering": calibrated("wandering", "the same of rods that diffuse", wandering_set, ("sigma halved", "noise of the rods left out"), by_grid)}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "threads", "keep", "runs", parts=PARTS).parse_args(), PARTS)

@@ -83,4 +83,4 @@ def measures(lab):
 PARTS = {"instants": instants, "measures": measures}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "keep", "threads", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "keep", "threads", parts=PARTS).parse_args(), PARTS)

@@ -211,4 +211,4 @@ PARTS = {"choice": choice, "none": none, "evidence": by_evidence("evidence.csv",
          "tracks": by_evidence("evidence_tracks.csv", TRACKS, tracks_of, track_evidence, POSE_SIGMA)}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "keep", "runs", "threads", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "keep", "runs", "threads", parts=PARTS).parse_args(), PARTS)

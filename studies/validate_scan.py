@@ -166,4 +166,4 @@ def maps(lab):
 PARTS = {"memory": memory, "cells": cells, "large": large, "stiff": stiff, "maps": maps}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "threads", "keep", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "threads", "keep", parts=PARTS).parse_args(), PARTS)

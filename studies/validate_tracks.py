@@ -181,4 +181,4 @@ def pictures(lab):
 PARTS = {"coverage": coverage, "heading": heading, "pictures": pictures}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "quick", "keep", parts=PARTS).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "keep", parts=PARTS).parse_args(), PARTS)

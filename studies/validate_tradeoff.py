@@ -212,6 +212,6 @@ def ensemble(lab, file, name, keys, seed):
 PARTS = {"scenes": named_scenes, "promise": promise, "fits": fits, "beds": beds}
 
 if __name__ == "__main__":
-    options = parser(__doc__, "seed", "keep", parts=PARTS, chosen=("scenes", "promise"))
+    options = parser(__doc__, "report", "seed", "keep", parts=PARTS, chosen=("scenes", "promise"))
     options.add_argument("--random", type=int, default=50, help="number of random scenes [50]")
     run_parts(options.parse_args(), PARTS)

@@ -313,14 +313,14 @@ std::vector<FileKind> measure_result_files() {
     std::vector<FileKind> files = {
         {"measure.h5", Lifetime::result, "fields on grids in the rod's frame"},
         {"series.json", Lifetime::result, "fits over the rows of series.csv"},
-        {"measure.json", Lifetime::result, "what was measured, with errors; lengths in a, speeds in a/s",
-         measured},
-        {"series.csv", Lifetime::result, "a row for the scene and one for each variant", series},
+        {"measure.json", Lifetime::result,
+         "every measured number with its error; lengths in a, speeds in a/s", measured},
+        {"series.csv", Lifetime::result, "one row for the scene and one for each variant", series},
         {"rod_tracks.csv", Lifetime::result, "poses of the rods of a film in every frame",
          film_rod_columns()},
         {"film_frame.csv", Lifetime::result, "beads of the frame of a film that has most of them",
          film_frame_columns()},
-        {"tracks.json", Lifetime::result, "what there is in the file of tracks, and what was left out",
+        {"tracks.json", Lifetime::result, "contents of the file of tracks, and what was left out",
          tracks_values()}};
     for (const MeasureKind& kind : measure_kinds())
         for (const FileInfo& file : kind.files)

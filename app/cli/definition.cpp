@@ -421,7 +421,11 @@ void add_verbs(CLI::App& app, Options& options) {
     info->add_option("FILE", options.target, "result file or run directory");
     info->add_flag("--scene-reference", options.scene_reference,
                    "print docs/scene.md: every key a scene may have");
-    info->add_flag("--schema", options.schema, "print the same as JSON, with the kinds of figures");
+    info->add_flag("--figure-reference", options.figure_reference,
+                   "print docs/figures.md: the kinds of figures and what each needs");
+    info->add_flag("--file-reference", options.file_reference,
+                   "print docs/files.md: the files of a run and their columns");
+    info->add_flag("--schema", options.schema, "print keys, figures and measures as JSON");
     info->add_flag("--man", options.man, "print the manual page");
     info->add_option("--completion", options.completion, "print the script that completes command lines")
         ->check(one_of({"bash", "zsh"}));

@@ -69,6 +69,8 @@ struct Options {
     bool verify = false;              ///< replay --verify
     bool pdf = false;                 ///< plot --pdf
     bool scene_reference = false;     ///< info --scene-reference
+    bool figure_reference = false;    ///< info --figure-reference
+    bool file_reference = false;      ///< info --file-reference
     bool schema = false;              ///< info --schema
     bool man = false;                 ///< info --man
     std::string completion;           ///< info --completion

@@ -273,14 +273,16 @@ int print_of_definition(const Options& options) {
 } // namespace
 
 int verb_info(const Options& options) {
-    if (options.scene_reference) {
-        fmt::print("{}", scene::scene_reference());
-        return 0;
-    }
-    if (options.schema) {
-        fmt::print("{}", app::schema_json());
-        return 0;
-    }
+    const std::pair<bool, std::string (*)()> references[] = {
+        {options.scene_reference, scene::scene_reference},
+        {options.figure_reference, scene::figure_reference},
+        {options.file_reference, app::file_reference},
+        {options.schema, app::schema_json}};
+    for (const auto& [wanted, text] : references)
+        if (wanted) {
+            fmt::print("{}", text());
+            return 0;
+        }
     if (options.man || !options.completion.empty())
         return print_of_definition(options);
     if (options.target.empty())

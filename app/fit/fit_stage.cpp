@@ -449,15 +449,15 @@ std::vector<FileKind> fit_files() {
         {"posterior.csv", result, "samples of the parameters, by chain"},
         {"posterior.nc", result,
          "the same as ArviZ reads them: groups posterior, sample_stats, log_likelihood"},
-        {"posterior_curve_<k>.csv", result, "what the samples predict along a profile's line",
+        {"posterior_curve_<k>.csv", result, "predictions of the samples along a profile's line",
          columns_of<PredictedRow>()},
-        {"posterior_trajectory_<k>.csv", result, "what the samples predict of rods",
+        {"posterior_trajectory_<k>.csv", result, "predictions of the samples for rods",
          columns_of<PredictedPoseRow>()},
         {"models.json", result,
          "model comparison: evidence, AIC and BIC, weights, and whether any model describes the data"},
         {"models.csv", result, "the same as a table", model_columns()},
         {"design.json", kept, "experiments that would discriminate between models, ranked by rodwake design"},
-        {"design.csv", kept, "the same as a table, behind what was varied", design_columns()},
+        {"design.csv", kept, "the same as a table, after the varied keys", design_columns()},
         {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
 }
 

@@ -52,16 +52,17 @@ std::vector<FileKind> general_files() {
          "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the "
          "last command"},
         {"log.txt", record, "messages of every command that worked on the run"},
-        {"manifest.json", record, "this list"},
+        {"manifest.json", record, "every file of the run, its stage, columns and units"},
         {"rodwake.lock", record, "host and process that works on the run, or did last"},
         {"film_<k>.h5md", record, "the film of [tracks], made once of a file in another format"},
         {"result.h5", result, "field and trajectories as datasets with units"},
         {"report.html", result, "figures and numbers of the run on one page"},
         {explorer_file, result, "the two rods of the run, to be dragged in a browser"},
         {"tradeoff.json", kept, "the reference, and the settings that rodwake tradeoff tried"},
-        {"tradeoff.csv", kept, "a row a setting: its error and its cost", tradeoff_columns},
+        {"tradeoff.csv", kept, "one row per setting: its error and its cost", tradeoff_columns},
         {"ways.json", kept, "the candidates to compute a part of a scene that rodwake tradeoff tried"},
-        {"ways.csv", kept, "a row a candidate and quantity: value, bias, scatter, cost", candidate_columns}};
+        {"ways.csv", kept, "one row per candidate and quantity: value, bias, scatter, cost",
+         candidate_columns}};
 }
 
 std::vector<FileKind> all_kinds() {

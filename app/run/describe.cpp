@@ -123,6 +123,28 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
                          : "contact: no rods_run.contact_distance"});
 }
 
+/// The field depends on position over xi, so rods that only align with the strain have no other length: see
+/// "Similarity" in docs/theory.md.
+void add_similarity_line(const Plan& plan, Lines& lines) {
+    if (plan.rods.empty() || !plan.scene.medium || !plan.scene.coupling)
+        return;
+    const RodsPlan& rods = plan.rods.front();
+    const scene::Medium& medium = *plan.scene.medium;
+    const bool aligns_only = rods.problem.couplings.apolar() && !rods.problem.couplings.polar() &&
+                             plan.scene.coupling->gamma_flow == 0.0 && !rods.problem.rows.any() &&
+                             !rods.noise;
+    const bool steady_on_plane =
+        medium.field == scene::FieldBackend::exact && !medium.box() && !medium.fitted;
+    if (rods.problem.rods.size() < 2 || !aligns_only || !steady_on_plane || medium.xi == 1.0 ||
+        rods.problem.sums.turning_tolerance > 0.0)
+        return;
+    lines.push_back(
+        {true, fmt::format("alpha = {0:g} is a unit of length: with alpha = 1 and lengths and times "
+                           "multiplied by {0:g} (start, contact distance, t_end) the encounter is "
+                           "the same",
+                           1.0 / medium.xi)});
+}
+
 /// What only many rods have.
 void add_crowd_lines(const Plan& plan, Lines& lines) {
     if (plan.rods.empty())
@@ -251,6 +273,7 @@ std::vector<PlanLine> describe(const Plan& plan) {
     add_medium_lines(plan.scene, lines);
     add_field_lines(plan.scene, lines);
     add_rod_lines(plan, lines);
+    add_similarity_line(plan, lines);
     add_crowd_lines(plan, lines);
     add_noise_lines(plan, lines);
     add_order_line(plan.scene, lines);

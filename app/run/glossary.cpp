@@ -4,11 +4,13 @@
 #include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/document.hpp"
+#include "stage_kind.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace rodwake::app {
 
@@ -99,6 +101,43 @@ std::string file_text(const FileKind& kind) {
                 text += fmt::format("    {:<22} {:<8} {}\n", value.key, value.unit, value.meaning);
     return text;
 }
+
+bool same_columns(const FileKind& a, const FileKind& b) {
+    return std::ranges::equal(a.columns, b.columns, [](const ColumnInfo& one, const ColumnInfo& other) {
+        return std::tie(one.name, one.unit, one.meaning) == std::tie(other.name, other.unit, other.meaning);
+    });
+}
+
+/// Columns of a file as a table in Markdown. A standard error has no row of its own.
+std::string columns_table(const FileKind& kind) {
+    constexpr std::string_view error = "_error";
+    for (const FileKind& earlier : file_kinds())
+        if (&earlier < &kind && same_columns(earlier, kind))
+            return fmt::format("\nThe columns are those of `{}`.\n", earlier.pattern);
+    std::string text = fmt::format("\n| {} | unit | meaning |\n|---|---|---|\n",
+                                   kind.pattern.ends_with(".json") ? "key" : "column");
+    for (const ColumnInfo& column : kind.columns) {
+        const bool is_error =
+            column.name.ends_with(error) &&
+            std::ranges::count(kind.columns, column.name.substr(0, column.name.size() - error.size()),
+                               &ColumnInfo::name) > 0;
+        if (!is_error)
+            text += fmt::format("| `{}` | {} | {} |\n", column.name, unit_text(column.unit),
+                                scene::markdown_cell(column.meaning));
+    }
+    return text;
+}
+
+constexpr const char* files_introduction = R"md(# Files of a run
+
+Made by `rodwake info --file-reference > docs/files.md`; do not edit.
+
+For users who read result files. Each section lists the files that one stage writes, then the columns of its CSV files
+and the keys of its JSON files. `<k>` stands for a number or a name. A column or key `<name>_error` is the standard
+error of `<name>` and is empty, null or NaN if it is unknown. A dot in a key opens a table.
+`manifest.json` in the run folder lists the files of that run with its units. `rodwake help NAME` prints the entry of a
+file, a column or a key.
+)md";
 
 /// "mean_speed" for mean_speed<k> and rods.<k>.mean_speed, and each name of the first.
 bool names_column(const std::string& name, std::string_view pattern) {
@@ -212,6 +251,25 @@ std::optional<std::string> explain(const std::string& name) {
             text += file_text(kind);
     text += columns_text(name) + values_text(name);
     return text.empty() ? std::nullopt : std::optional(text);
+}
+
+std::string file_reference() {
+    std::vector<std::optional<Stage>> makers = {std::nullopt};
+    makers.insert(makers.end(), all_stages().begin(), all_stages().end());
+    std::string text = files_introduction;
+    for (const std::optional<Stage> stage : makers) {
+        std::string tables;
+        text += stage ? fmt::format("\n## Stage `{}`\n", to_string(*stage)) : "\n## Any run\n";
+        text += "\n| file | content |\n|---|---|\n";
+        for (const FileKind& kind : file_kinds())
+            if (kind.stage == stage) {
+                text += fmt::format("| `{}` | {} |\n", kind.pattern, scene::markdown_cell(kind.what));
+                if (!kind.columns.empty())
+                    tables += fmt::format("\n### `{}`\n{}", kind.pattern, columns_table(kind));
+            }
+        text += tables;
+    }
+    return text;
 }
 
 std::vector<std::string> similar_names(const std::string& name) {

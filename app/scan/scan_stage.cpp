@@ -299,9 +299,12 @@ std::vector<FileKind> scan_files() {
         {"scan.html", result, "the scan to explore in a browser"},
         {"cells.csv", result, "cells of the refinement that were not divided", cells_columns},
         {"boundary.csv", result, "boundaries between outcomes as curves", boundary_columns},
-        {"scan.csv", result, "a row a point of the scan; of beds means over its runs", scan_columns()},
+        {"scan.csv", result,
+         "one row per point, in the order of the design: the axes, then these columns; for beds means over "
+         "the runs",
+         scan_columns()},
         {"failures.csv", result, "the points that failed, with their causes", failures_columns},
-        {"scan_runs.csv", result, "a row a run of a scan of beds", scan_columns()}};
+        {"scan_runs.csv", result, "one row per run of a scan of beds", scan_columns()}};
 }
 
 } // namespace

@@ -68,7 +68,7 @@ struct EncounterEnd {
             field("steps", &R::steps, {"1", "of the solver"}),
             field("rhs_evaluations", &R::rhs_evaluations, {"1", "of the right-hand side"}),
             field("separation", &R::orbit_separation,
-                  {"{scan length}", "of an orbit; empty: the rods are in none"}),
+                  {"{scan length}", "of rods in an orbit, else empty; of beds at the start"}),
             field("omega", &R::omega,
                   {"rad/({scan time})", "turning rate of an orbit, + counterclockwise; empty: none"}),
             field(certificate_column, &R::certificate,
@@ -99,7 +99,7 @@ struct CaptureNumbers {
         using R = CaptureNumbers;
         return std::tuple{
             field("capture_probability", &R::probability,
-                  {"1", "share of the runs with noise in contact or pursuit"}),
+                  {"1", "share of the runs with noise in contact, pursuit or orbit"}),
             field("capture_probability_low", &R::low,
                   {"1", "lower end of its 95 % interval (Wilson); itself without noise"}),
             field("capture_probability_high", &R::high,

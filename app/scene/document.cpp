@@ -18,14 +18,14 @@ std::string table_header(const std::string& path) {
     return list ? "[[" + path.substr(0, path.size() - 2) + "]]" : "[" + path + "]";
 }
 
-namespace {
-
-std::string cell(const std::string& text) {
+std::string markdown_cell(std::string_view text) {
     std::string out;
     for (const char c : text)
         out += c == '|' ? "\\|" : std::string(1, c);
     return out;
 }
+
+namespace {
 
 std::string table_text(const TableInfo& table) {
     std::string text =
@@ -38,26 +38,20 @@ std::string table_text(const TableInfo& table) {
         return text;
     text += "\n| key | type | unit | default | legal | meaning | example |\n|---|---|---|---|---|---|---|\n";
     for (const auto& k : table.keys)
-        text += fmt::format("| `{}` | {} | {} | {} | {} | {} | `{}` |\n", k.name, k.type, cell(k.unit),
-                            cell(k.default_value), cell(k.legal), cell(k.meaning), cell(k.example));
+        text += fmt::format("| `{}` | {} | {} | {} | {} | {} | `{}` |\n", k.name, k.type,
+                            markdown_cell(k.unit), markdown_cell(k.default_value), markdown_cell(k.legal),
+                            markdown_cell(k.meaning), markdown_cell(k.example));
     return text;
 }
 
-std::string kinds_text() {
-    std::string text =
-        "\n## Figure kinds\n\n| kind | shows | needs | drawn from | keys besides name, kind, title "
-        "|\n|---|---|---|---|---|\n";
-    for (const FigureKind& kind : figure_kinds()) {
-        std::string needs, quantities;
-        for (const FigureNeed& need : kind.needs)
-            needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
-        for (const auto& [name, need] : kind.quantities)
-            quantities +=
-                fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
-        text += fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name, kind.meaning, needs, quantities,
-                            comma_list(kind.files), comma_list(kind.keys));
-    }
-    return text;
+std::string kind_text(const FigureKind& kind) {
+    std::string needs, quantities;
+    for (const FigureNeed& need : kind.needs)
+        needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
+    for (const auto& [name, need] : kind.quantities)
+        quantities += fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
+    return fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name, markdown_cell(kind.meaning), needs,
+                       quantities, comma_list(kind.files), comma_list(kind.keys));
 }
 
 std::string parameters_text() {
@@ -97,6 +91,16 @@ of lists are numbered from 0), `-s rods_run.method=adams`. Where keys are altern
 the file. `-s noise=` takes a key, a table or an entry of a list out.
 )md";
 
+constexpr const char* figures_introduction = R"md(# Figures
+
+Made by `rodwake info --figure-reference > docs/figures.md`; do not edit.
+
+For users who choose the figures of a run. `rodwake run` and `rodwake plot` draw what `[[figures]]` in the scene lists,
+or else one figure for each result that the run holds. A figure needs the keys in the column "needs" and is drawn from
+the [files](files.md) in the next column. The [scene reference](scene.md#figures) explains its keys. All kinds take
+`name`, `kind` and `title`.
+)md";
+
 } // namespace
 
 std::vector<TableInfo> scene_tables() { return documented(); }
@@ -128,7 +132,25 @@ std::string scene_reference() {
     std::string text = introduction;
     for (const auto& table : documented())
         text += table_text(table);
-    return text + kinds_text() + parameters_text();
+    return text + parameters_text();
+}
+
+std::string figure_reference() {
+    constexpr std::pair<FigureSubject, const char*> sections[] = {
+        {FigureSubject::bed, "Beds and films"},
+        {FigureSubject::measure, "Measures"},
+        {FigureSubject::theory, "Rods and fields"},
+        {FigureSubject::rod_order, "Order of many rods"},
+        {FigureSubject::fit, "Fits"},
+        {FigureSubject::scan, "Scans"}};
+    std::string text = figures_introduction;
+    for (const auto& [subject, title] : sections) {
+        text += fmt::format(
+            "\n## {}\n\n| kind | shows | needs | drawn from | keys |\n|---|---|---|---|---|\n", title);
+        for (const FigureKind& kind : figure_kinds())
+            text += kind.subject == subject ? kind_text(kind) : "";
+    }
+    return text;
 }
 
 namespace {

@@ -121,7 +121,7 @@ void fields(Visitor& v, Figure& figure, const FigureUnits& units) {
           .required()
           .says_units(!figure.x.empty() || !figure.y.empty())
           .one_of(figure_kind_names())
-          .doc("what is drawn; what each needs stands under \"Figure kinds\"")
+          .doc("what is drawn; docs/figures.md lists what each kind needs")
           .example("\"cut\""),
       figure.kind);
     v(key("title").absent("made from the data").doc("title").example("\"Wake\""), figure.title);

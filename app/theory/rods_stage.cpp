@@ -421,12 +421,12 @@ std::vector<FileKind> rods_files() {
             {"outcome.json", result, "how the encounter ended, and what the solver did",
              values_of<OutcomeReport>()},
             {"ensemble.csv", result,
-             "a row a run with noise, or a draw of the measured field's errors: how the rods end in it",
+             "one row per run with noise, or per draw of the measured field's errors: its outcome",
              columns_of<DrawnRow, NoisyRow>()},
             {"noise.json", result,
-             "ensemble of runs with noise: probability of capture (contact or pursuit) with the ends of its "
-             "interval of 95 %, endings, first contact; by time, of each rod: mean-square displacement and "
-             "heading correlation with standard errors",
+             "ensemble of runs with noise: probability of capture (contact, pursuit or orbit) with its 95 % "
+             "interval, outcomes, first contact; mean-square displacement and heading correlation of each "
+             "rod against time",
              values_of<NoiseReport>()},
             {"medium_film.h5", result,
              "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "

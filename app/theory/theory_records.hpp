@@ -219,14 +219,14 @@ struct NoisyRow {
 
     static constexpr auto fields() {
         using R = NoisyRow;
-        return std::tuple{
-            field("run", &R::run, {"1", "number of the run with noise, from 0"}),
-            field("outcome", &R::outcome, {"1", outcome_codes}),
-            field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
-            field("min_separation", &R::min_separation,
-                  {"{length}", "smallest separation of any pair at any time"}),
-            field("first", &R::first, {"1", "rod of the pair in contact or pursuit, else of the closest"}),
-            field("second", &R::second, {"1", "the other rod of that pair"})};
+        return std::tuple{field("run", &R::run, {"1", "number of the run with noise, from 0"}),
+                          field("outcome", &R::outcome, {"1", outcome_codes}),
+                          field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
+                          field("min_separation", &R::min_separation,
+                                {"{length}", "smallest separation of any pair at any time"}),
+                          field("first", &R::first,
+                                {"1", "rod of the pair in contact, pursuit or orbit, else of the closest"}),
+                          field("second", &R::second, {"1", "the other rod of that pair"})};
     }
 };
 
@@ -268,7 +268,7 @@ struct NoiseReport {
         return std::tuple{
             field("runs", &R::runs, {"1", "with noise"}),
             field("capture_probability", &R::capture_probability,
-                  {"1", "share of the runs with contact or pursuit"}),
+                  {"1", "share of the runs in contact, pursuit or orbit"}),
             field("capture_low", &R::capture_low, {"1", "lower end of its interval"}),
             field("capture_high", &R::capture_high, {"1", "upper end of its interval"}),
             field("capture_confidence", &R::capture_confidence, {"1", "of that interval"}),

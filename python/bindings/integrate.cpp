@@ -204,10 +204,15 @@ py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, doub
 }
 
 constexpr const char* about_equations =
-    R"(Equations of motion of rods as a function: call it with (t, y), integrate it, or add terms of your own to it.
+    R"(Equations of motion of rods as a function of time and state, dy/dt = equations(t, y), to integrate or to add terms to.
 
-RodEquations(poses, medium=None, kappa=0, gamma1=0, gamma2=0): poses (N, 3) as simulate has them. y is x, y and heading of
-each rod in turn, 3 N numbers. Integrated as it is, it runs without Python, and no encounter is stepped over.)";
+The state y (3 N,) is x, y and heading of each rod in turn. `integrate` runs these equations without Python and steps over no
+encounter.
+
+Parameters
+----------
+poses, medium, kappa, gamma1, gamma2
+    As for `simulate`.)";
 
 } // namespace
 

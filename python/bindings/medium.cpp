@@ -62,12 +62,21 @@ py::tuple values_of(const Medium& m) { return py::make_tuple(m.elastic.eta, m.el
 
 constexpr const char* about_medium = R"(The elastic medium that rods move in.
 
-eta       lambda/mu, compression over shear modulus K/mu; above -1. Stable free-standing materials have eta > 0;
-          -1 < eta < 0 is admissible only mathematically
-xi        screening length mu/(zeta v0) in f/mu; above 0. Or alpha = 1/xi
-periodic  side of a periodic box in f/mu, or both, (Lx, Ly); None: infinite plane
+Immutable.
 
-poisson_ratio, -1 < p < 1, gives eta = (1 + p)/(1 - p) > 0 instead. Without arguments eta = 1, xi = 1. Immutable.)";
+Parameters
+----------
+eta : float
+    lambda/mu, compression over shear modulus K/mu, above -1. Stable free-standing materials have eta > 0; -1 < eta < 0 is
+    admissible only mathematically. Default 1.
+xi : float
+    Screening length mu/(zeta v0) in f/mu. Default 1.
+alpha : float
+    1/xi, instead of xi.
+poisson_ratio : float
+    Two-dimensional Poisson ratio p, -1 < p < 1, instead of eta = (1 + p)/(1 - p).
+periodic : float or tuple of float
+    Side of a periodic box in f/mu, or both, (Lx, Ly). Default: infinite plane.)";
 
 } // namespace
 

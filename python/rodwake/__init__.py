@@ -14,7 +14,7 @@ import importlib
 
 from ._core import Medium, RodEquations, RodResult
 from ._core import version as __version__
-from .equilibria import PairBranch, PairEquilibrium, pair_branches, pair_equilibria, pair_flow
+from .equilibria import PairBranch, PairEquilibrium, pair_branches, pair_equilibria, pair_flow, write_branches
 from .errors import Error, InputError, Problem, RunError, SceneError
 from .fields import Wakes, dipole, displacement, grad_div, laplacian, strain, wakes
 from .fitting import Estimate, FitResult, FittedMap, FittedProfile, FittedTrack, Likelihood, Map, Profile, Track, fit, fit_map, fit_rods, fit_wake
@@ -35,7 +35,7 @@ __all__ = [
     "RodEquations", "RodPath", "RodResult", "Run", "RunError", "Scene", "SceneError", "Track", "Tracks", "Trajectory", "Wakes", "__version__",
     "classify", "convert", "critical", "dipole", "displacement", "fit", "fit_map", "fit_rods", "fit_wake", "grad_div", "integrate", "laplacian", "open_run",
     "pair_branches", "pair_equilibria", "pair_flow", "posterior",
-    "run_bed", "scan", "simulate", "simulate_noise", "strain", "wakes",
+    "run_bed", "scan", "simulate", "simulate_noise", "strain", "wakes", "write_branches",
 ]
 
 

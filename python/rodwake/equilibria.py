@@ -1,4 +1,4 @@
-"""What two rods can do for ever: fixed points of a pair's flow, and their branches.
+"""Steady long-time states of two rods: fixed points of a pair's flow, and their branches.
 
 Two rods in each other's steady wakes are a flow in three numbers, the pose (x, y, h) of rod 1 in the frame of rod 0. Lengths in f/mu,
 times in f/(mu v0), angles in rad. Equations and errors: include/rodwake/rods/pair_equilibria.hpp and pair_branches.hpp.
@@ -6,8 +6,11 @@ times in f/(mu v0), angles in rad. Equations and errors: include/rodwake/rods/pa
 
 from __future__ import annotations
 
+import csv
+import os
 from dataclasses import dataclass
-from typing import Any, Union
+from pathlib import Path
+from typing import Any, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -150,6 +153,35 @@ def pair_branches(medium: Medium, over: str, least: float, most: float, *, kappa
     low, high = arguments.number("least", least, least=-1e12, most=1e12), arguments.number("most", most, least=-1e12, most=1e12)
     found = _core.pair_branches(*_pair(medium, kappa, gamma1, gamma2), arguments.kind("over", over, str, "the name of a number"), low, high)
     return [PairBranch(over, np.array(parameter), [_named(point) for point in points], folds, ends) for parameter, points, folds, ends in found]
+
+
+def write_branches(path: Union[str, "os.PathLike[str]"], branches: Sequence[PairBranch]) -> Path:
+    """Writes branches as CSV, one row per fixed point.
+
+    Parameters
+    ----------
+    path : path
+        File to write.
+    branches : sequence of PairBranch
+        Columns: branch (number from 0), kind, the number that varies, x, y and heading of rod 1 in the frame of rod 0, separation,
+        omega, growth (largest real part of the eigenvalues), stable and fold (1 or 0).
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    if len({branch.over for branch in branches}) != 1:
+        raise InputError("branches: expected one or more branches over the same number")
+    target = Path(arguments.path("path", path, "the name of a file"))
+    with open(target, "w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(["branch", "kind", branches[0].over, "x", "y", "heading", "separation", "omega", "growth", "stable", "fold"])
+        for number, branch in enumerate(branches):
+            for row, (value, point) in enumerate(zip(branch.parameter.tolist(), branch.equilibria)):
+                rows.writerow([number, point.kind, value, *point.pose, point.separation, point.omega, point.eigenvalues[0].real, int(point.stable),
+                               int(row in branch.folds)])
+    return target
 
 
 def pair_flow(pose: ArrayLike, medium: Medium, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Exceptions of rodwake. All are `Error`; `InputError` is a ValueError as well, `RunError` a RuntimeError."""
+"""Exceptions. `InputError` is also a ValueError, `RunError` a RuntimeError. An argument of the wrong type raises TypeError."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Sequence
 
 
 class Error(Exception):
-    """What rodwake raises. The text says what was found, what is legal and what to do next."""
+    """Base of all exceptions. The text names the fault, what is legal and what to do next."""
 
 
 class InputError(Error, ValueError):
-    """What was given cannot be used."""
+    """An argument cannot be used."""
 
 
 class RunError(Error, RuntimeError):
-    """The input was fine, but the work could not be finished: an unwritable folder, a failed solve."""
+    """The computation could not finish (an unwritable folder, a failed solve), or a file of a run is damaged or missing."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong with a scene: its place in the file (line and column from 1; 0: no single place) and what it is."""
+    """An error in a scene and its position in the file: line and column from 1; 0: no single position."""
 
     file: str
     line: int
@@ -30,7 +30,7 @@ class Problem:
 
 
 class SceneError(InputError):
-    """A scene cannot be used. The text lists all its problems, and so does `problems`."""
+    """A scene is invalid. The text and `problems` list all of its errors."""
 
     def __init__(self, message: str, problems: Sequence[Problem] = ()) -> None:
         super().__init__(message, problems)

@@ -1,7 +1,7 @@
 """Fields that rods leave in the medium, at many points at once.
 
 Points are given by x and y, arrays of one shape or of shapes that broadcast to one (...). Without `rods` the field is that of one
-rod at the origin that walks along +x; `rods` is an array (N, 3) of x, y and heading (rad), whose fields add up. Units: lengths f/mu.
+rod at the origin that moves along +x; `rods` is an array (N, 3) of x, y and heading (rad), whose fields add up. Units: lengths f/mu.
 Components are those of the lab frame. `threads` share the points; the result does not depend on them.
 
 At a rod, and in a box at its images, fields are singular: there the result is NaN, and a RuntimeWarning says at how many points.
@@ -63,13 +63,13 @@ def dipole(x: ArrayLike, y: ArrayLike, medium: Medium, *, rods: Optional[ArrayLi
 
 
 class Wakes(NamedTuple):
-    """What the other rods make at each of N rods, and in a periodic box its own images. Lab components."""
+    """Fields of the other rods at each of N rods, in a periodic box also of its own images. Lab components."""
 
-    displacement: Floats  # (N, 2), f/mu
-    strain: Floats  # (N, 2, 2), dimensionless
-    strain_gradient: Floats  # (N, 2, 2, 2), mu/f: [a, k, i, j] is d strain_ij/d x_k at rod a
-    laplacian: Floats  # (N, 2), mu/f
-    grad_div: Floats  # (N, 2), mu/f
+    displacement: Floats  #: (N, 2), f/mu
+    strain: Floats  #: (N, 2, 2), dimensionless
+    strain_gradient: Floats  #: (N, 2, 2, 2), mu/f: [a, k, i, j] is d strain_ij/d x_k at rod a
+    laplacian: Floats  #: (N, 2), mu/f
+    grad_div: Floats  #: (N, 2), mu/f
 
 
 def wakes(poses: ArrayLike, medium: Medium) -> Wakes:

@@ -19,14 +19,14 @@ Floats = NDArray[np.float64]
 class Profile:
     """Displacement along a line in the frame of the rod, in any unit of length, the same for all. Rows with a masked value are left out."""
 
-    place: ArrayLike  # (P,): the coordinate that varies
-    value: ArrayLike  # (P,)
-    sigma: Optional[ArrayLike] = None  # (P,): standard errors; None: equal and unknown
+    place: ArrayLike  #: (P,): the coordinate that varies
+    value: ArrayLike  #: (P,)
+    sigma: Optional[ArrayLike] = None  #: (P,): standard errors; None: equal and unknown
     component: Literal["Ux", "Uy"] = "Ux"
     along: Literal["x", "y"] = "x"
-    at: float = 0.0  # the other coordinate
+    at: float = 0.0  #: the other coordinate
     name: str = "profile"
-    role: Literal["fit", "predict"] = "fit"  # predict: compared with the fit of the others, not fitted
+    role: Literal["fit", "predict"] = "fit"  #: predict: compared with the fit of the others, not fitted
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class Track:
     poses: ArrayLike
     sigma_position: Optional[float] = None
     sigma_heading: Optional[float] = None
-    free_headings: bool = False  # fit the headings at the start too
-    start_poses: Literal["auto", "fitted", "exact"] = "auto"  # the first row: fitted, data like the others, if sigmas are given
+    free_headings: bool = False  #: fit the headings at the start too
+    start_poses: Literal["auto", "fitted", "exact"] = "auto"  #: the first row: fitted, data like the others, if sigmas are given
     contact_distance: Optional[float] = None
-    contact_time: Optional[float] = None  # a datum; needs contact_distance
+    contact_time: Optional[float] = None  #: a datum; needs contact_distance
     sigma_contact: Optional[float] = None
-    independent: float = 1.0  # independent rows a row is worth, in (0, 1]
+    independent: float = 1.0  #: independent rows a row is worth, in (0, 1]
     name: str = "track"
 
 
@@ -52,14 +52,14 @@ class Map:
     """Displacements on a grid in the frame of a rod, which heads along +x, in any unit of length, the same for all. The grid lies in a
     periodic box whose sides are `box`."""
 
-    x: ArrayLike  # (nx,): evenly spaced, rising
-    y: ArrayLike  # (ny,)
-    Ux: ArrayLike  # (ny, nx): along the heading; NaN or masked: no data
-    Uy: ArrayLike  # (ny, nx)
-    box: tuple[float, float]  # along and across the heading
-    sigma_x: Optional[ArrayLike] = None  # (ny, nx): standard errors; NaN or masked: the bin is left out; None, or all so: equal and unknown
-    sigma_y: Optional[ArrayLike] = None  # (ny, nx)
-    speed: Optional[float] = None  # of the rod against the medium, length/s; needed for zeta, rho and eta_s
+    x: ArrayLike  #: (nx,): evenly spaced, rising
+    y: ArrayLike  #: (ny,)
+    Ux: ArrayLike  #: (ny, nx): along the heading; NaN or masked: no data
+    Uy: ArrayLike  #: (ny, nx)
+    box: tuple[float, float]  #: along and across the heading
+    sigma_x: Optional[ArrayLike] = None  #: (ny, nx): standard errors; NaN or masked: the bin is left out; None, or all so: equal and unknown
+    sigma_y: Optional[ArrayLike] = None  #: (ny, nx)
+    speed: Optional[float] = None  #: of the rod against the medium, length/s; needed for zeta, rho and eta_s
     name: str = "map"
 
 
@@ -70,27 +70,27 @@ class Estimate:
     name: str
     value: float
     standard_error: float
-    low: float  # 95 % interval
+    low: float  #: 95 % interval
     high: float
     free: bool
-    bound: Optional[str]  # 'lower' or 'upper' if the value is held there
+    bound: Optional[str]  #: 'lower' or 'upper' if the value is held there
 
 
 @dataclass(frozen=True)
 class FittedProfile:
-    """A profile beside the model, at every point that is not masked."""
+    """A profile and the model, at every point that is not masked."""
 
     name: str
     role: str
     place: Floats
     value: Floats
-    sigma: Floats  # as used, enlarged where points share data; NaN: unknown
+    sigma: Floats  #: as used, enlarged where points share data; NaN: unknown
     model: Floats
-    error: Floats  # standard error of the model
-    residual: Floats  # (value - model)/sigma; without sigmas over the scatter
-    used: NDArray[np.bool_]  # outside the core
-    chi2: float  # of the used ones
-    excess: float  # factor by which the data exceed the model
+    error: Floats  #: standard error of the model
+    residual: Floats  #: (value - model)/sigma; without sigmas over the scatter
+    used: NDArray[np.bool_]  #: outside the core
+    chi2: float  #: of the used ones
+    excess: float  #: factor by which the data exceed the model
     excess_error: float
 
 
@@ -111,7 +111,7 @@ class FittedMap:
     name: str
     Ux: Floats
     Uy: Floats
-    used: NDArray[np.bool_]  # with data and outside the mask
+    used: NDArray[np.bool_]  #: with data and outside the mask
     chi2: float
 
 
@@ -126,8 +126,8 @@ class Likelihood:
 
 
 class FitResult:
-    """What a fit found. Matrices are of the parameters in `free`, in this order. profiles, tracks, maps: model and residuals of the
-    data that were given, in their order (empty if the fit failed)."""
+    """Result of a fit. Matrices have the parameters in `free`, in this order. profiles, tracks, maps: model and residuals of the data,
+    in the given order (empty if the fit failed)."""
 
     def __init__(self, core: Any) -> None:
         self.parameters: dict[str, Estimate] = {one.name: one for one in core.estimates(Estimate)}
@@ -136,20 +136,20 @@ class FitResult:
         self.correlation: Floats = core.correlation()
         self.chi2: float = core.chi2
         self.dof: int = core.dof
-        self.probability: float = core.probability  # of so large a chi2 if model and errors are right
-        self.termination: str = core.termination  # 'converged', 'roundoff', 'budget', 'failed'
+        self.probability: float = core.probability  #: of so large a chi2 if model and errors are right
+        self.termination: str = core.termination  #: 'converged', 'roundoff', 'budget', 'failed'
         self.reason: str = core.reason
-        self.diagnostics: list[str] = core.diagnostics  # bounds, what the data do not fix, other minima, in words
+        self.diagnostics: list[str] = core.diagnostics  #: bounds, what the data do not fix, other minima, in words
         self.evaluations: int = core.evaluations
-        self.residuals: Floats = core.residuals()  # (data - model)/sigma of all that was fitted; their squares add up to chi2
+        self.residuals: Floats = core.residuals()  #: (data - model)/sigma of all that was fitted; their squares add up to chi2
         self.profiles: list[FittedProfile] = core.profiles(FittedProfile)
         self.tracks: list[FittedTrack] = core.tracks(FittedTrack)
         self.maps: list[FittedMap] = core.maps(FittedMap)
-        self.likelihood: dict[str, Likelihood] = core.likelihood(Likelihood)  # of the parameters in `likelihood = [...]`
+        self.likelihood: dict[str, Likelihood] = core.likelihood(Likelihood)  #: of the parameters in `likelihood = [...]`
         self._report: str = core.text()
 
     def report(self) -> str:
-        """All of it as a page of text."""
+        """The result as a page of text."""
         return self._report
 
     def __repr__(self) -> str:
@@ -160,38 +160,58 @@ class FitResult:
 def fit_wake(profiles: Sequence[Profile], parameters: Sequence[str], **options: Any) -> FitResult:
     """Fits the wake of a rod to profiles of displacement.
 
-    parameters  names of those that are fitted: f_over_mu, eta, xi or alpha, f2d_over_mu, x0, offset, offset_y
-    options     keys of [fit] (docs/scene.md): start, fixed, bounds and tied, mappings by name; core (points closer to the rod are
-                left out), independent_spacing, box, heading, method, loss, starts, seed, tolerance, ...; `threads`
+    Lengths are in the unit of the profiles. The result equals that of `rodwake fit` for the same data. NaN among the sigmas is
+    refused: leave such rows out.
 
-    Lengths are in the unit of the profiles. The result is that of `rodwake fit` for the same data, to the last bit. NaN among the
-    sigmas is refused; rows of a file without a sigma are left out by the program, so leave them out here.
+    Parameters
+    ----------
+    profiles : sequence of Profile
+        The data.
+    parameters : sequence of str
+        Names of the fitted parameters: f_over_mu, eta, xi or alpha, f2d_over_mu, x0, offset, offset_y.
+    **options
+        Keys of [fit] (docs/scene.md): start, fixed, bounds and tied, as mappings by name; core (points closer to the rod are left
+        out), independent_spacing, box, heading, method, loss, starts, seed, tolerance and others; also `threads`.
+
+    Returns
+    -------
+    FitResult
     """
     return fit(profiles=profiles, parameters=parameters, **options)
 
 
 def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any) -> FitResult:
-    """Fits couplings and medium to tracks of rods: kappa, gamma1, gamma2, eta, alpha or xi. Options as for fit_wake."""
+    """Fits couplings and medium to tracks of rods: kappa, gamma1, gamma2, eta, alpha or xi. Options as for `fit_wake`."""
     return fit(tracks=tracks, parameters=parameters, **options)
 
 
 def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
-    """Fits a medium and the sources of a rod to maps of displacement (docs/fit.md, "Displacement maps").
+    """Fits a medium and the force multipoles of a rod to displacement maps (docs/fit.md, "Displacement maps").
 
-    parameters  of an isotropic medium: f_over_mu, eta, and xi, alpha or drag_area; of an orthotropic one: amplitude, force, c11, c22,
-                c12, c66, zeta, rho, eta_s. Of both p_xx, p_yy, q_xxx, q_xyy, q_yxy (two of these three at most), t_xxxx, t_xxyy,
-                h_xxxxx, h_xxxyy, offset, offset_y; the rest in `fixed`
-    options     as for fit_wake; besides rod_length, source_width, and masks = [{strip, radius, sector}] (one at most)
+    Lengths are in the unit of the maps, angles in rad, times in s. Values, errors and chi2 equal those of `rodwake fit` for the same
+    data. Only `rodwake fit` gives the errors of fixed values (fixed_errors), of further masks and of the jackknife.
 
-    Lengths are in the unit of the maps, angles in rad, times in s. The value, error and chi2 are those of `rodwake fit` for the same
-    data, to the last bit. Errors of fixed values (fixed_errors), further masks and the jackknife are made by `rodwake fit` alone.
+    Parameters
+    ----------
+    maps : sequence of Map
+        The data.
+    parameters : sequence of str
+        Of an isotropic medium f_over_mu, eta, and xi, alpha or drag_area. Of an orthotropic one amplitude, force, c11, c22, c12, c66,
+        zeta, rho, eta_s. Of both p_xx, p_yy, q_xxx, q_xyy, q_yxy (at most two of these three), t_xxxx, t_xxyy, h_xxxxx, h_xxxyy,
+        offset, offset_y. The others must be in `fixed`.
+    **options
+        As for `fit_wake`, and rod_length, source_width and masks = [{strip, radius, sector}] (at most one).
+
+    Returns
+    -------
+    FitResult
     """
     return fit(maps=maps, parameters=parameters, **options)
 
 
 def fit(*, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
         threads: int = 1, **options: Any) -> FitResult:
-    """Profiles, tracks and maps in one fit; beside profiles, alpha is the parameter that means the same for both (docs/fit.md)."""
+    """Fits profiles, tracks and maps together. With profiles and tracks use alpha, which means the same for both (docs/fit.md)."""
     return FitResult(_core.fit(*scene_and_data(parameters, profiles, tracks, maps, options), arguments.threads(threads)))
 
 

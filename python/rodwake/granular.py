@@ -18,11 +18,17 @@ LONGEST = 1e9  # s, beyond any bed
 class Bed:
     """The bed of a scene with [granular], from its start on. SI units: m, s, rad. N beads, R rods.
 
-    run      number of the run, from 0: beds of one seed differ by it
-    threads  results do not depend on it
+    The steps equal those of `rodwake dem`. Beds with `start = "restart"` and the end at `stop_at_travel` need Scene.run. Do not advance
+    one bed from two threads at once.
 
-    The steps are those of `rodwake dem`, to the last bit. A bed of `start = "restart"`, and the end at `stop_at_travel`, are for
-    Scene.run. One bed must not be advanced from two threads at once; each may have its own.
+    Parameters
+    ----------
+    scene : Scene
+        With [granular].
+    run : int
+        Number of the run, from 0: runs of one seed differ by it.
+    threads : int
+        Results do not depend on it.
     """
 
     def __init__(self, scene: Scene, *, run: int = 0, threads: int = 1) -> None:

@@ -1,4 +1,4 @@
-"""Rods that diffuse: ensembles of noisy runs."""
+"""Ensembles of runs with noise."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ class NoiseResult:
     f/(mu v0), angles in rad."""
 
     def __init__(self, core: Any, contact_distance: Optional[float]) -> None:
-        self.contact_distance = contact_distance  # f/mu; None: contact is not told
-        self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  # (R,): 'contact', 'pursuit', 'escape', 'undecided' or 'failed'
-        self.times: Floats = core.times()  # (R,): of contact, else the time reached
-        self.min_separations: Floats = core.min_separations()  # (R,); infinite for a single rod
-        self.pairs: NDArray[np.int64] = core.pairs()  # (R, 2): the rods that the outcome is about; -1 for a single rod
+        self.contact_distance = contact_distance  #: f/mu; None: contact is not detected
+        self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  #: (R,): 'contact', 'pursuit', 'escape', 'orbit', 'undecided' or 'failed'
+        self.times: Floats = core.times()  #: (R,): of contact, else the time reached
+        self.min_separations: Floats = core.min_separations()  #: (R,); infinite for a single rod
+        self.pairs: NDArray[np.int64] = core.pairs()  #: (R, 2): the rods that the outcome is about; -1 for a single rod
         capture = core.capture()
-        self.capture_probability: Optional[float] = capture[0] if capture else None  # share of contact and pursuit; None: single rod
-        self.capture_interval: Optional[tuple[float, float]] = capture[1:] if capture else None  # its 95 % interval (Wilson)
-        self.t: Floats = core.t()  # (T,): the output times, the end among them
-        self.runs_at_time: NDArray[np.int64] = core.runs_at_time().astype(np.int64)  # (T,): runs that got there; contact ends a run
-        self.mean_square_displacement: Floats  # (T, N): of those runs; NaN where none did
-        self.mean_square_displacement_error: Floats  # (T, N): standard error; NaN where fewer than two did
+        self.capture_probability: Optional[float] = capture[0] if capture else None  #: share of contact, pursuit and orbit; None: single rod
+        self.capture_interval: Optional[tuple[float, float]] = capture[1:] if capture else None  #: its 95 % interval (Wilson)
+        self.t: Floats = core.t()  #: (T,): the output times, the end among them
+        self.runs_at_time: NDArray[np.int64] = core.runs_at_time().astype(np.int64)  #: (T,): runs that got there; contact ends a run
+        self.mean_square_displacement: Floats  #: (T, N): of those runs; NaN where none did
+        self.mean_square_displacement_error: Floats  #: (T, N): standard error; NaN where fewer than two did
         self.mean_square_displacement, self.mean_square_displacement_error = core.mean_square_displacement()
-        self.heading_correlation: Floats  # (T, N): mean of cos(theta(t) - theta(0))
-        self.heading_correlation_error: Floats  # (T, N)
+        self.heading_correlation: Floats  #: (T, N): mean of cos(theta(t) - theta(0))
+        self.heading_correlation_error: Floats  #: (T, N)
         self.heading_correlation, self.heading_correlation_error = core.heading_correlation()
-        self.time_step: float = core.time_step  # longest step taken
-        self.failure: str = core.failure  # why the first run that failed did; '': none
+        self.time_step: float = core.time_step  #: longest step taken
+        self.failure: str = core.failure  #: why the first run that failed did; '': none
 
     def __repr__(self) -> str:
         told = ""
@@ -55,17 +55,37 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
                    time_step: Optional[float] = None, kappa: float = 0.0, gamma1: float = 0.0,
                    gamma2: float = 0.0, t_end: float, output_times: Optional[ArrayLike] = None, contact_distance: Optional[float] = None,
                    threads: int = 1, max_steps: int = 1_000_000) -> NoiseResult:
-    """Runs rods from `poses` (N, 3) many times, with white noise on their headings and places (docs/noise.md).
+    """Runs rods many times with white noise on their headings and positions (docs/noise.md).
 
-    rotational_diffusion     D_r, rad^2 mu v0/f
-    translational_diffusion  D_t along each axis, f v0/mu
-    runs                     of the ensemble; run k is the same whatever their number
-    capture_error            more runs, up to `most_runs`, until half the interval of the capture probability is no wider
-    time_step                longest step, f/(mu v0); None: the rule that `rodwake check` prints
-    output_times             as for simulate; the noise belongs to them, so others make other runs
+    With the output times of a scene (0 included) the result equals that of its [noise], for any number of threads. Failed runs are
+    counted and end an ensemble that has `capture_error`. Invalid input raises InputError.
 
-    The rest is as for simulate. With the output times of a scene (0 among them) the result is that of its [noise], to the last bit,
-    for any number of threads. Runs that fail are counted as such and end an ensemble with capture_error; input that cannot be used raises InputError.
+    Parameters
+    ----------
+    poses, medium, kappa, gamma1, gamma2, t_end, contact_distance, max_steps
+        As for `simulate`.
+    rotational_diffusion : float
+        D_r, rad^2 mu v0/f.
+    translational_diffusion : float
+        D_t along each axis, f v0/mu.
+    runs : int
+        Runs of the ensemble. Run k does not depend on their number.
+    capture_error : float, optional
+        Runs are added, up to `most_runs`, until half the interval of the capture probability is at most this.
+    most_runs : int
+        Limit for `capture_error`.
+    seed : int
+        Seed of the noise.
+    time_step : float, optional
+        Longest step, f/(mu v0). Default: the rule that `rodwake check` prints.
+    output_times : array_like, optional
+        As for `simulate`. The noise depends on them: other times give other runs.
+    threads : int
+        Threads that share the runs.
+
+    Returns
+    -------
+    NoiseResult
     """
     given = motion(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance)
     error = arguments.maybe("capture_error", capture_error, least=1e-4, most=0.5)

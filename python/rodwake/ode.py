@@ -36,23 +36,23 @@ class Event:
 class Hit:
     """An event that was found."""
 
-    event: int  # its number among the events
+    event: int  #: its number among the events
     time: float
-    y: Floats  # (n,)
+    y: Floats  #: (n,)
 
 
 @dataclass(frozen=True)
 class OdeResult:
     """Solution of an initial-value problem."""
 
-    t: Floats  # (T,): those of the times that were reached
-    y: Floats  # (T, n): the state at these times
-    final_time: float  # the last time, that of a terminal event, or of a failure
-    final_y: Floats  # (n,)
-    hits: list[Hit]  # in order of time
-    status: str  # 'reached_end', 'stopped_at_event' or 'failed'
-    message: str  # the same in words, with the cause of a failure
-    statistics: dict[str, int]  # steps, rhs_evaluations, ...
+    t: Floats  #: (T,): those of the times that were reached
+    y: Floats  #: (T, n): the state at these times
+    final_time: float  #: the last time, that of a terminal event, or of a failure
+    final_y: Floats  #: (n,)
+    hits: list[Hit]  #: in order of time
+    status: str  #: 'reached_end', 'stopped_at_event' or 'failed'
+    message: str  #: the same in words, with the cause of a failure
+    statistics: dict[str, int]  #: steps, rhs_evaluations, ...
 
 
 def _check(name: str, given: object, legal: bool, wanted: str) -> None:
@@ -73,18 +73,38 @@ def _check_event(name: str, event: Event) -> None:
 def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, times: ArrayLike = (), *, start: float = 0.0,
               events: Sequence[Event] = (), jacobian: Optional[Rate] = None, method: str = "adams", rtol: float = 1e-8,
               atol: Optional[float] = None, max_steps: int = 1_000_000, max_step: float = 0.0) -> OdeResult:
-    """Integrates dy/dt = rhs(t, y) from y0 at `start` to the last of `times`.
+    """Integrates dy/dt = rhs(t, y) from `y0` at `start` to the last of `times`.
 
-    rhs        a function of time and state (n,) that returns dy/dt (n,), or RodEquations
-    y0         (n,); None: the poses of RodEquations
-    times      (T,), increasing: when the state is kept
-    jacobian   function that returns d rhs_i/d y_j, (n, n), for method 'bdf'; None: differences, or that of RodEquations
-    method     'adams' (many smooth problems), 'bdf' (stiff ones) or 'erk' (explicit Runge-Kutta)
-    rtol, atol tolerances of the local error of each component; atol is rtol/100 unless given
-    max_step   longest step; 0: any. For what is too short to be seen in a step: a pulse of rhs or of an event
+    A solve that fails does not raise: its status is 'failed'. Exceptions of `rhs`, `jacobian` and events are raised here. If they
+    return anything but real numbers, InputError is raised.
 
-    A solve that fails is a value, with status 'failed'. What rhs, jacobian or an event raises is raised here; what they return
-    and is not real numbers is an InputError.
+    Parameters
+    ----------
+    rhs : callable or RodEquations
+        Function of time and state (n,) that returns dy/dt (n,).
+    y0 : array_like, shape (n,), optional
+        State at the start. Default: the poses of RodEquations.
+    times : array_like, shape (T,)
+        Increasing times at which the state is kept.
+    start : float
+        Time at which the solve starts.
+    events : sequence of Event
+        Roots to find.
+    jacobian : callable, optional
+        Function of time and state that returns d rhs_i/d y_j, (n, n), for method 'bdf'. Default: that of RodEquations, or finite
+        differences.
+    method : str
+        'adams' (smooth problems), 'bdf' (stiff ones) or 'erk' (explicit Runge-Kutta).
+    rtol, atol : float
+        Tolerances of the local error of each component. The default of `atol` is rtol/100.
+    max_steps : int
+        Steps after which the solve fails.
+    max_step : float
+        Longest step, for short pulses of `rhs` or an event that a step could miss. 0: no limit.
+
+    Returns
+    -------
+    OdeResult
     """
     _check("rhs", rhs, callable(rhs), "a function of (t, y), or RodEquations")
     _check("jacobian", jacobian, jacobian is None or callable(jacobian), "a function of (t, y)")

@@ -1,4 +1,4 @@
-"""Figures of a run, those of `rodwake plot`, as matplotlib figures: save them with savefig, or look at them in a notebook."""
+"""Figures of a run as matplotlib figures, as `rodwake plot` draws them: save them with savefig or show them in a notebook."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ import importlib
 import math
 import sys
 from pathlib import Path
-from typing import Any, Callable, Iterator, Union
+from typing import Any, Callable, Iterator, Sequence, Union
 
 from . import arguments, shipped
+from .equilibria import PairBranch
 from .errors import Error, InputError, RunError
 from .fitting import FitResult
 from .reading import reading
@@ -18,7 +19,7 @@ from .runs import Run, open_run
 from .scenes import Folder
 
 def kinds() -> list[str]:
-    """What can be drawn: 'trajectories', 'cut', 'snapshot', 'phase_diagram', ... (docs/scene.md, kinds of figures)."""
+    """Kinds of figures that `draw` takes: 'trajectories', 'cut', 'snapshot', 'phase_diagram', ... (docs/figures.md)."""
     return [kind for kind, module in _plots("draw").KINDS.items() if module.draw]
 
 
@@ -42,7 +43,7 @@ def draw(run: Union[Run, Folder], kind: str, *, width: str = "", style: str = ""
 
 def figures(run: Union[Run, Folder], *, width: str = "", style: str = "", font_size: Union[float, str] = "",
             overlay: bool = False) -> dict[str, Any]:
-    """The figures that the scene asks for and the run holds, or else one for everything it holds, by their names; films aside."""
+    """Figures of a run by name: those that the scene lists, or else one for each result of the run. Films are left out."""
     with _telling(InputError):
         look, drawable = _plots("style").look(width, style, str(font_size)), kinds()
     with _opened(run) as folder:
@@ -61,11 +62,18 @@ def figures(run: Union[Run, Folder], *, width: str = "", style: str = "", font_s
 
 
 def correlation(found: FitResult, title: str = "") -> Any:
-    """Correlations of the errors of a fit made here; for one in a folder draw(run, "fit_correlation") does the same."""
+    """Correlations of the fitted parameters. For a fit in a run folder use draw(run, "fit_correlation")."""
     matrix = found.correlation.copy()
     lacking = [not math.isfinite(found.parameters[name].standard_error) for name in found.free]
     matrix[lacking, :] = matrix[:, lacking] = math.nan
     return _plots("draw").in_style(_plots("fit_errors").of_matrix, found.free, matrix, title)
+
+
+def branches(found: Sequence[PairBranch], title: str = "") -> Any:
+    """Distance and turning rate along branches of `pair_branches`. Dashed lines are unstable, dots are folds."""
+    if not found:
+        raise InputError("branches: there are none to draw")
+    return _plots("draw").in_style(_plots("pair_branches").of_branches, found, title)
 
 
 def _plots(module: str) -> Any:

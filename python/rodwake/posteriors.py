@@ -1,4 +1,4 @@
-"""How probable values of the parameters of a fit are, given data and priors: densities for any sampler, samples, evidence."""
+"""Posterior densities of the parameters of a fit for any sampler, samples, and the evidence of a model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Marginal:
     q025: float
     q975: float
     rhat: float
-    ess: float  # effective samples, all chains together
+    ess: float  #: effective samples, all chains together
 
 
 class Posterior:
@@ -36,10 +36,10 @@ class Posterior:
         marginals, samples, log_likelihood, log_evidence, accepted, remarks = found
         self.parameters: dict[str, Marginal] = dict(zip(names, marginals))
         self.samples: dict[str, Floats] = dict(zip(names, samples))
-        self.log_likelihood: Floats = log_likelihood  # (chains, draws)
-        self.log_evidence: Optional[tuple[float, float]] = log_evidence  # with its standard error
-        self.accepted: list[float] = accepted  # share of the steps that each chain took
-        self.remarks: list[str] = remarks  # what is not to be trusted, in words
+        self.log_likelihood: Floats = log_likelihood  #: (chains, draws)
+        self.log_evidence: Optional[tuple[float, float]] = log_evidence  #: with its standard error
+        self.accepted: list[float] = accepted  #: share of the steps that each chain took
+        self.remarks: list[str] = remarks  #: what is not to be trusted, in words
 
     def __repr__(self) -> str:
         values = ", ".join(f"{one.name}={one.mean:.6g}±{one.sd:.2g}" for one in self.parameters.values())
@@ -49,9 +49,18 @@ class Posterior:
 class FitProblem:
     """Data, parameters and priors.
 
-    parameters, profiles, tracks, maps, options: as for `rodwake.fit`
-    priors      {name: {kind: "uniform" | "log_uniform" | "normal", low, high, mean, sd}}; absent: uniform between the bounds
-    threads     for rows of log_density and chains of samples; the numbers do not depend on it
+    Parameters
+    ----------
+    parameters, profiles, tracks, maps, **options
+        As for `fit`.
+    priors : mapping, optional
+        {name: {kind: "uniform" | "log_uniform" | "normal", low, high, mean, sd}}. Default: uniform between the bounds.
+    chains, samples : int
+        Chains, and samples of all of them together.
+    evidence : bool
+        Whether `posterior` also computes the evidence.
+    threads : int
+        For rows of `log_density` and chains of samples. Results do not depend on it.
     """
 
     def __init__(self, *, parameters: Sequence[str], profiles: Sequence[Profile] = (), tracks: Sequence[Track] = (), maps: Sequence[Map] = (),
@@ -61,7 +70,7 @@ class FitProblem:
         keys = {"chains": arguments.whole("chains", chains, 1), "samples": arguments.whole("samples", samples, 8), "evidence": bool(evidence)}
         posterior_keys: dict[str, Any] = {**keys, **({"priors": priors} if priors else {})}
         self._core = _core.FitProblem(*scene_and_data(parameters, profiles, tracks, maps, {**options, "posterior": posterior_keys}))
-        self.names: list[str] = self._core.names()  # of the parameters that theta holds, in this order
+        self.names: list[str] = self._core.names()  #: of the parameters that theta holds, in this order
 
     def log_density(self, theta: ArrayLike) -> Union[float, Floats]:
         """log of likelihood times prior at theta, (d,), or at each row of theta, (N, d), as samplers such as emcee want it

@@ -1,4 +1,4 @@
-"""Rods that walk at speed v0 and turn in each other's wakes."""
+"""Rods that move at speed v0 and turn in each other's wakes."""
 
 from __future__ import annotations
 
@@ -29,20 +29,41 @@ def motion(poses: Any, medium: Any, kappa: Any, gamma1: Any, gamma2: Any, t_end:
 def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0,
              t_end: float, output_times: Optional[ArrayLike] = None, contact_distance: Optional[float] = None, method: str = "auto",
              form: str = "angle", rtol: float = 1e-8, atol: Optional[float] = None, max_steps: int = 1_000_000) -> RodResult:
-    """Runs rods from `poses`, an array (N, 3) of x, y (f/mu) and heading (rad), to t_end (f/(mu v0)) or to contact.
+    """Integrates the motion of rods to `t_end` or to contact.
 
-    medium            None: rods walk straight
-    kappa             how strongly a rod turns to the extensional axis of the strain, v0 mu/f
-    gamma1, gamma2    how strongly it turns to lap u and to grad div u, v0
-    output_times      (T,), increasing, within [0, t_end]: when poses are kept; t_end is added if it is missing. None: 0, t_end/200,
-                      2 t_end/200, ... t_end, as in a scene; []: the end alone, which is quicker where only the outcome matters
-    contact_distance  two rods that come this close end the run, f/mu; None: they do not, and where they meet, in the singularity
-                      of their fields, the solve fails
-    method            'auto', 'bdf', 'adams' or 'erk'; `form`: 'angle', 'director' or 'dae' (docs/numerics.md)
-    rtol, atol        tolerances of the solver; atol is rtol/100 unless given
+    The result equals that of `rodwake rods` for a scene with these values. A solve that fails does not raise: its status is
+    'failed' and `message` has the cause. Invalid input raises InputError.
 
-    The result is that of `rodwake rods` for a scene with these values, to the last bit. A solve that fails is a value, with
-    status 'failed' and the cause in `message`; input that cannot be used raises InputError.
+    Parameters
+    ----------
+    poses : array_like, shape (N, 3)
+        x, y (f/mu) and heading (rad) of each rod at the start.
+    medium : Medium, optional
+        Without it rods move straight.
+    kappa : float
+        Rate at which a rod turns towards the extensional axis of the strain, v0 mu/f.
+    gamma1, gamma2 : float
+        Rates at which it turns towards lap u and grad div u, v0.
+    t_end : float
+        End of the run, f/(mu v0).
+    output_times : array_like, shape (T,), optional
+        Increasing times within [0, t_end] at which poses are kept; `t_end` is added if it is missing. Default: 201 times from 0 to
+        `t_end`, as in a scene. []: the end only, which is faster.
+    contact_distance : float, optional
+        Distance of two rods that ends the run, f/mu. Without it rods that meet run into the singularity of their fields, and the
+        solve fails.
+    method : str
+        'auto', 'bdf', 'adams' or 'erk' (docs/numerics.md).
+    form : str
+        Form of the equations: 'angle', 'director' or 'dae'.
+    rtol, atol : float
+        Tolerances of the solver. The default of `atol` is rtol/100.
+    max_steps : int
+        Steps after which the solve fails.
+
+    Returns
+    -------
+    RodResult
     """
     return _core.simulate(*motion(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance),
                           arguments.kind("method", method, str, "'auto', 'bdf', 'adams' or 'erk'"),
@@ -60,17 +81,28 @@ def _rates(value: Any, size: int) -> Floats:
 
 def classify(t: ArrayLike, poses: ArrayLike, medium: Optional[Medium] = None, *, contact_distance: Optional[float] = None,
              law: Union[RodEquations, Callable[[float, Floats], ArrayLike], None] = None) -> RodResult:
-    """How rods ended that moved like this, by the criteria of simulate and the program: for rods with a turning law of their own.
+    """Determines the outcome of given trajectories by the criteria of `simulate`, for rods with your own turning law.
 
-    t                 (T,), f/(mu v0), rising; of rows at one time the first counts
-    poses             (T, N, 3) of x, y (f/mu) and heading (rad), or the states (T, 3 N) of integrate. Rods walk at speed v0
-    medium            of which the box matters; None: infinite plane, and rods that do not follow each other (no pursuit)
-    contact_distance  two rods that come this close are in contact, f/mu; None: contact is not told
-    law               function that returns dy/dt (3 N,) of the time and the state (3 N,), for how fast rods turn; None: by differences
+    Positions between rows follow a cubic. Give about a hundred rows per run, the last one where the solve ended. Headings may jump by
+    2 pi and positions by the box.
 
-    The result has t and poses up to contact, outcome, time, pair, min_separation, turn and reason, as that of simulate. Between rows
-    places follow a cubic: give some hundred rows a run, the last of them where the solve ended. Headings may jump by 2 pi and places by
-    the box.
+    Parameters
+    ----------
+    t : array_like, shape (T,)
+        Rising times, f/(mu v0). Of rows at the same time the first one counts.
+    poses : array_like, shape (T, N, 3)
+        x, y (f/mu) and heading (rad), or the states (T, 3 N) of `integrate`. Rods move at speed v0.
+    medium : Medium, optional
+        Only its box matters. Without it the rods are on the infinite plane and do not follow each other (no pursuit).
+    contact_distance : float, optional
+        Distance at which two rods are in contact, f/mu. Without it contact is not detected.
+    law : callable, optional
+        Function of time and state (3 N,) that returns dy/dt (3 N,), for turning rates. Without it they are finite differences.
+
+    Returns
+    -------
+    RodResult
+        With t and poses up to contact, outcome, time, pair, min_separation, turn and reason.
     """
     times = arguments.array("t", t, "a list of times that rise")
     rows = arguments.array("poses", poses, "an array of shape (T, N, 3), or (T, 3 N)")

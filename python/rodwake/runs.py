@@ -35,11 +35,11 @@ class Quantity:
 class RodPath:
     """Rods against time. Units: `length_unit` and `time_unit`; headings in rad."""
 
-    t: Floats  # (T,)
-    poses: Floats  # (T, N, 3): x, y, heading, unwrapped
+    t: Floats  #: (T,)
+    poses: Floats  #: (T, N, 3): x, y, heading, unwrapped
     length_unit: str
     time_unit: str
-    attributes: dict[str, Any]  # outcome, couplings, medium
+    attributes: dict[str, Any]  #: outcome, couplings, medium
 
     def __repr__(self) -> str:
         ended = f", {self.attributes['outcome']}" if "outcome" in self.attributes else ""
@@ -50,14 +50,14 @@ class RodPath:
 class Trajectory:
     """Frames of a bed in SI units. N spheres (beads, then those of the rods), R rods."""
 
-    time: Floats  # (T,), s
-    box: Floats  # (3,), sides in m; periodic in x and y
-    position: Floats  # (T, N, 3), m, unwrapped
-    velocity: Floats  # (T, N, 3), m/s
-    species: NDArray[np.int32]  # (N,): 0 a bead, else a sphere of a rod
-    radius: Floats  # (N,), m
-    rod_position: Floats  # (T, R, 3), m, centres of mass, unwrapped
-    rod_orientation: Floats  # (T, R, 4), quaternion from body to world, real part first; the axis is the body's x
+    time: Floats  #: (T,), s
+    box: Floats  #: (3,), sides in m; periodic in x and y
+    position: Floats  #: (T, N, 3), m, unwrapped
+    velocity: Floats  #: (T, N, 3), m/s
+    species: NDArray[np.int32]  #: (N,): 0 a bead, else a sphere of a rod
+    radius: Floats  #: (N,), m
+    rod_position: Floats  #: (T, R, 3), m, centres of mass, unwrapped
+    rod_orientation: Floats  #: (T, R, 4), quaternion from body to world, real part first; the axis is the body's x
 
     def __repr__(self) -> str:
         span = f", t = {self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else ""

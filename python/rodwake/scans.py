@@ -20,17 +20,34 @@ _FLIGHT = 64  # chunks that are handed out at once
 
 def scan(scene: Scene, axes: Optional[Mapping[str, Any]] = None, *, executor: Any = None, folder: Optional[Folder] = None,
          threads: int = 0, chunk: int = 0, progress: Optional[Progress] = None, force: bool = False) -> Any:
-    """Evaluates a scene at many values of its keys: a row a point, as a pandas DataFrame (attrs["units"]) or a NumPy structured array.
+    """Evaluates a scene at many values of its keys.
 
-    axes      values of each key, {"coupling.kappa": [1, 10], "rods.1.position.0": np.linspace(-6, 6, 64)}: every combination.
-              None: the [scan] of the scene, whatever its design
-    executor  who evaluates the points: None for threads of this process (`threads`, 0: one for each core), an executor of
-              concurrent.futures, or a Dask client. Results are the same to the last bit
-    folder    where the run is kept (open_run), so that a scan that was stopped goes on; None: nowhere
-    chunk     points that are handed out together; 0: some for each worker
-    progress  called as progress(what, value, end, unit)
+    Dask and process pools import rodwake in their workers, so it must be installed there.
 
-    Dask and process pools import rodwake where they work, so it must be installed there.
+    Parameters
+    ----------
+    scene : Scene
+        Of rods or of a bed.
+    axes : mapping, optional
+        Values of each key, in all combinations: {"coupling.kappa": [1, 10], "rods.1.position.0": np.linspace(-6, 6, 64)}. Default: the
+        [scan] of the scene, of any design.
+    executor : optional
+        An executor of concurrent.futures or a Dask client. Default: threads of this process. Results do not depend on it.
+    folder : path, optional
+        Run folder, from which a stopped scan resumes. Default: none is kept.
+    threads : int
+        Without an executor; 0: one per core.
+    chunk : int
+        Points per task of an executor; 0: automatic.
+    progress : callable, optional
+        Called as progress(what, value, end, unit).
+    force : bool
+        Replace a run in the folder.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per point, units in attrs["units"]. Without pandas a NumPy structured array.
     """
     arguments.kind("scene", scene, Scene, "a rodwake.Scene")
     if axes is not None:

@@ -20,8 +20,8 @@ _log = logging.getLogger("rodwake")
 
 
 class Scene:
-    """A scene that was read and checked. Scene.load reads a file, Scene.parse a text. What is wrong with a scene raises SceneError,
-    which lists all its problems. Copies, pickled ones too, do not read the file again, which may have changed."""
+    """A scene that was read and checked. `load` reads a file, `parse` a text. An invalid scene raises SceneError, which lists all
+    errors. Copies, pickled ones too, do not read the file again."""
 
     def __init__(self, text: str, name: str, changes: tuple[tuple[str, Any], ...] = (), in_file: bool = False) -> None:
         self._text, self._name, self._changes, self._in_file = text, name, changes, in_file
@@ -48,8 +48,8 @@ class Scene:
 
     def set(self, key: Union[str, Mapping[str, Any]], value: Any = None) -> Scene:
         """Sets a key as `-s key=value` does, and returns the scene: set("coupling.kappa", 3.0), set("rods.1.position.0", 2.0),
-        set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units. Keys that fit only together are set together:
-        set({"scan.resolution": 128, "scan.axes.0.count": 32}). If that cannot be, SceneError tells why and nothing is changed."""
+        set("rods_run.t_end", "5 s"). Plain numbers are in the scene's own units. Keys that depend on each other are set together:
+        set({"scan.resolution": 128, "scan.axes.0.count": 32}). An invalid value raises SceneError and changes nothing."""
         arguments.kind("key", key, (str, Mapping), "the name of a key, or a mapping of keys and values")
         changes = (*self._changes, *(key.items() if isinstance(key, Mapping) else [(key, value)]))
         self._core, self._changes = self._read(changes), changes
@@ -66,22 +66,22 @@ class Scene:
         return self._text, self._name, self._changes, self._in_file
 
     def __eq__(self, other: object) -> bool:
-        """Whether they are of one file and every key has the same value."""
+        """Whether both have the same file and the same value of every key."""
         return isinstance(other, Scene) and (self.path, self.to_toml()) == (other.path, other.to_toml())
 
     @property
     def path(self) -> str:
-        """The file it came from, or its name."""
+        """File of the scene, or its name."""
         return str(self._core.path)
 
     @property
     def title(self) -> str:
-        """Its title, maybe empty."""
+        """Title; may be empty."""
         return str(self._core.title)
 
     @property
     def stages(self) -> list[str]:
-        """What a run of it does, in order: 'granular', 'measure', 'fit', 'field', 'rods', 'order', 'scan'."""
+        """Stages of a run, in order: 'granular', 'measure', 'fit', 'field', 'rods', 'order', 'scan'."""
         return list(self._core.stages())
 
     def to_toml(self) -> str:
@@ -89,22 +89,35 @@ class Scene:
         return str(self._core.to_toml())
 
     def check(self, folder: Folder = ".", *, cost: bool = False) -> str:
-        """What will be modelled, what will not and why; with `cost` also how long it will take, which is measured for about half a
-        second. Raises InputError for what cannot be modelled. Data files are also looked for in `folder`."""
+        """Describes what will be modelled, what will not, and why. `cost` adds an estimate of the cost, which takes about half a
+        second. Raises InputError for a scene that cannot be run. Data files are also searched in `folder`."""
         return _core.check(self._core, arguments.path("folder", folder), 0, bool(cost), shipped.converter())
 
     def run(self, folder: Folder, *, stages: Union[str, Iterable[str], None] = None, threads: int = 0, seed: Optional[int] = None,
             force: bool = False, progress: Optional[Progress] = None) -> Run:
-        """Runs the scene into a folder as `rodwake run` does, figures aside, and opens the results.
+        """Runs the scene into a folder as `rodwake run` does, without figures, and opens the results.
 
-        stages    some of those the scene has, or one; None: all
-        threads   up to 1024; 0: one for each core; results do not depend on it
-        seed      replaces those of the scene
-        force     do again what the folder holds already; else a finished run is returned as it is
-        progress  called some times a second as progress(what, value, end, unit); what it raises ends the run
+        Messages go to the logger 'rodwake'. Ctrl-C ends the run at its next step and raises KeyboardInterrupt; the same call
+        resumes. Raises RunError if a stage failed.
 
-        Messages go to the logger 'rodwake' of the module logging. Ctrl-C ends the run at its next step and raises
-        KeyboardInterrupt; what was computed is kept, and the same call goes on from there. Raises RunError if a stage failed.
+        Parameters
+        ----------
+        folder : path
+            Run folder.
+        stages : str or iterable of str, optional
+            Some of the scene's stages. Default: all.
+        threads : int
+            Up to 1024; 0: one per core. Results do not depend on it.
+        seed : int, optional
+            Replaces the seeds of the scene.
+        force : bool
+            Replace results in the folder. Otherwise a finished run is returned.
+        progress : callable, optional
+            Called a few times per second as progress(what, value, end, unit). An exception that it raises ends the run.
+
+        Returns
+        -------
+        Run
         """
         names = [stages] if isinstance(stages, str) else None
         if stages is not None and names is None:

@@ -1,4 +1,4 @@
-"""Tracks of particles in a film, and what is measured of them."""
+"""Tracks of particles in a film, and measurements of them."""
 
 from __future__ import annotations
 
@@ -26,25 +26,30 @@ _OF_ROWS = ("frame", "particle", "x", "y", "heading", "kind", "t")
 
 @dataclass(frozen=True, repr=False)
 class Measured:
-    """What a measure found. Lengths in bead radii a, times in s, as in the files of `rodwake measure` (docs/measure.md)."""
+    """Result of a measure. Lengths in bead radii a, times in s, as in the files of `rodwake measure` (docs/measure.md)."""
 
-    values: dict[str, Any]  # by name: {"value": ..., "error": ...}, or a number; as in measure.json
-    tables: dict[str, Any]  # by name, "gr": pandas DataFrames whose attrs have the units, or NumPy structured arrays
-    film: dict[str, Any]  # what the film is and what could not be used: tracks.json
+    values: dict[str, Any]  #: by name: {"value": ..., "error": ...}, or a number; as in measure.json
+    tables: dict[str, Any]  #: by name, "gr": pandas DataFrames whose attrs have the units, or NumPy structured arrays
+    film: dict[str, Any]  #: what the film is and what could not be used: tracks.json
 
     def __repr__(self) -> str:
         return f"<Measured: values {', '.join(self.values)}; tables {', '.join(self.tables)}; {self.film['frames']} frames>"
 
 
 class Tracks:
-    """Tracks of a film, or of a simulation that is looked at like one.
+    """Tracks of a film or of a simulation.
 
-    rows  a file (CSV of trackpy, pandas or TrackMate, TrackMate's XML, LAMMPS dump, extended XYZ, GSD, H5MD); or a pandas DataFrame, or
-          a mapping, with columns frame (or t, in s), x, y, and maybe particle, heading (rad), kind ("bead", "rod")
-    keys  those of [tracks] (docs/scene.md): pixel, what 1 of x and y is worth ("25 um", or m); frames_per_second where there are
-          no times; bead_radius, window, box, columns, rod_kinds, ...
+    Columns are copied. A particle with a NaN or masked position was not seen in that frame; a NaN in `particle` belongs to no track.
 
-    Columns are copied. Where x or y is NaN or masked the particle was not seen; a particle that is NaN belongs to no track.
+    Parameters
+    ----------
+    rows : path, DataFrame or mapping
+        A file (CSV of trackpy, pandas or TrackMate, TrackMate's XML, LAMMPS dump, extended XYZ, GSD, H5MD), or columns frame (or t, in
+        s), x, y, and optionally particle, heading (rad), kind ("bead", "rod").
+    pixel : str or float
+        Length of one unit of x and y: "25 um", or a number in m.
+    **keys
+        Other keys of [tracks] (docs/scene.md): frames_per_second if there are no times, bead_radius, window, box, columns, rod_kinds.
     """
 
     def __init__(self, rows: Union[Folder, Any], *, pixel: Union[str, float], **keys: Any) -> None:
@@ -63,7 +68,7 @@ class Tracks:
 
     @classmethod
     def from_arrays(cls, positions: ArrayLike, *, pixel: Union[str, float] = 1.0, **keys: Any) -> Tracks:
-        """Of `positions` (T, N, 2): frame k, particle i, x and y; NaN or masked where it was not seen."""
+        """Tracks from `positions` (T, N, 2): x and y of each particle in each frame, NaN or masked where it was not seen."""
         given = arguments.gaps("positions", positions, "an array of shape (T, N, 2)")
         if given.ndim != 3 or given.shape[2] not in (2, 3):
             raise InputError(f"positions: expected an array of shape (T, N, 2); got one of shape {given.shape}")
@@ -72,7 +77,7 @@ class Tracks:
                    pixel=pixel, **keys)
 
     def scene(self, **measure: Any) -> Scene:
-        """The scene that measures them, [measure] with these keys. Columns in memory stand for the file tracks.csv."""
+        """The scene that measures the tracks, with these keys of [measure]. Columns in memory stand for the file tracks.csv."""
         tracks: dict[str, Any] = {"file": self._file or "tracks.csv", **self._keys}
         text = "\n".join(["schema = 1", "[tracks]", *(f"{key} = {toml(value, key)}" for key, value in tracks.items()),
                           "[measure]", *(f"{key} = {toml(value, key)}" for key, value in (measure or {"order": True}).items()), ""])
@@ -80,7 +85,7 @@ class Tracks:
 
     def run(self, folder: Folder, *, threads: int = 0, force: bool = False, progress: Optional[Progress] = None, **measure: Any) -> Run:
         """Measures into a folder, as `rodwake run` does: run(folder, order=True, microrheology=True, block="2 s"). Columns in memory
-        are written beside it, to <folder>.csv."""
+        are written next to it, to `<folder>.csv`."""
         folder = Path(arguments.path("folder", folder))
         scene = self.scene(**measure)
         if not self._file:
@@ -96,7 +101,7 @@ class Tracks:
         return self._measure("order", ("gr", "gB"), {"order": True, **measure})
 
     def displacement(self, **measure: Any) -> Measured:
-        """Mean-square displacement, table "msd", and what it tells of the medium around a particle, table "stiffness". Keys of
+        """Mean-square displacement, table "msd", and the stiffness of the medium around a particle, table "stiffness". Keys of
         [measure]: interval, block, ..."""
         return self._measure("microrheology", ("msd", "stiffness"), {"microrheology": True, **measure})
 
@@ -116,16 +121,37 @@ def convert(source: Folder, target: Folder, *, frames: str = "", rods: str = "",
             progress: Optional[Progress] = None) -> Path:
     """Writes tracks or a trajectory in another format, as `rodwake convert` does: convert("results/bed", "bed.gsd").
 
-    source       file of tracks (CSV, TrackMate's XML, LAMMPS dump, extended XYZ, GSD, H5MD), or the folder of a run or an ensemble
-    target       file to write; its ending is the format: .h5md, .gsd, .xyz, .dump, .csv. Each run of an ensemble gets its own
-    frames       "from:to:stride", numbers from 0; empty: all
-    rods         "poses" or "spheres"; empty: spheres where the file has them, but in CSV
-    unit         of lengths in the target: "a", "m"; empty: a for beds, else as in the source
-    columns      names of columns by what they are: {"id": "label", "heading": "angle"}
-    rod_kinds    types, species or kinds that are rods
-    force        replace a target that is there
+    The logger 'rodwake' reports what the format loses.
 
-    What the format loses is said to the logger 'rodwake'. Returns the target.
+    Parameters
+    ----------
+    source : path
+        File of tracks (CSV, TrackMate's XML, LAMMPS dump, extended XYZ, GSD, H5MD), or the folder of a run or an ensemble.
+    target : path
+        File to write. Its extension is the format: .h5md, .gsd, .xyz, .dump, .csv. Each run of an ensemble gets its own.
+    frames : str
+        "from:to:stride", numbers from 0; empty: all.
+    rods : str
+        "poses" or "spheres"; empty: spheres if the file has them, poses in CSV.
+    unit : str
+        Of lengths in the target: "a", "m"; empty: a for beds, otherwise that of the source.
+    group : str
+        Group of an H5MD file that holds the particles; empty: the only one.
+    columns : mapping, optional
+        Names of columns: {"id": "label", "heading": "angle"}.
+    rod_kinds : iterable of str
+        Types, species or kinds that are rods.
+    time_column : str
+        Column of times in s.
+    force : bool
+        Replace an existing target.
+    progress : callable, optional
+        Called as progress(what, value, end, unit).
+
+    Returns
+    -------
+    Path
+        The target.
     """
     target = Path(arguments.path("target", target, "the name of a file"))
     _core.convert(arguments.path("source", source, "the name of a file or folder"), target, frames, unit, rods, group,

@@ -4,7 +4,7 @@ import csv
 import json
 
 import rodwake
-from rodwake import PAIR, ProgramTest
+from rodwake import PAIR, THEORY_PAIR, ProgramTest
 
 MEDIUM = "[medium]\neta = 1.0\nalpha = 1.0\n"
 
@@ -28,6 +28,28 @@ class CheckTest(ProgramTest):
         told = self.expect(0, "check", "noisy.toml").stdout
         self.assertRegex(told, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
         self.assertIn("diffusion of places: noise.translational_diffusion is 0", told)
+
+    def test_alpha_is_a_unit_of_length(self):
+        """Not with polar couplings, rows, noise, a box or a medium with memory: these have a length of their own."""
+        said = "is a unit of length"
+        pair = PAIR.replace("alpha = 1.0", "alpha = 0.5").replace("kappa = 0.5", "kappa = 5.0")
+        self.write("pair.toml", pair)
+        self.assertIn("  alpha = 0.5 is a unit of length: with alpha = 1 and lengths and times multiplied by 0.5 (start, contact distance, t_end) "
+                      "the encounter is the same\n", self.expect(0, "check", "pair.toml").stdout)
+        scaled = PAIR.replace("kappa = 0.5", "kappa = 5.0").replace("2.5]", "1.25]").replace("t_end = 60.0", "t_end = 30.0")
+        self.write("scaled.toml", scaled.replace("output_interval = 10.0", "output_interval = 5.0").replace("distance = 0.1", "distance = 0.05"))
+        for name in ("pair", "scaled"):
+            self.expect(0, "rods", f"{name}.toml", "-o", name, "-s", "rods_run.rtol=1e-12")
+        one, other = self.outcome("pair"), self.outcome("scaled")
+        self.assertEqual((one["outcome"], other["outcome"]), ("contact", "contact"))
+        self.assertAlmostEqual(0.5 * one["time"], other["time"], delta=1e-9)
+        self.assertNotIn(said, self.expect(0, "check", THEORY_PAIR).stdout)  # alpha = 1
+        for settings in (["coupling.gamma1=0.1"], ["coupling.gamma_flow=0.1"], ["coupling.gamma_rows=0.1", "coupling.rows_direction=0.0"],
+                         ["noise.rotational_diffusion=0.1"], ["medium.periodic=40.0"], ["medium.field=table"], ["coupling.kappa=0.0"],
+                         ["medium.field=dynamic", "medium.dynamic.box=40.0", "medium.dynamic.modes=128"], ["rods.1="]):
+            with self.subTest(settings):
+                options = [word for setting in settings for word in ("-s", setting)]
+                self.assertNotIn(said, self.expect(0, "check", "pair.toml", *options).stdout)
 
     def test_rods_that_start_in_contact(self):
         """One rule: contact at 0 in a single run, in each variant, with noise and in a scan, and everybody says so."""

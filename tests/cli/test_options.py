@@ -76,7 +76,7 @@ class HelpTest(ProgramTest):
         self.refuse(2, "extra: not expected; rodwake help takes one NAME", "help", "coupling.kappa", "extra")
 
     def test_every_key_of_a_scene_has_help(self):
-        names = set(re.findall(r"(?m)^\| `(\w+)` \|", (rodwake.SOURCE / "docs/scene.md").read_text().split("## Figure kinds")[0]))
+        names = set(re.findall(r"(?m)^\| `(\w+)` \|", (rodwake.SOURCE / "docs/scene.md").read_text().split("## Parameters of")[0]))
         for name in sorted(names)[::25]:  # a process each
             if name not in VERBS:
                 self.assertIn(name, self.expect(0, "help", name).stdout)
@@ -201,9 +201,13 @@ class InfoTest(ProgramTest):
         self.write("run/provenance.json", "{")
         self.refuse(2, "holds no rodwake run", "info", "run")
 
-    def test_scene_reference_is_the_page_in_docs(self):
-        page = (rodwake.SOURCE / "docs/scene.md").read_text()
-        self.assertEqual(self.expect(0, "info", "--scene-reference").stdout, page)
+    def test_references_are_the_pages_in_docs(self):
+        for option, name in (("--scene-reference", "scene"), ("--figure-reference", "figures"), ("--file-reference", "files")):
+            page = (rodwake.SOURCE / f"docs/{name}.md").read_text()
+            self.assertTrue(self.expect(0, "info", option).stdout == page, f"docs/{name}.md: regenerate it: ninja reference")
+        self.assertIn("### `scan_runs.csv`\n\nThe columns are those of `scan.csv`.\n", page)
+        self.assertRegex(page, r"### `series.csv`\n[^#]*\n\| `c_T` \| a/s \| speed of transverse sound \|\n\| `C11` ")  # no row for c_T_error
+        self.assertIn("| `omega_static` |", page)
 
     def test_schema_is_the_file_that_the_plots_read(self):
         text = (rodwake.SOURCE / "plots/rodwake_plots/schema.json").read_text(encoding="utf-8")

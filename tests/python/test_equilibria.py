@@ -1,11 +1,13 @@
 """pair_equilibria, pair_branches, pair_flow: against rods that move in the lab, and numbers of other programs."""
 
+import csv
 import inspect
 import math
 import unittest
 
 import numpy as np
 import rodwake
+from program import new_folder
 
 MEDIUM = rodwake.Medium(alpha=0.3)
 
@@ -82,6 +84,28 @@ class EquilibriaTest(unittest.TestCase):
         self.assertEqual(branch.parameter.argmin(), fold)
         self.assertEqual(branch.parameter.shape, branch.omega.shape)
         self.assertTrue((branch.growth[fold + 1:] < 0).all() and (branch.growth[:fold] > 0).all())  # tight: stable
+
+    def test_branches_as_a_table_and_a_figure(self):
+        branches = rodwake.pair_branches(rodwake.Medium(), "kappa", 20.0, 30.0)
+        rows = list(csv.DictReader(rodwake.write_branches(new_folder(self) / "branches.csv", branches).read_text().splitlines()))
+        self.assertEqual([float(row["kappa"]) for row in rows], branches[0].parameter.tolist())
+        self.assertEqual([float(row["separation"]) for row in rows], branches[0].separation.tolist())
+        self.assertEqual([k for k, row in enumerate(rows) if row["fold"] == "1"], branches[0].folds)
+        self.assertEqual({(row["branch"], row["kind"], row["stable"]) for row in rows}, {("0", "orbit", "0"), ("0", "orbit", "1")})
+        figure = rodwake.plots.branches(branches, "Orbits")
+        for axes, values in zip(figure.axes, (branches[0].separation, branches[0].omega)):
+            stable, unstable, folds = axes.lines[:3]
+            self.assertEqual((stable.get_linestyle(), unstable.get_linestyle()), ("-", "--"))
+            shown = np.isfinite(stable.get_ydata()) | np.isfinite(unstable.get_ydata())
+            self.assertTrue(shown.all())  # no gap
+            self.assertLessEqual((np.isfinite(stable.get_ydata()) & np.isfinite(unstable.get_ydata())).sum(), 2)
+            np.testing.assert_array_equal(folds.get_xydata(), np.column_stack([branches[0].parameter, values])[branches[0].folds])
+        self.assertRegex(figure.axes[0].get_xlabel(), "kappa")
+        for wrong in ([], [*branches, *rodwake.pair_branches(rodwake.Medium(), "eta", 1.0, 2.0, kappa=30.0)]):
+            with self.assertRaisesRegex(rodwake.InputError, "branches"):
+                rodwake.write_branches(new_folder(self) / "branches.csv", wrong)
+        with self.assertRaisesRegex(rodwake.InputError, "none to draw"):
+            rodwake.plots.branches([])
 
     def test_what_cannot_be_looked_at(self):
         with self.assertRaisesRegex(rodwake.InputError, "infinite plane"):

@@ -83,6 +83,9 @@ std::string describe_checkpoint(const std::filesystem::path& file);
 /// it, in lines. Nothing for a name that is none of these.
 std::optional<std::string> explain(const std::string& name);
 
+/// docs/files.md: every file of a run, with its columns.
+std::string file_reference();
+
 /// Names near this one, the nearest first; then those whose meaning has the word. At most eight.
 std::vector<std::string> similar_names(const std::string& name);
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rodwake::scene {
@@ -45,6 +46,11 @@ std::optional<KeyInfo> key_info(const std::string& key);
 
 /// docs/scene.md: Markdown with a table for each scene table.
 std::string scene_reference();
+/// docs/figures.md: the kinds of figures.
+std::string figure_reference();
+
+/// Text as a cell of a table in Markdown.
+std::string markdown_cell(std::string_view text);
 
 /// A list of the schema; each entry is JSON.
 struct SchemaList {
