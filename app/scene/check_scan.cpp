@@ -162,7 +162,7 @@ void check_design(const Scan& scan, const Report& report) {
         report("scan.file", "design = \"list\" needs scan.file, a CSV whose header names the keys");
     if (!list && !critical && file)
         report("scan.file", "scan.file needs design = \"list\" or \"critical\"");
-    if (file && !scan.axes.empty())
+    if ((list || (critical && file)) && !scan.axes.empty())
         report("scan.axes", "with scan.file the axes are its columns");
     if (critical && scan.axes.size() > 4)
         report("scan.axes", "design = \"critical\" takes at most four axes beside solve_for");

@@ -121,6 +121,13 @@ inline const std::string scanned_grid = [] {
     return text.replace(text.find("adaptive"), 8, "grid");
 }();
 
+/// The same with critical values of eta for each kappa.
+inline const std::string scanned_critical = [] {
+    std::string text = scanned_grid;
+    return text.replace(text.find("design = \"grid\"\nresolution = 256\n"), 33,
+                        "design = \"critical\"\nsolve_for = \"medium.eta\"\nfrom = 0.5\nto = 2.0\n");
+}();
+
 /// The complete scene with rods at random in place of those.
 inline const std::string crowded = complete.substr(0, complete.find("[[rods]]")) +
                                    "[rods_random]\ncount = 10\nextent = 40.0\nmin_separation = 0.5\n" +

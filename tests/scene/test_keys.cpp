@@ -64,6 +64,9 @@ std::string scene_for_example(const KeyInfo& info) {
                "\n[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n";
     if (info.table == "medium.measured" && info.name != "file") // without which there is no such table
         return complete + "\n[medium.measured]\nfile = \"measure.h5\"\n";
+    if (info.table == "scan" && (info.name == "solve_for" || info.name == "from" || info.name == "to"))
+        return replaced(scanned_critical, "coupling.kappa",
+                        "coupling.gamma1"); // the example solves for kappa
     if (full_name(info) == "scan.axes[].keys" || full_name(info) == "scan.axes[].factor")
         return replaced(scanned, one, "keys = [\"coupling.gamma1\", \"coupling.gamma2\"]\n");
     if (full_name(info) == "scan.axes[].values")

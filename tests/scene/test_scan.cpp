@@ -46,7 +46,7 @@ TEST_CASE("a scan is read with its defaults") {
     const auto read = *parse(scan(kappa)).scan;
     CHECK(read.design == ScanDesign::grid);
     CHECK(read.resolution == 1024);
-    CHECK(read.audit == 1000);
+    CHECK(read.audited() == 1000);
     CHECK_FALSE(read.boundary_tolerance);
     CHECK_FALSE(read.time_limit);
     CHECK(read.max_points == 20'000'000);
@@ -159,14 +159,16 @@ TEST_CASE("each design takes what is its own") {
                       refine = "[[scan.refine]]\nobservable = \"time\"\nstep = 1.0\n";
     for (const std::string design : {"lhs", "sobol", "adaptive"})
         says("design = \"" + design + "\"\nresolution = 64\n" + values,
-             "only design = \"grid\" takes listed values");
+             "only design = \"grid\" or \"critical\" takes listed values");
     says("design = \"list\"\n", "design = \"list\" needs scan.file, a CSV whose header names the keys");
-    says("design = \"list\"\nfile = \"p.csv\"\n" + kappa,
-         "with design = \"list\" the axes are the columns of scan.file");
+    says("design = \"list\"\nfile = \"p.csv\"\n" + kappa, "with scan.file the axes are its columns");
     says("file = \"p.csv\"\n" + kappa, "scan.file needs design = \"list\"");
     says("boundary_tolerance = 1e-6\n" + kappa, "scan.boundary_tolerance needs design = \"adaptive\"");
     says(kappa + refine, "[[scan.refine]] needs design = \"adaptive\"");
     CHECK(error_text(scan("design = \"list\"\nfile = \"p.csv\"\n")) == "");
+    CHECK(error_text(scanned_critical) == "");
+    says("solve_for = \"medium.eta\"\n" + kappa, "scan.solve_for needs design = \"critical\"");
+    says("design = \"critical\"\n" + kappa, "design = \"critical\" needs solve_for");
 }
 
 TEST_CASE("the resolution of an adaptive scan is the count of its axes, doubled some times") {

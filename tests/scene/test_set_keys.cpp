@@ -131,6 +131,7 @@ const std::vector<std::string> bases{
     replaced(complete, "kind = \"cut\"", "kind = \"fit_likelihood\""),
     replaced(complete, "[[fit.trajectories]]\n", "[[fit.trajectories]]\nrods = [0, 1]\n"),
     scanned,
+    scanned_critical,
     crowded,
     replaced(crowded, "schema = 1\n", "schema = 1\nunits = \"si\"\n"),
     replaced(scanned_grid, "key = \"coupling.kappa\"\nfrom = 0.1\nto = 100.0\n",
