@@ -44,9 +44,12 @@ std::int64_t point_of_bracket(const ScanPlan& plan, std::int64_t id) {
     return (id - first_bracket) / most_changes / values;
 }
 
-double number(const scan::Result& result, std::string_view name) {
-    const auto names = field_names<CriticalValue>();
-    return result.values[static_cast<std::size_t>(std::ranges::find(names, name) - std::begin(names))];
+CriticalValue value_of(const scan::Result& result) {
+    CriticalValue value;
+    std::size_t next = 0;
+    std::apply([&](const auto&... field) { ((value.*field.member = result.values[next++]), ...); },
+               CriticalValue::fields());
+    return value;
 }
 
 } // namespace
@@ -125,14 +128,15 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
             }
             if (result.outcome != static_cast<std::int32_t>(CriticalKind::other))
                 search.values.push_back(result);
-            const auto above = static_cast<std::int32_t>(number(result, "above"));
+            const CriticalValue value = value_of(result);
+            const auto above = static_cast<std::int32_t>(value.above);
             const std::int64_t turn = (bracket.id - first_bracket) % most_changes;
             if (above < 0 || turn + 1 == most_changes ||
                 critical_group(critical, above) == critical_group(critical, ends[bracket.id]))
                 continue;
             scan::Point upper = bracket;
             upper.id = bracket.id + 1;
-            upper.at[number_of_axis] = number(result, "high");
+            upper.at[number_of_axis] = value.high;
             ends[upper.id] = ends[bracket.id];
             if (upper.at[number_of_axis] < upper.at[number_of_axis + 1])
                 rest.push_back(upper);
@@ -159,9 +163,9 @@ std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Resul
             auto best = free.end();
             double least = HUGE_VAL;
             for (auto at = free.begin(); at != free.end(); ++at) {
-                const bool alike = number(values[*at], "below") == number(values[one], "below") &&
-                                   number(values[*at], "above") == number(values[one], "above");
-                const double away = std::abs(number(values[*at], "value") - number(values[one], "value"));
+                const CriticalValue neighbour = value_of(values[*at]), value = value_of(values[one]);
+                const bool alike = neighbour.below == value.below && neighbour.above == value.above;
+                const double away = std::abs(neighbour.value - value.value);
                 if (alike && away < least)
                     least = away, best = at;
             }
@@ -202,14 +206,15 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
             text += plan.design.axes[k].words.empty()
                         ? number_text(one.point.at[k]) + ","
                         : plan.design.axes[k].words[static_cast<std::size_t>(one.point.at[k])] + ",";
-        const auto cell = [&](std::string_view name) { return number_text(number(one, name)); };
-        const auto outcome = [&](std::string_view name) {
-            return outcome_text(plan, static_cast<std::int32_t>(number(one, name)));
+        const CriticalValue v = value_of(one);
+        const auto outcome = [&](double number) {
+            return outcome_text(plan, static_cast<std::int32_t>(number));
         };
-        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", cell("value"), cell("low"), cell("high"),
-                            critical_kinds[static_cast<std::size_t>(one.outcome)], outcome("below"),
-                            outcome("above"), cell("closest_below"), cell("closest_above"), cell("lambda"),
-                            cell("lambda_error"), branches[i], cell("encounters"));
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", number_text(v.value), number_text(v.low),
+                            number_text(v.high), critical_kinds[static_cast<std::size_t>(one.outcome)],
+                            outcome(v.below), outcome(v.above), number_text(v.closest_below),
+                            number_text(v.closest_above), number_text(v.lambda), number_text(v.lambda_error),
+                            branches[i], number_text(v.encounters));
     }
     store::write_atomically(folder / "critical.csv", text);
 
@@ -254,7 +259,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
     }
     double encounters = 0.0;
     for (const scan::Result& one : search.values)
-        encounters += number(one, "encounters");
+        encounters += value_of(one).encounters;
     const scan::Audit audit{search.audited, search.missed};
     const ordered_json out = {{"solve_for", axis.name},
                               {"from", axis.from},
@@ -263,7 +268,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
                               {"tolerance", plan.critical->tolerance},
                               {"complete", search.complete},
                               {"values", search.values.size()},
-                              {"encounters",
+                              {"evaluated",
                                {{"coarse", static_cast<std::int64_t>(outcomes.size() * axis.values.size())},
                                 {"correctors", encounters}}},
                               {"audit",

@@ -41,6 +41,7 @@ GENERAL = set("bias blocks contact contacts cpu data error errors escape failed 
 PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
+    "above": {"app/scene/schema_json.cpp"},  # of ranges in the schema
     "absorbing_state": {"app/bed/measures/order.cpp"},  # of the run's summary, which the measure reads
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
     "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
@@ -58,7 +59,8 @@ QUOTED = {
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
     "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
-    "separation": {PAIRS, "app/scan/scan_values.cpp"},
+    "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
+    "separation": {PAIRS, "app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},

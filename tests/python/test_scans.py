@@ -38,6 +38,21 @@ class ScanTest(unittest.TestCase):
         self.assertEqual(row["outcome"], alone.outcome)
         self.assertAlmostEqual(row["time"], alone.time, delta=83e-8 * alone.time)  # 83 rtol (integrate/ode.hpp)
 
+    def test_critical_values(self):
+        """Straight walkers at right angles, b apart, pass |x - b|/sqrt(2) from each other; the same from a pool."""
+        crossing = self.pair.copy().set("coupling.kappa", 0.0).set("rods.0.position", [0.0, 0.0])
+        crossing = crossing.set("rods.1.position", [0.0, -5.0]).set("rods.1.heading", np.pi / 2)
+        options = {"limits": (0.0, 9.0), "axes": {"rods.1.position.1": [-5.0, -4.0]}, "tolerance": 1e-10}
+        found = rodwake.critical(crossing, "rods.1.position.0", ["contact", "other"], **options)
+        expected = [b + side * 0.1 * np.sqrt(2.0) for b in (5.0, 4.0) for side in (-1, 1)]
+        np.testing.assert_allclose(found["value"], expected, atol=1e-9)
+        self.assertEqual(set(found["kind"]), {"grazing"})
+        with ThreadPoolExecutor(2) as pool:
+            again = rodwake.critical(crossing, "rods.1.position.0", ["contact", "other"], executor=pool, **options)
+        self.assertTrue(found.equals(again))
+        with self.assertRaisesRegex(rodwake.InputError, "limits: give the range"):
+            rodwake.critical(crossing, "rods.1.position.0")
+
     def test_what_version_0_3_called_proved_is_verified(self):
         folder = new_folder(self) / "scan"
         rodwake.scan(self.pair, {"coupling.kappa": [0.0]}, folder=folder)  # who walks straight has a closed form
