@@ -308,9 +308,10 @@ private:
         const granular::SampleSums& sums = record_.kinds()[k];
         const double samples = static_cast<double>(std::max<std::int64_t>(sums.count, 1));
         const std::vector<std::uint8_t> kind = simulation_.state().beads.kind; // restarts take some out
-        return {bed_.problem.bead_kinds[k].radius, static_cast<double>(std::ranges::count(kind, k)),
-                sums.T_xy / samples, sums.T_z / samples,
-                granular::in_absorbing_state(simulation_.far_temperatures(k), bed_.problem)};
+        const auto beads = std::ranges::count(kind, k); // one alone has no temperature about its own mean
+        return {bed_.problem.bead_kinds[k].radius, static_cast<double>(beads), sums.T_xy / samples,
+                sums.T_z / samples,
+                beads > 1 && granular::in_absorbing_state(simulation_.far_temperatures(k), bed_.problem)};
     }
 
     static PairSummary pair_summary(const granular::PairProgress& pair) {

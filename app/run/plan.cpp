@@ -80,6 +80,12 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
         if (scene.granular->rods_random) {
             scene.granular->rods_random->seed = static_cast<long>(seed);
             scene.granular->rods = scene::random_bed_rods(*scene.granular);
+            if (static_cast<long>(scene.granular->rods.size()) < scene.granular->rods_random->count)
+                throw InputError(
+                    fmt::format("--seed {}: no room for {} rods of [granular.rods_random]: after {} no "
+                                "further one was found; take another seed, a smaller count or "
+                                "min_separation, or a larger bed",
+                                seed, scene.granular->rods_random->count, scene.granular->rods.size()));
         }
     }
     if (scene.rods_random) {

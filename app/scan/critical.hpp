@@ -37,6 +37,7 @@ struct CriticalValue {
     double closest_below = value, closest_above = value, lambda = value, lambda_error = value;
     double below = -1.0, above = -1.0; ///< numbers of the outcomes
     double encounters = 0.0;
+    double rest = std::numeric_limits<double>::quiet_NaN(); ///< upper end of the bracket itself
 
     static constexpr auto fields() {
         using R = CriticalValue;
@@ -58,9 +59,9 @@ struct CriticalValue {
                    "the value; without a fixed point its standard error"}),
             field("below", &R::below, {"1", "outcome just below the value"}),
             field("above", &R::above, {"1", "outcome just above the value"}),
-            field(
-                "encounters", &R::encounters,
-                {"1", "encounters that the value took, without the coarse pass and the check at rtol/100"})};
+            field("encounters", &R::encounters,
+                  {"1", "encounters that the value took, without the coarse pass and the check at rtol/100"}),
+            field("rest", &R::rest, {"{solved key}", "in the ledger: above it the search goes on"})};
     }
 };
 

@@ -35,8 +35,12 @@ namespace {
 std::optional<rods::Pose> lingering_pose(const rods::RodProblem& problem, const Path& low, const Path& high) {
     const auto separation = [](const Path& path, double time) {
         const auto at = std::ranges::lower_bound(path.times, time);
-        return at == path.times.end() ? path.separations.back()
-                                      : path.separations[static_cast<std::size_t>(at - path.times.begin())];
+        if (at == path.times.end())
+            return path.separations.back();
+        const auto k = static_cast<std::size_t>(at - path.times.begin());
+        return k == 0 ? path.separations[0]
+                      : std::lerp(path.separations[k - 1], path.separations[k],
+                                  (time - path.times[k - 1]) / (path.times[k] - path.times[k - 1]));
     };
     std::optional<rods::Pose> slowest;
     double least = HUGE_VAL;

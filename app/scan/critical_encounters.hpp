@@ -50,6 +50,7 @@ public:
     /// The closest approach; of rods in contact, which walk on, that of the first minimum, or of the orbit in
     /// which they end.
     double closest_approach(const Encounter& one);
+    double contact_distance(double value) { return problem_at(value).contact_distance.value_or(0.0); }
     /// Valid until the next call.
     const rods::RodProblem& problem_at(double value) { return problem_.at(point(value)); }
     rods::RodOptions options(const rods::RodProblem& problem) const;

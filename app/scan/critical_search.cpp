@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace rodwake::app {
 
@@ -136,7 +137,7 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
                 continue;
             scan::Point upper = bracket;
             upper.id = bracket.id + 1;
-            upper.at[number_of_axis] = value.high;
+            upper.at[number_of_axis] = value.rest;
             ends[upper.id] = ends[bracket.id];
             if (upper.at[number_of_axis] < upper.at[number_of_axis + 1])
                 rest.push_back(upper);
@@ -151,8 +152,8 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
 
 namespace {
 
-/// Values of neighbouring points on one branch have one number: between the same outcomes, of one kind, and
-/// nearest to each other, a branch taking one value of a point.
+/// Values of neighbouring points on one branch have one number: between the same outcomes, and nearest to
+/// each other, a branch taking one value of a point.
 std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Result>& values) {
     std::vector<int> branches(values.size(), -1);
     int next = 0;
@@ -176,10 +177,22 @@ std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Resul
         before = std::move(here);
         here.clear();
     };
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!here.empty() && point_of_bracket(plan, values[i].point.id) !=
-                                 point_of_bracket(plan, values[here.front()].point.id))
+    std::int64_t stride = 1; // neighbours lie along the first axis, as figures draw them
+    if (plan.design.kind == scan::Kind::grid)
+        for (std::size_t k = 1; k + 1 < plan.design.axes.size(); ++k)
+            stride *= plan.design.axes[k].count;
+    const auto place = [&](std::size_t i) { return point_of_bracket(plan, values[i].point.id); };
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {},
+                             [&](std::size_t i) { return std::pair(place(i) % stride, place(i)); });
+    for (const std::size_t i : order) {
+        if (!here.empty() && place(i) != place(here.front())) {
+            const bool adjacent = place(i) == place(here.front()) + stride;
             extend();
+            if (!adjacent)
+                before.clear();
+        }
         here.push_back(i);
     }
     extend();
@@ -240,9 +253,15 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
             if (point_of_bracket(plan, one.point.id) == static_cast<std::int64_t>(place))
                 reason = fmt::format("between {:g} and {:g}: {}", one.point.at[others],
                                      one.point.at[others + 1], one.cause_text());
-        const bool failed = !reason.empty() || lost > 0;
         if (reason.empty() && lost > 0)
             reason = fmt::format("{} of {} values of the coarse pass failed", lost, axis.values.size());
+        const auto open = std::ranges::count(outcomes[place], static_cast<std::int32_t>(Ending::undecided));
+        if (reason.empty() && counts[place] == 0 && open > 0 &&
+            std::ranges::count(plan.critical->between, "undecided") == 0)
+            reason =
+                fmt::format("{} of {} values of the coarse pass are undecided; raise rods_run.t_end_limit",
+                            open, axis.values.size());
+        const bool failed = !reason.empty();
         if (reason.empty() && counts[place] == 0)
             reason = fmt::format("no change between {} from {:g} to {:g}",
                                  plan.critical->between.size() == 1

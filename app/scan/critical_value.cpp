@@ -51,7 +51,7 @@ bool ends_in_shrinking_orbit(const Bracket& bracket) {
 /// whatever lies between, what is found is a change of group. Nothing, and a narrower bracket, where it turns
 /// out to be that of a shrinking orbit.
 std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_low, double gap_high,
-                          double contact, double width) {
+                          double width) {
     struct Shrinks {};
     const int group = bracket.low.group;
     const double sign = gap_low < 0.0 ? -1.0 : 1.0;
@@ -60,7 +60,7 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
         bracket.take(one);
         if (ends_in_shrinking_orbit(bracket)) // near the root encounters would take for ever
             throw Shrinks{};
-        const double size = std::abs(encounters.closest_approach(one) - contact);
+        const double size = std::abs(encounters.closest_approach(one) - encounters.contact_distance(value));
         return one.group == group ? sign * size : -sign * size;
     };
     std::uintmax_t most = 60;
@@ -68,7 +68,11 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
         const auto [low, high] = boost::math::tools::toms748_solve(
             gap, bracket.low.at, bracket.high.at, gap_low, gap_high,
             [&](double a, double b) { return std::abs(b - a) <= width; }, most);
-        return Root{CriticalKind::grazing, std::midpoint(low, high), bracket};
+        const double root = std::midpoint(low, high); // one that was hit exactly leaves a side wide
+        for (const double side : {root - 0.5 * width, root + 0.5 * width})
+            if (bracket.width() > width && side > bracket.low.at && side < bracket.high.at)
+                bracket.take(encounters.at(side));
+        return Root{CriticalKind::grazing, root, bracket};
     } catch (const Shrinks&) {
         return std::nullopt;
     }
@@ -174,21 +178,31 @@ std::optional<FlowParameter> flow_parameter(const rods::RodProblem& low, const r
     return found;
 }
 
-/// The fold at which an orbit vanishes within `margin` of the bracket.
-std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket, double margin) {
-    const double from = bracket.low.at - margin, to = bracket.high.at + margin;
+/// The fold at which an orbit vanishes within the bracket.
+std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) {
+    const double from = bracket.low.at, to = bracket.high.at;
     const rods::RodProblem low = encounters.problem_at(from), high = encounters.problem_at(to);
     if (!has_fixed_points(low))
         return std::nullopt;
     const auto key = flow_parameter(low, high);
     if (!key)
         return std::nullopt;
+    // The key is linear in the parameter, or in its inverse, as xi is in alpha.
+    const auto value_of = [&](double parameter) {
+        const auto share = [&](double at, double first, double last) {
+            return (at - first) / (last - first);
+        };
+        const bool inverse = std::abs(key->low * from - key->high * to) < 1e-9 * std::abs(key->low * from);
+        return std::lerp(from, to,
+                         inverse ? share(1.0 / parameter, 1.0 / key->low, 1.0 / key->high)
+                                 : share(parameter, key->low, key->high));
+    };
     const auto [least, most] = std::minmax(key->low, key->high);
     for (const rods::PairBranch& branch :
          rods::pair_branches(*low.medium, low.couplings, key->parameter, least, most))
         for (const rods::BranchPoint& point : branch.points)
             if (point.fold && point.equilibrium.kind == rods::EquilibriumKind::orbit)
-                return std::lerp(from, to, (point.parameter - key->low) / (key->high - key->low));
+                return value_of(point.parameter);
     return std::nullopt;
 }
 
@@ -196,10 +210,13 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket, 
 /// encounters end ever later near it. Secants follow the orbit, which shrinks by at most 30 % in each.
 /// Nothing if the rods come closer on the way, or if the orbit does not lead from one end of the bracket to
 /// the other.
-std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracket, double contact) {
+std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracket) {
+    const double contact = encounters.contact_distance(bracket.low.at);
     const bool below = bracket.low.ending == Ending::orbit;
     const Encounter& orbiting = below ? bracket.low : bracket.high;
     const double end = below ? bracket.high.at : bracket.low.at;
+    if (const double other = encounters.contact_distance(bracket.high.at); other != contact) // the key itself
+        return std::lerp(bracket.low.at, bracket.high.at, (orbiting.orbit - contact) / (other - contact));
     if (!has_fixed_points(encounters.problem_at(orbiting.at)))
         return std::nullopt;
     rods::Pose pose = follow(encounters, orbiting).poses.back();
@@ -220,6 +237,8 @@ std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracke
                      next = at + (target - *narrow) * (at - before) / (*narrow - *wide);
         if (target == contact && std::abs(next - at) <= 1e-13 * std::abs(at))
             return next;
+        if (!((end - next) * (next - orbiting.at) > 0.0))
+            return std::nullopt;
         pose.x *= target / *narrow, pose.y *= target / *narrow;
         before = at, wide = narrow;
         at = next, narrow = separation(at);
@@ -230,14 +249,16 @@ std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracke
 /// Narrows a bracket until its kind is known and it is `width` wide.
 Root correct(Encounters& encounters, Bracket bracket, double width) {
     using enum Ending;
-    const double distance = encounters.problem_at(bracket.low.at).contact_distance.value_or(0.0);
-    const auto gap = [&](const Encounter& one) { return encounters.closest_approach(one) - distance; };
+    const double distance = encounters.contact_distance(bracket.low.at);
+    const auto gap = [&](const Encounter& one) {
+        return encounters.closest_approach(one) - encounters.contact_distance(one.at);
+    };
     const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
     bool tried_fold = false;
     std::optional<Parting> parting;
     while (bracket.width() > width) {
         if (ends_in_shrinking_orbit(bracket))
-            if (const auto value = shrunk_orbit(encounters, bracket, distance))
+            if (const auto value = shrunk_orbit(encounters, bracket))
                 if (const auto root =
                         fixed_point_root(encounters, CriticalKind::grazing, *value, bracket, width))
                     return *root;
@@ -253,21 +274,25 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (touches && apart.closest < 2.0 * distance &&
             (one.ending == bracket.low.ending || one.ending == bracket.high.ending)) {
             const double gap_low = gap(bracket.low), gap_high = gap(bracket.high);
-            if (is_smooth(gap_low, gap(one), gap_high)) {
-                if (const auto root = graze(encounters, bracket, gap_low, gap_high, distance, width))
+            if (gap_low * gap_high < 0.0 && is_smooth(gap_low, gap(one), gap_high)) {
+                if (const auto root = graze(encounters, bracket, gap_low, gap_high, width))
                     return *root;
                 continue;
             }
         }
+        // Undecided rods tell no side: then the bracket is the range.
+        const bool stuck =
+            one.ending == undecided && bracket.low.ending != undecided && bracket.high.ending != undecided;
         const bool parts = one.ending == escape && replaced.ending == escape;
         if (parts)
             parting = Parting{replaced.at, one.at};
-        bracket.take(one);
+        if (!stuck)
+            bracket.take(one);
 
         // Near an unbinding and near a fold encounters take ever longer, so bisection would not get far.
-        if (bracket.width() > 1e-3 * scale)
+        if (!stuck && bracket.width() > 1e-3 * scale)
             continue;
-        if (parting && parts && bracket.is_between(pursuit, escape)) {
+        if (parting && (parts || stuck) && bracket.is_between(pursuit, escape)) {
             const double end = bracket.low.ending == pursuit ? bracket.low.at : bracket.high.at;
             if (const auto zero = unbind(encounters, *parting, end, width))
                 if (auto root = checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width)) {
@@ -277,11 +302,18 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         }
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
-            if (const auto fold = fold_near(encounters, bracket, bracket.width()))
+            if (const auto fold = fold_near(encounters, bracket))
                 if (const auto root = fixed_point_root(encounters, CriticalKind::fold, *fold, bracket, width))
                     return *root;
         }
+        if (stuck)
+            break;
     }
+
+    // A bracket that is still wide may hide that D is continuous, so D near contact on both sides is enough.
+    const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
+    if (touches && std::max(std::abs(gap(bracket.low)), std::abs(gap(bracket.high))) < 0.5 * distance)
+        return {CriticalKind::grazing, std::midpoint(bracket.low.at, bracket.high.at), bracket};
     const double jump = std::abs(bracket.low.closest - bracket.high.closest);
     const bool bound = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
     return {bound ? CriticalKind::unbinding : CriticalKind::separatrix,
@@ -338,6 +370,7 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Poi
     found.encounters = static_cast<double>(encounters.count);
     found.below = static_cast<double>(root.bracket.low.ending);
     found.above = static_cast<double>(root.bracket.high.ending);
+    found.rest = root.bracket.high.at;
     found.low = std::min(root.bracket.low.at, root.value),
     found.high = std::max(root.bracket.high.at, root.value);
     const int low = root.bracket.low.group, high = root.bracket.high.group;
@@ -349,7 +382,7 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Poi
     const OutputUnits units = output_units(plan.base);
     found.closest_below = encounters.closest_approach(root.bracket.low) * units.length;
     found.closest_above = encounters.closest_approach(root.bracket.high) * units.length;
-    if (kind == CriticalKind::separatrix)
+    if (kind == CriticalKind::separatrix && root.bracket.width() <= width)
         if (const auto rate = departure(encounters, root.bracket)) {
             found.value = rate->value;
             found.lambda = rate->rate / units.time;

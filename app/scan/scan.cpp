@@ -156,6 +156,9 @@ private:
             throw InputError(
                 fmt::format("{}: scan.file has {} columns, design = \"critical\" takes at most {}",
                             base_.path, design.axes.size(), most_axes));
+        for (const scan::Axis& other : design.axes)
+            if (other.name.starts_with("rods_run.rtol") || other.name.starts_with("rods_run.atol"))
+                refuse(other.name, "cannot vary where critical values are checked at another tolerance");
         ScanAxis given;
         given.key = scan_.solve_for;
         given.from = scan_.from, given.to = scan_.to;

@@ -156,10 +156,10 @@ void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& cont
 
 namespace {
 
-/// The brackets of the coarse pass, narrowed; false: stopped. Brackets that are done are in a ledger of their
-/// own, with which the same call goes on.
-bool solve_critical(const Session& session, const scan::Ledger& ledger, const scan::Execute& execute,
-                    Progress& progress) {
+/// The brackets of the coarse pass, narrowed, and how many failed; nothing: stopped. Brackets that are done
+/// are in a ledger of their own, with which the same call goes on.
+std::optional<std::size_t> solve_critical(const Session& session, const scan::Ledger& ledger,
+                                          const scan::Execute& execute, Progress& progress) {
     const ScanPlan& plan = *session.plan.scan;
     const fs::path folder = session.directory.path();
     scan::Ledger found(folder / critical_ledger, {plan.description, plan.design.axes, columns_of_critical()});
@@ -171,7 +171,7 @@ bool solve_critical(const Session& session, const scan::Ledger& ledger, const sc
         });
     found.sync();
     if (!search.complete)
-        return false;
+        return std::nullopt;
     write_critical(folder, plan, ledger, search);
     std::map<std::string, int> kinds;
     for (const scan::Result& one : search.values)
@@ -185,7 +185,7 @@ bool solve_critical(const Session& session, const scan::Ledger& ledger, const sc
         session.log->warn(
             "scan: {} brackets failed; critical.json has the causes, --rerun-failed tries them again",
             search.failed.size());
-    return true;
+    return search.failed.size();
 }
 
 StageEnd run_scan(Session& session) {
@@ -203,8 +203,12 @@ StageEnd run_scan(Session& session) {
     design.side = side_of_pursuit(plan);
     const scan::Execute execute = executor_of(session, plan);
     scan::Summary summary = scan::run(design, ledger, execute, options);
-    if (plan.critical && summary.complete)
-        summary.complete = solve_critical(session, ledger, execute, progress);
+    std::size_t failed = 0;
+    if (plan.critical && summary.complete && options.part.of == 1) { // a share has no neighbours
+        const auto brackets = solve_critical(session, ledger, execute, progress);
+        summary.complete = brackets.has_value();
+        failed = brackets.value_or(0);
+    }
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     const scan::Counts counts = ledger.counts();
     // mpiexec kills its ranks a second after the signal, too soon for large tables; the ledger holds it all.
@@ -217,7 +221,8 @@ StageEnd run_scan(Session& session) {
                certificates, took.count(), session.context.thread_count());
     if (plan.certificates)
         session.log->info("scan: {}", certificates_text(certificates));
-    return report(session, ledger, counts, summary);
+    const StageEnd end = report(session, ledger, counts, summary);
+    return end == StageEnd::finished && failed > 0 ? StageEnd::incomplete : end;
 }
 
 /// Twenty points spread over the scan stand for all, or as many as there is time for.
@@ -282,6 +287,8 @@ std::span<const ColumnInfo> critical_columns() {
             {"kind", "1", "grazing, separatrix, unbinding or fold"},
             {"branch", "1", "number of the curve of values of neighbouring points, from 0"}};
         add_number_columns<CriticalValue>(all);
+        std::erase_if(
+            all, [](const ColumnInfo& column) { return column.name == field_names<CriticalValue>().back(); });
         return all;
     }();
     return columns;

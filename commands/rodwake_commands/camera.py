@@ -298,9 +298,12 @@ def scene_text(camera, bed, interval, pictures, command):
         f"window = {{ {'circle' if len(window) == 3 else 'rectangle'} = [{numbers}] }}"
     error = f"localisation = {number(camera.noise)}   # m\n" if camera.noise else ""
     enough = "true" if pictures >= PICTURES_FOR_STIFFNESS else f"false     # of {PICTURES_FOR_STIFFNESS} pictures and more"
+    # Tracks have one radius: of several sizes that with which they cover what they cover.
+    radii = np.asarray(bed.bead_radii)
+    radius = bed.bead_radius if radii.size == 0 or np.ptp(radii) == 0.0 else float(np.sqrt(np.mean(np.square(radii))))
     return (f'# {command}\nschema = 1\ntitle = "A bed, seen by a camera"\n\n[tracks]\nfile = "tracks.csv"\n'
             f"frames_per_second = {number(1.0 / interval)}\npixel = {number(camera.pixel)}                   # m\n"
-            f"bead_radius = {number(bed.bead_radius)}\n{seen}\n{error}\n"
+            f"bead_radius = {number(radius)}\n{seen}\n{error}\n"
             f"[measure]\norder = true\norder_interval = {number(max(1, pictures // 40) * interval)}\n"
             f"microrheology = {enough}\nblock = {number(0.25 * interval * (pictures - 1))}\n")
 

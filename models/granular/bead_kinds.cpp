@@ -134,6 +134,11 @@ BeadSizes bead_sizes(const GranularProblem& problem, std::uint32_t run) {
     if (given && !given->radius.empty()) {
         sizes.radius = given->radius;
         require_sizes(mix, sizes, "start_file:");
+        if (const double most = std::ranges::max(sizes.radius); 2.0 * most >= problem.plates.gap)
+            throw InputError(
+                fmt::format("start_file: a bead of radius {:g} m does not fit between the plates, "
+                            "which are {:g} m apart",
+                            most, problem.plates.gap));
         return sizes;
     }
     for (const std::uint8_t kind : sizes.kind)

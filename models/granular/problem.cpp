@@ -69,6 +69,16 @@ void check_sizes(const GranularProblem& problem, Checks& checks) {
         checks.positive(fmt::format("bead kind {}: radius", k), problem.bead_kinds[k].radius);
         checks.positive(fmt::format("bead kind {}: share", k), problem.bead_kinds[k].share);
     }
+    constexpr double most_ratio =
+        20.0; // cells are as wide as the largest: of smaller ones too many share one
+    const auto [least, most] =
+        std::ranges::minmax(problem.bead_kinds.empty() ? std::vector{BeadKind{1.0, 1.0}} : problem.bead_kinds,
+                            {}, &BeadKind::radius);
+    checks.require(
+        most.radius <= most_ratio * least.radius,
+        fmt::format("bead_kinds: radii from {:g} to {:g} m: the largest must be at most {} times the "
+                    "smallest",
+                    least.radius, most.radius, most_ratio));
     checks.number(problem.bead_spread >= 0.0 && problem.bead_spread <= widest_spread, "bead_spread",
                   problem.bead_spread, fmt::format("between 0 and {}", widest_spread));
     checks.number(problem.bead_area >= 0.0, "bead_area", problem.bead_area, ">= 0 and finite (m^2)");
@@ -240,6 +250,19 @@ void check_given(const GranularProblem& problem, Checks& checks) {
     column("vz", given.vz, false);
     column("radius", given.radius, false);
     column("kind", given.kind, !given.radius.empty() && problem.bead_kinds.size() > 1);
+    checks.finish();
+    for (std::size_t i = 0; i < problem.beads; ++i) {
+        const double x = given.x[i], y = given.y[i];
+        const bool outside = problem.container ? nearest_wall(*problem.container, {x, y}, 0.0).depth > 0.0
+                                               : std::abs(x - 0.5 * problem.box.x) > 1.5 * problem.box.x ||
+                                                     std::abs(y - 0.5 * problem.box.y) > 1.5 * problem.box.y;
+        checks.require(!outside,
+                       fmt::format("start_file: bead {} (from 0, by rows) is at ({:g}, {:g}) m, outside the "
+                                   "{}: columns are in m",
+                                   i, x, y, problem.container ? "wall" : "box and its next images"));
+        if (outside)
+            return; // one is enough
+    }
 }
 
 void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {

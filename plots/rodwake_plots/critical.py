@@ -100,7 +100,9 @@ def caption(run, spec):
 
 
 def defaults(run):
-    return [Spec("critical_values", "critical_values")] if there(run) else []
+    if not there(run) or run.scan.axes[0].is_choice or not files.Record(run.scan.folder / "critical.json").need("values"):
+        return []
+    return [Spec("critical_values", "critical_values")]
 
 
 KINDS = {"critical_values": Kind(draw=draw, caption=caption, defaults=defaults)}

@@ -74,6 +74,9 @@ def critical(scene: Scene, solve_for: Optional[str] = None, between: Iterable[st
         rodwake.critical(scene, "coupling.kappa", ("capture", "escape"), limits=(1, 120), axes={"medium.alpha": np.geomspace(0.1, 20, 30)})
     """
     arguments.kind("scene", scene, Scene, "a rodwake.Scene")
+    between = (between,) if isinstance(between, str) else tuple(between)
+    if solve_for is None and (limits is not None or axes is not None or (between, spacing, count, tolerance) != (("capture", "escape"), "linear", 20, 1e-8)):
+        raise InputError("solve_for: give the name of the key; without it the [scan] of the scene is taken as it stands")
     if solve_for is not None:
         if limits is None:
             raise InputError("limits: give the range of the key, such as limits=(1.0, 120.0)")

@@ -195,6 +195,7 @@ frames = 0.01
                                  ({"z": np.full(25, 0.9e-3)}, "deep in the lid"),
                                  ({"kind": np.ones(25)}, r"beads.csv:2: kind = 1: must be a whole number from 0 to 0"),
                                  ({"radius": np.full(25, 0.5e-3)}, "has a radius of 0.0005 m, and that of its kind is 0.0004 m"),
+                                 ({"x": 1e3 * self.x}, "outside the box and its next images: columns are in m"),
                                  ({"vx": wrong}, r"beads.csv:5: "), ({"x": None}, "beads.csv.*x")):
             with self.subTest(message):
                 self.put(**changed)

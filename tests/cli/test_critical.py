@@ -104,6 +104,14 @@ class CriticalTest(ScanTest):
         branches = {row["branch"] for row in self.values("two")}
         self.assertLess(len(branches), len(self.values("two")))
 
+    def test_undecided_encounters_leave_a_range(self):
+        """Where the limit of time is too short to decide, the bracket is what is known; the value is 26.0584 (separatrix)."""
+        one, = self.solve("short", 'from = 25.0\nto = 28.0\ncount = 4\naudit = 0\nbetween = ["contact", "pursuit"]\n', "-s", "rods_run.t_end_limit=70")
+        self.assertEqual((one["below"], one["above"], one["lambda"]), ("pursuit", "contact", ""))
+        self.assertLess(float(one["low"]), 26.05842651829)
+        self.assertGreater(float(one["high"]), 26.05842651829)
+        self.assertGreater(float(one["high"]) - float(one["low"]), 1e-3)
+
     def test_refused(self):
         self.write("critical.toml", START + CRITICAL + "from = 1.0\nto = 50.0\n")
         for message, setting in (("needs solve_for", "scan.solve_for="), ("give a number that an encounter depends on", "scan.solve_for=rods_run.rtol"),
