@@ -61,7 +61,7 @@ struct CriticalValue {
             field("above", &R::above, {"1", "outcome just above the value"}),
             field("encounters", &R::encounters,
                   {"1", "encounters that the value took, without the coarse pass and the check at rtol/100"}),
-            field("rest", &R::rest, {"{solved key}", "in the ledger: above it the search goes on"})};
+            field("bracket_high", &R::rest, {"{solved key}", "in the ledger: above it the search goes on"})};
     }
 };
 

@@ -351,7 +351,8 @@ TEST_CASE("sizes that cannot be are refused") {
     CHECK_THROWS_WITH(validate(problem),
                       Catch::Contains("must be larger than the largest bead diameter, 0.0016 m"));
     problem.bead_kinds[1] = {0.04 * a, 0.5};
-    CHECK_THROWS_WITH(validate(problem), Catch::Contains("the largest must be at most 20 times the smallest"));
+    CHECK_THROWS_WITH(validate(problem),
+                      Catch::Contains("the largest must be at most 20 times the smallest"));
     problem = mixture(0.6, 40.0, 1.55e-3);
     problem.bead_spread = 0.3;
     CHECK_THROWS_WITH(validate(problem), Catch::Contains("bead_spread = 0.3: must be between 0 and 0.2"));
