@@ -137,18 +137,18 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
 
 /// A root of fixed points, which encounters cannot tell apart from its surroundings: near a fold and near an
 /// orbit of the contact distance they take ever longer, and then end by the errors of the run. So outcomes
-/// are checked from the bracket inwards as long as encounters take less than four times as long. Nothing if
-/// they are not those of the bracket.
-std::optional<Root> fixed_point_root(Encounters& encounters, CriticalKind kind, double value,
-                                     const Bracket& bracket, double width) {
-    std::optional<Root> root;
-    double first = 0.0;
+/// are checked from the bracket inwards, as long as encounters are decided soon and in four times the first's
+/// time.
+Root fixed_point_root(Encounters& brief, CriticalKind kind, double value, const Bracket& bracket,
+                      double width) {
+    Root root{kind, value, bracket, {}, true};
     const double most = std::min(value - bracket.low.at, bracket.high.at - value);
+    double first = 0.0;
     for (double step = 0.5 * most; step > width; step *= 0.25) {
-        const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
-        if (low.group != bracket.low.group || high.group != bracket.high.group)
+        const Encounter low = brief.at(value - step), high = brief.at(value + step);
+        if (low.ending != bracket.low.ending || high.ending != bracket.high.ending)
             break;
-        root = Root{kind, value, {low, high}, {}, true};
+        root.bracket = {low, high};
         first = first == 0.0 ? std::max(low.time, high.time) : first;
         if (std::max(low.time, high.time) > 4.0 * first)
             break;
@@ -246,8 +246,9 @@ std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracke
     return std::nullopt;
 }
 
-/// Narrows a bracket until its kind is known and it is `width` wide.
-Root correct(Encounters& encounters, Bracket bracket, double width) {
+/// Narrows a bracket until its kind is known and it is `width` wide. `brief`: the same encounters, with
+/// little time to be decided.
+Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double width) {
     using enum Ending;
     const double distance = encounters.contact_distance(bracket.low.at);
     const auto gap = [&](const Encounter& one) {
@@ -259,9 +260,7 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
     while (bracket.width() > width) {
         if (ends_in_shrinking_orbit(bracket))
             if (const auto value = shrunk_orbit(encounters, bracket))
-                if (const auto root =
-                        fixed_point_root(encounters, CriticalKind::grazing, *value, bracket, width))
-                    return *root;
+                return fixed_point_root(brief, CriticalKind::grazing, *value, bracket, width);
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
         if (middle <= bracket.low.at || middle >= bracket.high.at)
             break;
@@ -303,8 +302,7 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket))
-                if (const auto root = fixed_point_root(encounters, CriticalKind::fold, *fold, bracket, width))
-                    return *root;
+                return fixed_point_root(brief, CriticalKind::fold, *fold, bracket, width);
         }
         if (stuck)
             break;
@@ -321,7 +319,8 @@ Root correct(Encounters& encounters, Bracket bracket, double width) {
 }
 
 /// The same root at another tolerance, looked for around the first within the bracket of the coarse pass.
-std::optional<double> again(Encounters& encounters, const Root& root, const Bracket& coarse, double width) {
+std::optional<double> again(Encounters& encounters, Encounters& brief, const Root& root,
+                            const Bracket& coarse, double width) {
     if (root.parting)
         return unbind(encounters, *root.parting,
                       root.bracket.low.ending == Ending::pursuit ? coarse.low.at : coarse.high.at, width);
@@ -330,7 +329,7 @@ std::optional<double> again(Encounters& encounters, const Root& root, const Brac
                      high = std::min(root.value + step, coarse.high.at);
         const Bracket bracket{encounters.at(low), encounters.at(high)};
         if (bracket.low.group == root.bracket.low.group && bracket.high.group == root.bracket.high.group)
-            return correct(encounters, bracket, width).value;
+            return correct(encounters, brief, bracket, width).value;
         if (low == coarse.low.at && high == coarse.high.at)
             return std::nullopt;
     }
@@ -346,11 +345,19 @@ ScanPlan tighter(const ScanPlan& plan) {
     return tight;
 }
 
-CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Point& point,
-                    const std::function<bool()>& stop, CriticalKind& kind) {
+/// A plan of the same points, which are left undecided after eight times t_end.
+ScanPlan briefer(const ScanPlan& plan) {
+    ScanPlan brief = plan;
+    scene::RodsRun& run = *brief.base.rods_run;
+    run.t_end_limit = std::min(run.t_end_limit.value_or(HUGE_VAL), 8.0 * run.t_end);
+    return brief;
+}
+
+CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan& brief,
+                    const scan::Point& point, const std::function<bool()>& stop, CriticalKind& kind) {
     const std::size_t axis = plan.design.axes.size() - 1;
     const scan::Axis& range = plan.design.axes[axis];
-    Encounters encounters(plan, point, stop);
+    Encounters encounters(plan, point, stop), brief_encounters(brief, point, stop);
     const Bracket coarse{encounters.at(point.at[axis]), encounters.at(point.at[axis + 1])};
     CriticalValue found;
     found.low = coarse.low.at, found.high = coarse.high.at;
@@ -364,10 +371,10 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Poi
                  width = plan.critical->tolerance *
                          std::max(std::min({size, std::abs(coarse.low.at), std::abs(coarse.high.at)}),
                                   1e-3 * (range.to - range.from));
-    Root root = correct(encounters, coarse, width);
+    Root root = correct(encounters, brief_encounters, coarse, width);
     kind = root.kind;
     found.value = root.value;
-    found.encounters = static_cast<double>(encounters.count);
+    found.encounters = static_cast<double>(encounters.count + brief_encounters.count);
     found.below = static_cast<double>(root.bracket.low.ending);
     found.above = static_cast<double>(root.bracket.high.ending);
     found.rest = root.bracket.high.at;
@@ -390,7 +397,7 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const scan::Poi
         }
     if (!root.of_fixed_point) {
         Encounters checked(tight, point, stop);
-        if (const auto check = again(checked, root, coarse, width)) {
+        if (const auto check = again(checked, brief_encounters, root, coarse, width)) {
             found.low = std::min(found.low, *check);
             found.high = std::max(found.high, *check);
         } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
@@ -423,6 +430,7 @@ scan::Columns columns_of_critical() {
 
 scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> stop) {
     return [&plan, tight = std::make_shared<ScanPlan>(tighter(plan)),
+            brief = std::make_shared<ScanPlan>(briefer(plan)),
             stop = std::move(stop)](std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             scan::Result& result = results[i];
@@ -430,7 +438,7 @@ scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> sto
             result.point = points[i];
             try {
                 CriticalKind kind{};
-                const CriticalValue found = solve(plan, *tight, points[i], stop, kind);
+                const CriticalValue found = solve(plan, *tight, *brief, points[i], stop, kind);
                 std::ranges::copy(field_values(found), result.values.begin());
                 result.outcome = static_cast<std::int32_t>(kind);
             } catch (const PointFailed& failed) {
