@@ -52,10 +52,14 @@ double Encounters::closest_approach(const Encounter& one) {
     rods::RodOptions all = options(problem);
     const bool may_orbit = has_fixed_points(problem);
     std::optional<double> first;
+    double least = one.closest;
     long steps = 0;
+    all.ode.max_steps =
+        std::min(all.ode.max_steps, 20'000L); // rods that circle into each other go on for ever
     all.ode.on_step = [&](const integrate::Step& step) {
         if (const auto approach = rods::closest_approach(step, problem.box, contact); approach && !first)
             first = approach->pair.distance;
+        least = std::min(least, rods::closest_pair(step.state, problem.box).distance);
         ++steps; // an orbit is known before the rods have settled; asking takes as long as 500 steps
         if (may_orbit && !first && steps >= 256 && std::has_single_bit(static_cast<unsigned long>(steps)))
             if (const auto settled = rods::settled_orbit(
@@ -67,7 +71,7 @@ double Encounters::closest_approach(const Encounter& one) {
     const rods::RodResult run = rods::simulate(problem, all);
     if (run.outcome.ending == Ending::orbit)
         return std::min(run.outcome.min_separation, run.outcome.separation);
-    return first.value_or(run.outcome.min_separation);
+    return first.value_or(least);
 }
 
 rods::RodOptions Encounters::options(const rods::RodProblem& problem) const {
