@@ -53,7 +53,7 @@ struct RodSummary {
     }
 };
 
-/// Of the beads of one kind.
+/// What the beads of one kind did: temperatures in m^2/s^2, radius in m.
 struct KindSummary {
     double radius = 0.0, beads = 0.0, T_xy = 0.0, T_z = 0.0;
     bool absorbing_state = false; ///< at the end

@@ -118,7 +118,7 @@ std::string columns_table(const FileKind& kind) {
                                    kind.pattern.ends_with(".json") ? "key" : "column");
     for (const ColumnInfo& column : kind.columns) {
         const bool is_error =
-            column.name.ends_with(error) &&
+            column.name.ends_with(error) && column.meaning.find("standard error") != std::string_view::npos &&
             std::ranges::count(kind.columns, column.name.substr(0, column.name.size() - error.size()),
                                &ColumnInfo::name) > 0;
         if (!is_error)

@@ -8,7 +8,7 @@
 //                shrinks, in the end: a root of D(p) - d_c (TOMS 748)
 //   separatrix   D jumps: on it lies an unstable fixed point of the pair's flow. Bisection
 //   unbinding    pursuit gives way to escape: the square of the angle at which the rods part is linear in p
-//                there, and a secant on it finds its zero
+//                there, and its zero is extrapolated from angles ever closer to it
 //   fold         the orbit in which the rods end vanishes: the fold of its branch (rods/pair_branches.hpp)
 //
 // A bracket's result depends on the scene and the bracket alone, so that bits depend on neither threads nor
@@ -56,7 +56,7 @@ struct CriticalValue {
             field("lambda_error", &R::lambda_error,
                   {"1/({scan time})",
                    "difference from the rate by the times of eight decades of distance from "
-                   "the value; without a fixed point its standard error"}),
+                   "the value; empty: there are too few such times"}),
             field("below", &R::below, {"1", "outcome just below the value"}),
             field("above", &R::above, {"1", "outcome just above the value"}),
             field("encounters", &R::encounters,

@@ -231,7 +231,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
     }
     store::write_atomically(folder / "critical.csv", text);
 
-    // Of each point how many values there are, and why none.
+    // critical.json says how many values each point has, and why it has none.
     const Outcomes outcomes = coarse_outcomes(plan, ledger);
     const scan::PointList list(plan.design);
     ordered_json points = ordered_json::array();

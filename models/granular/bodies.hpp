@@ -51,7 +51,7 @@ struct Bodies {
 
     std::size_t spheres() const { return radius.size(); }
     bool is_bead(std::size_t sphere) const { return sphere < beads; }
-    /// Of equal beads without a look into memory.
+    /// The radius of a sphere, m; equal beads take no look into memory.
     template<bool equal>
     double radius_of(std::size_t sphere) const {
         if constexpr (equal)

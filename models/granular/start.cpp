@@ -72,7 +72,7 @@ double middle_height(const GranularProblem& problem) {
     return problem.plates.amplitude(problem.gravity) * repeatable::cos(phase) + 0.5 * problem.plates.gap;
 }
 
-/// Of beads of these radii, or of equal ones: the velocity of their centre of mass.
+/// Takes away the velocity of the centre of mass; masses go as the cubes of the radii, no radii: equal beads.
 void remove_mean(std::vector<double>& velocity, const std::vector<double>& radius) {
     double sum = 0.0, weights = 0.0;
     for (std::size_t i = 0; i < velocity.size(); ++i) {

@@ -37,7 +37,7 @@ class CriticalTest(ScanTest):
         """Contact begins where the rods run up to the wide orbit: the digits, the eigenvalue and the slope are of independent codes."""
         one, = self.solve("wide", 'from = 25.0\nto = 28.0\ncount = 4\nbetween = ["contact", "pursuit"]\n')
         self.assertEqual((one["kind"], one["below"], one["above"]), ("separatrix", "pursuit", "contact"))
-        self.near(one, 26.05842651829, 3e-7)
+        self.near(one, 26.05842651829, 3e-7)  # the tolerance, 1e-8 of it
         self.assertAlmostEqual(float(one["lambda"]), 0.17642976, delta=1e-5)  # the orbit moves with kappa
         self.assertLess(float(one["lambda_error"]), 0.01 * float(one["lambda"]))
         self.assertGreater(float(one["closest_below"]), 0.2)
@@ -64,7 +64,7 @@ class CriticalTest(ScanTest):
         rows = self.values("out")
         self.assertEqual([row["kind"] for row in rows], ["grazing"] * 2)
         for row, x in zip(rows, (5.0 - 0.1 * math.sqrt(2.0), 5.0 + 0.1 * math.sqrt(2.0))):
-            self.near(row, x, 5e-12)
+            self.near(row, x, 5e-12)  # ten times the tolerance, 1e-13 of x
             for side in ("closest_below", "closest_above"):
                 self.assertAlmostEqual(float(row[side]), 0.1, delta=1e-11)
 

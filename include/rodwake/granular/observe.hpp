@@ -22,7 +22,7 @@ struct Agitation {
     Temperatures temperatures;
     /// Sum over beads and rods of m (v - V)(v - V)^T in the plane, V that of the beads' centre of mass, J.
     PlaneTensor momentum_flux{};
-    /// Of the beads of each kind, V still that of all; empty if there is one kind.
+    /// The temperatures of each kind, about the mean velocity V of all beads; empty if there is one kind.
     std::vector<Temperatures> of_kinds = {};
 };
 

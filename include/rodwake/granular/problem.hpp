@@ -104,7 +104,7 @@ std::vector<std::size_t> kind_counts(const GranularProblem& problem);
 /// Share sum pi a_i^2/A of the beads alone in the area of the bed.
 double bead_area_fraction(const GranularProblem& problem);
 
-/// Of a bead of this radius, of radius a if none is named, kg.
+/// The mass of a bead of this radius, m, or of radius a, in kg.
 double bead_mass(const GranularProblem& problem, double radius);
 inline double bead_mass(const GranularProblem& problem) { return bead_mass(problem, problem.bead_radius); }
 /// Mean over the beads, a spread aside, kg.

@@ -135,7 +135,7 @@ public:
     const std::vector<RodThrust>& thrust() const { return thrust_; }
     const RecordSums& sums() const { return sums_; }
     const PressureSums& pressure_sums() const { return pressure_; }
-    /// Of the beads of each kind since t = 0; empty if there is one kind.
+    /// The sums over samples of each kind since t = 0; empty if there is one kind.
     const std::vector<SampleSums>& kinds() const { return kinds_; }
     /// Mean from t = 0 on, N/m.
     PlaneTensor mean_pressure(const Simulation& simulation) const;

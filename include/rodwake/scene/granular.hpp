@@ -126,7 +126,7 @@ struct Granular {
     bool operator==(const Granular&) const = default;
 };
 
-/// Of rods of which only the kind is given.
+/// The shape of rods that the scene gives by their kind alone.
 granular::RodShape default_shape(granular::RodKind kind);
 
 /// The rods that bed.rods_random stands for; they depend on it, on the bed's sides and on its container.
