@@ -97,8 +97,9 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
     if (!interacting)
         lines.push_back({false, problem.rods.size() < 2
                                     ? "interaction: a single rod feels no other; no field is evaluated"
-                                : problem.medium ? "interaction: no coupling, so no field is evaluated"
-                                                 : "interaction: no [medium]; rods walk straight"});
+                                : problem.medium       ? "interaction: no coupling, so no field is evaluated"
+                                : problem.bodies.any() ? "interaction: no [medium]; only touch turns rods"
+                                                       : "interaction: no [medium]; rods walk straight"});
     lines.push_back({interacting && c.apolar(),
                      c.apolar()
                          ? fmt::format("alignment with the strain axis ({})", rods::coupling_names(false))
@@ -117,6 +118,12 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
             {true,
              fmt::format("turning into the rows of a crystal along {:g} rad: coupling.gamma_rows = {:g}",
                          problem.rows.direction, problem.rows.gamma)});
+    lines.push_back(
+        {problem.bodies.any(),
+         problem.bodies.any()
+             ? fmt::format("bodies push each other: a rod stalls at an overlap of {:g} of two radii",
+                           problem.bodies.stall_overlap)
+             : "bodies: no [body], rods are points"});
     lines.push_back({problem.contact_distance.has_value(),
                      problem.contact_distance
                          ? fmt::format("contact stops the run at {:g}", *problem.contact_distance)
@@ -130,9 +137,9 @@ void add_similarity_line(const Plan& plan, Lines& lines) {
         return;
     const RodsPlan& rods = plan.rods.front();
     const scene::Medium& medium = *plan.scene.medium;
-    const bool aligns_only = rods.problem.couplings.apolar() && !rods.problem.couplings.polar() &&
-                             plan.scene.coupling->gamma_flow == 0.0 && !rods.problem.rows.any() &&
-                             !rods.noise;
+    const bool aligns_only = !rods.problem.bodies.any() && rods.problem.couplings.apolar() &&
+                             !rods.problem.couplings.polar() && plan.scene.coupling->gamma_flow == 0.0 &&
+                             !rods.problem.rows.any() && !rods.noise;
     const bool steady_on_plane =
         medium.field == scene::FieldBackend::exact && !medium.box() && !medium.fitted;
     if (rods.problem.rods.size() < 2 || !aligns_only || !steady_on_plane || medium.xi == 1.0 ||
@@ -172,10 +179,12 @@ void add_order_line(const scene::Scene& scene, Lines& lines) {
     if (order_of_bed(scene))
         lines.push_back({true, fmt::format("order of the motile rods of the bed; clusters by links of less "
                                            "than {:.4g} a",
-                                           scene.rods_order->link / scene.granular->bead_radius)});
+                                           *scene.rods_order->link / scene.granular->bead_radius)});
     else
-        lines.push_back({true, fmt::format("order of the rods; clusters by links of less than {:g}",
-                                           scene.rods_order->link)});
+        lines.push_back({true, scene.rods_order->link
+                                   ? fmt::format("order of the rods; clusters by links of less than {:g}",
+                                                 *scene.rods_order->link)
+                                   : "order of the rods; clusters of rods that touch"});
     if (!order_of_bed(scene) && scene.granular)
         lines.push_back(
             {false, "order of the rods of the bed: with [rods_run], [rods_order] looks at its rods"});

@@ -191,7 +191,8 @@ std::string outcome_text(const std::string& name) {
          "none of these, and the two rods, in each other's steady wakes on the plane, are in the basin of a "
          "stable orbit: they circle each other at one distance and rate"},
         {"undecided", "none of these by t_end; a longer run may decide, and scan.decide does so for scans"},
-        {"capture", "contact, pursuit or orbit"}};
+        {"bound", "rods with bodies push each other: they touch for 0.9 of the last quarter of the run"},
+        {"capture", "contact, bound, orbit or pursuit"}};
     std::string text;
     for (const auto& [word, meaning] : criteria)
         if (name == word || name == "outcome")

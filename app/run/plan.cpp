@@ -90,7 +90,7 @@ void apply_seed(scene::Scene& scene, std::uint64_t seed) {
     }
     if (scene.rods_random) {
         scene.rods_random->seed = static_cast<long>(seed);
-        scene.rods = random_rods(*scene.rods_random);
+        scene.rods = random_rods(*scene.rods_random, scene.body);
     }
     if (scene.noise)
         scene.noise->seed = static_cast<long>(seed);

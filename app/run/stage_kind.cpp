@@ -73,6 +73,7 @@ scene::Scene key_of_rods(const scene::Scene& scene) {
     key.coupling = scene.coupling;
     key.noise = scene.noise;
     key.rods_random = scene.rods_random;
+    key.body = scene.body;
     key.rods = scene.rods;
     key.rods_run = scene.rods_run;
     if (key.rods_run)

@@ -313,8 +313,8 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
     if (touches && std::max(std::abs(gap(bracket.low)), std::abs(gap(bracket.high))) < 0.5 * distance)
         return {CriticalKind::grazing, std::midpoint(bracket.low.at, bracket.high.at), bracket};
     const double jump = std::abs(bracket.low.closest - bracket.high.closest);
-    const bool bound = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
-    return {bound ? CriticalKind::unbinding : CriticalKind::separatrix,
+    const bool unbinds = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
+    return {unbinds ? CriticalKind::unbinding : CriticalKind::separatrix,
             std::midpoint(bracket.low.at, bracket.high.at), bracket};
 }
 

@@ -134,6 +134,7 @@ integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options
         rods::RodProblem rest = start;
         for (std::size_t a = 0; a < rest.rods.size(); ++a)
             rest.rods[a] = rods::pose(state, a);
+        rest.goes_on = true;
         rest.output_times.clear();
         rest.t_end = std::min(end.time, limit - end.time);
         options.criteria.steady_fraction =

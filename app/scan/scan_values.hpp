@@ -99,7 +99,7 @@ struct CaptureNumbers {
         using R = CaptureNumbers;
         return std::tuple{
             field("capture_probability", &R::probability,
-                  {"1", "share of the runs with noise in contact, pursuit or orbit"}),
+                  {"1", "share of the runs with noise that end in capture"}),
             field("capture_probability_low", &R::low,
                   {"1", "lower end of its 95 % interval (Wilson); itself without noise"}),
             field("capture_probability_high", &R::high,

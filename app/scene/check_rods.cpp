@@ -3,6 +3,7 @@
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/simulate.hpp"
+#include "rodwake/rods/conclude.hpp"
 
 #include <fmt/format.h>
 
@@ -39,6 +40,35 @@ void sums(const Scene& scene, const Report& report) {
     };
     want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
     want_plane(run.precision != elastic::Accuracy::full, "precision");
+}
+
+/// What bodies cannot be combined with, and where they start.
+void bodies(const Scene& scene, const Report& report) {
+    const bool some_without = std::ranges::any_of(scene.rods, [](const Rod& rod) { return !rod.body; });
+    if (!scene.body && some_without)
+        return report("rods", "rods: some have a body of their own and others none: give [body] for all, or "
+                              "each rod a body");
+    if (scene.medium && scene.medium->is_dynamic())
+        return report("body", "[body] cannot be combined with medium.field = \"dynamic\": take \"exact\", "
+                              "\"table\" or \"measured\", or leave [body] out");
+    if (scene.scan && scene.scan->certificates)
+        report("scan.certificates",
+               "scan.certificates: outcomes of rods with bodies have no certificate; leave "
+               "it out, or [body]");
+    rods::RodProblem problem;
+    for (const Rod& rod : scene.rods)
+        problem.rods.push_back({rod.position[0], rod.position[1], rod.heading});
+    problem.bodies = bodies_of(scene);
+    problem.box = scene.medium ? scene.medium->box() : std::nullopt;
+    problem.t_end = scene.rods_run->t_end;
+    for (const rods::BodyShape& shape : problem.bodies.shapes)
+        if (rods::fault_of(shape)) // reported
+            return;
+    try {
+        rods::validate(problem);
+    } catch (const InputError& error) {
+        report("body", fmt::format("[body]: {}", error.what()));
+    }
 }
 
 /// Newton's dense matrix, and its factors.
@@ -100,9 +130,12 @@ void order_of_rods(const Scene& scene, const Report& report) {
     const std::optional<PeriodicBox> box = bed            ? PeriodicBox(scene.granular->box.shorter())
                                            : scene.medium ? scene.medium->box()
                                                           : std::nullopt;
-    if (box && order.link > 0.5 * box->shorter())
+    if (!order.link && (bed || !bodies_of(scene).any()))
+        return report("rods_order.link", "rods_order.link is missing: give the distance below which rods are "
+                                         "linked, or [body] for rods that touch");
+    if (box && order.link && *order.link > 0.5 * box->shorter())
         report("rods_order.link", fmt::format("rods_order.link = {} {}: at most half the periodic box of {}",
-                                              order.link, length, to_string(*box)));
+                                              *order.link, length, to_string(*box)));
 }
 
 /// What [rods_order] of a bed is made from.
@@ -131,6 +164,8 @@ void check_rods(const Scene& scene, const Report& report) {
         return;
     if (scene.rods_random)
         random_start(scene, report);
+    if (bodies_of(scene).any())
+        bodies(scene, report);
     sums(scene, report);
     memory(scene, report);
     if (noisy(scene) || (scene.noise && scene.scan)) // whose points may have noise

@@ -113,8 +113,8 @@ void check_between(const Scan& scan, const Report& report) {
         if (!outcome && name != "capture" && (name != "other" || k == 0))
             report("scan.between",
                    fmt::format(
-                       "scan.between: \"{}\" is neither an outcome (contact, pursuit, escape, undecided, "
-                       "orbit) nor a group (capture; other, in the second place)",
+                       "scan.between: \"{}\" is neither an outcome (contact, bound, orbit, pursuit, escape, "
+                       "undecided) nor a group (capture; other, in the second place)",
                        name));
     }
     if (scan.between.size() == 2 && (scan.between[0] == "capture" || scan.between[1] == "capture"))

@@ -80,16 +80,20 @@ void fields(Visitor& v, Scene& scene) {
     v.table(key("noise").doc("White noise on the rods: an ensemble of runs in which they diffuse."),
             scene.noise);
     v.table(
+        key("body").doc("Rods with bodies: tapered rows of discs that push each other aside. Absent: rods "
+                        "are points and pass through each other."),
+        scene.body);
+    v.table(
         key("rods_random")
             .doc("Rods at random in a square round the origin, in place of [[rods]]. They depend on these "
-                 "keys alone."),
-        scene.rods_random);
+                 "keys and on [body] alone."),
+        scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
     std::vector<Rod> none;
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod."),
            scene.rods_random ? none : scene.rods);
     v.derive([&] {
         if (scene.rods_random)
-            scene.rods = random_rods(*scene.rods_random);
+            scene.rods = random_rods(*scene.rods_random, scene.body);
     });
     v.table(key("rods_run").doc("Integration of the rods."), scene.rods_run);
     v.table(

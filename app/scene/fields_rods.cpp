@@ -1,4 +1,4 @@
-// Field lists of [[rods]] and [rods_run].
+// Field lists of [[rods]], [body] and [rods_run].
 
 #include "fields.hpp"
 #include "rodwake/scene/scene.hpp"
@@ -179,6 +179,38 @@ void solver_fields(Visitor& v, RodsRun& run) {
 
 } // namespace
 
+void fields(Visitor& v, rods::BodyShape& shape) {
+    v(key("spheres").within(1, 1000).doc("discs in a row, 1 or 3 and more").example("6"), shape.spheres);
+    v(key("length").unit(length).above(0.0).doc("end to end").example("1.25"), shape.length);
+    v(key("thick_diameter").unit(length).above(0.0).doc("of the disc at the back").example("0.3"),
+      shape.thick_diameter);
+    v(key("thin_diameter").unit(length).above(0.0).doc("of the disc in front").example("0.2"),
+      shape.thin_diameter);
+    v.derive([&] {
+        if (const auto fault = rods::fault_of(shape))
+            v.complain(fault->option, fault->message);
+    });
+}
+
+void fields(Visitor& v, Body& body) {
+    fields(v, static_cast<rods::BodyShape&>(body));
+    v(key("stall_overlap")
+          .symbol("s")
+          .within(1e-4, 0.5)
+          .doc(
+              "overlap of two discs, as a share of the sum of their radii, at which a rod that walks head on "
+              "against a fixed disc stops; small: hard rods, steps as short as s^(3/2)")
+          .example("0.05"),
+      body.stall_overlap);
+    v(key("mobility_ratio")
+          .symbol("b")
+          .within(1e-3, 1e3)
+          .doc(
+              "mobility across the rod over that along it; 1: the friction of the substrate has no direction")
+          .example("1.0"),
+      body.mobility_ratio);
+}
+
 void fields(Visitor& v, Rod& rod) {
     v(key("position").required().unit(length).items(2, 2).doc("start, [x, y]").example("[0.0, 2.5]"),
       rod.position);
@@ -188,9 +220,10 @@ void fields(Visitor& v, Rod& rod) {
           .doc("start direction, counter-clockwise from +x")
           .example("\"90 deg\""),
       rod.heading);
+    v.table(key("body").doc("Shape of this rod where it differs from [body]."), rod.body);
 }
 
-void fields(Visitor& v, RandomRods& random) {
+void fields(Visitor& v, RandomRods& random, const std::optional<Body>& body) {
     v(key("count").required().within(1, 1e5).doc("number of rods").example("300"), random.count);
     v(key("extent").required().unit(length).above(0.0).doc("side of the square").example("40.0"),
       random.extent);
@@ -216,13 +249,19 @@ void fields(Visitor& v, RandomRods& random) {
     v(key("seed").within(0, largest_seed).doc("of the random numbers; --seed replaces it").example("7"),
       random.seed);
     v.derive([&] {
-        if (crowding(random) > most_crowding)
+        if (crowding(random, std::nullopt) > most_crowding)
             v.complain("min_separation",
                        fmt::format("is {}: discs of this diameter round {} rods cover {:.2g} of the square "
                                    "of side {}, and may cover {}: fewer rods, a larger extent or a smaller "
                                    "min_separation",
-                                   random.min_separation, random.count, crowding(random), random.extent,
-                                   most_crowding));
+                                   random.min_separation, random.count, crowding(random, std::nullopt),
+                                   random.extent, most_crowding));
+        else if (crowding(random, body) > most_crowding)
+            v.complain("count",
+                       fmt::format("is {}: bodies {} long and {} to {} wide are too many for the square "
+                                   "of side {}: fewer rods or a larger extent",
+                                   random.count, body->length, body->thin_diameter, body->thick_diameter,
+                                   random.extent));
     });
 }
 
@@ -245,9 +284,9 @@ void fields(Visitor& v, RodsRun& run) {
 
 void fields(Visitor& v, RodsOrder& order) {
     v(key("link")
-          .required()
           .unit(length)
           .above(0.0)
+          .absent("rods whose bodies touch; needed without [body]")
           .doc("rods nearer than this, or linked by others that are, are one cluster")
           .example("1.0"),
       order.link);
@@ -260,6 +299,23 @@ void fields(Visitor& v, RodsOrder& order) {
           .doc("time that counts as one independent value in standard errors")
           .example("5.0"),
       order.block);
+}
+
+rods::Bodies bodies_of(const Scene& scene) {
+    rods::Bodies bodies;
+    const bool own_shapes =
+        std::ranges::any_of(scene.rods, [](const Rod& rod) { return rod.body.has_value(); });
+    if (!scene.body && !own_shapes)
+        return bodies;
+    const Body common = scene.body.value_or(Body{});
+    bodies.stall_overlap = common.stall_overlap;
+    bodies.mobility_ratio = common.mobility_ratio;
+    if (own_shapes)
+        for (const Rod& rod : scene.rods)
+            bodies.shapes.push_back(rod.body.value_or(common));
+    else
+        bodies.shapes = {common};
+    return bodies;
 }
 
 std::vector<double> output_grid(double interval, double t_end) {

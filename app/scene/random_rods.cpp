@@ -2,6 +2,8 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/rng.hpp"
+#include "rodwake/rods/body.hpp"
+#include "rodwake/rods/model.hpp"
 #include "rodwake/scene/scene.hpp"
 
 #include <algorithm>
@@ -18,24 +20,26 @@ class Neighbourhood {
 public:
     /// For `count` places, so many cells about.
     Neighbourhood(double side, double distance, long count)
-        : side_(side), distance_(distance),
+        : side_(side),
           across_(static_cast<long>(std::min(side / distance, std::sqrt(static_cast<double>(count)) + 1.0))),
           cells_(static_cast<std::size_t>(across_ * across_)) {}
 
-    bool has_room(double x, double y) const {
-        const long reach = across_ < 3 ? 0 : 1; // fewer would be seen twice: then all are looked at
-        if (reach == 0)
-            return std::ranges::all_of(cells_, [&](const Cell& cell) { return is_clear(cell, x, y); });
+    /// Whether `clear(place)` holds for all places near enough to matter.
+    template<class Clear>
+    bool has_room(double x, double y, const Clear& clear) const {
+        const auto is_clear = [&](const Cell& cell) { return std::ranges::all_of(cell, clear); };
+        if (across_ < 3) // some would be seen twice: then all are looked at
+            return std::ranges::all_of(cells_, is_clear);
         for (long i = -1; i <= 1; ++i)
             for (long j = -1; j <= 1; ++j)
-                if (!is_clear(cells_[cell_of(x, i, y, j)], x, y))
+                if (!is_clear(cells_[cell_of(x, i, y, j)]))
                     return false;
         return true;
     }
-    void add(double x, double y) { cells_[cell_of(x, 0, y, 0)].push_back({x, y}); }
+    void add(const rods::Pose& pose) { cells_[cell_of(pose.x, 0, pose.y, 0)].push_back(pose); }
 
 private:
-    using Cell = std::vector<std::array<double, 2>>;
+    using Cell = std::vector<rods::Pose>;
 
     std::size_t cell_of(double x, long right, double y, long up) const {
         const auto at = [&](double coordinate, long by) {
@@ -45,40 +49,57 @@ private:
         };
         return static_cast<std::size_t>(at(x, right) + across_ * at(y, up));
     }
-    bool is_clear(const Cell& cell, double x, double y) const {
-        return std::ranges::none_of(cell, [&](const auto& other) {
-            return nearest_distance(x - other[0], y - other[1], side_) < distance_;
-        });
-    }
 
-    double side_, distance_;
+    double side_;
     long across_;
     std::vector<Cell> cells_;
 };
 
 } // namespace
 
-double crowding(const RandomRods& random) {
-    const double d = random.min_separation;
-    return 0.25 * std::numbers::pi * d * d * static_cast<double>(random.count) /
-           (random.extent * random.extent);
+double crowding(const RandomRods& random, const std::optional<Body>& body) {
+    constexpr double most_covered = 0.35; // by bodies: tapered rods five diameters long jam at random at 0.5
+    const double d = random.min_separation, square = random.extent * random.extent;
+    const double by_discs = 0.25 * std::numbers::pi * d * d * static_cast<double>(random.count) / square;
+    const double by_bodies = body ? rods::area_of(*body) * static_cast<double>(random.count) / square : 0.0;
+    return std::max(by_discs, by_bodies * most_crowding / most_covered);
 }
 
-std::vector<Rod> random_rods(const RandomRods& random) {
-    constexpr int tries = 100'000;            // at most_crowding one in ten fits
-    if (!(crowding(random) <= most_crowding)) // reported
+std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>& body) {
+    constexpr int tries = 100'000;                  // at most_crowding one in ten fits
+    if (!(crowding(random, body) <= most_crowding)) // reported
+        return {};
+    if (body && rods::fault_of(*body)) // likewise
         return {};
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
     const double half = 0.5 * random.extent, apart = std::max(random.min_separation, 1e-6 * random.extent);
-    Neighbourhood placed(random.extent, apart, random.count);
+    rods::Bodies bodies;
+    if (body)
+        bodies.shapes = {*body};
+    const rods::BodyForces pair(bodies, 2, std::nullopt);
+    Neighbourhood placed(random.extent, std::max(apart, pair.farthest_touch()), random.count);
     std::vector<Rod> rods;
     for (long k = 0; k < random.count; ++k)
         for (int i = 0; i < tries; ++i) {
-            const double x = stream.uniform(-half, half), y = stream.uniform(-half, half);
-            if (!placed.has_room(x, y))
+            rods::Pose pose{stream.uniform(-half, half), stream.uniform(-half, half), 0.0};
+            if (body) // its heading says whether there is room
+                pose.heading = random.heading + stream.uniform(-random.spread, random.spread);
+            const auto clear = [&](const rods::Pose& other) {
+                const double x = nearest_image(pose.x - other.x, random.extent),
+                             y = nearest_image(pose.y - other.y, random.extent);
+                if (std::hypot(x, y) < apart)
+                    return false;
+                return !body || pair.contact(rods::to_state(std::array<rods::Pose, 2>{
+                                                 {{x, y, pose.heading}, {0.0, 0.0, other.heading}}}),
+                                             0, 1)
+                                        .gap > 0.0;
+            };
+            if (!placed.has_room(pose.x, pose.y, clear))
                 continue;
-            placed.add(x, y);
-            rods.push_back({{x, y}, random.heading + stream.uniform(-random.spread, random.spread)});
+            if (!body)
+                pose.heading = random.heading + stream.uniform(-random.spread, random.spread);
+            placed.add(pose);
+            rods.push_back({{pose.x, pose.y}, pose.heading, {}});
             break;
         }
     return rods;

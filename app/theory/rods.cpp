@@ -31,6 +31,7 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
     problem.rows = scene.coupling ? scene.coupling->rows : rods::Rows{};
     for (const scene::Rod& rod : scene.rods)
         problem.rods.push_back({rod.position[0], rod.position[1], rod.heading});
+    problem.bodies = scene::bodies_of(scene);
     problem.t_end = scene.rods_run->t_end;
     problem.output_times = scene.rods_run->output_times;
     problem.output_times.insert(problem.output_times.begin(), 0.0);

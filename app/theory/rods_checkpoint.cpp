@@ -39,7 +39,10 @@ json to_json(const rods::SeparationRecord& record) {
     const rods::Separation& pair = record.smallest;
     return {{"smallest", {pair.first, pair.second, finite_or_null(pair.distance), record.smallest_time}},
             {"late_from", record.late_from},
-            {"late", late}};
+            {"late", late},
+            {"bodies",
+             {finite_or_null(record.bodies.smallest_gap), record.bodies.smallest_gap_time,
+              record.bodies.late_from, record.bodies.touching}}};
 }
 
 rods::SeparationRecord record_of(const json& value) {
@@ -50,6 +53,9 @@ rods::SeparationRecord record_of(const json& value) {
     record.late_from = value.at("late_from").get<double>();
     for (const json& range : value.at("late"))
         record.late.push_back({number(range.at(0)), number(range.at(1)), range.at(2).get<double>()});
+    const json& bodies = value.at("bodies");
+    record.bodies = {number(bodies.at(0)), bodies.at(1).get<double>(), bodies.at(2).get<double>(),
+                     bodies.at(3).get<std::vector<double>>()};
     return record;
 }
 

@@ -29,7 +29,9 @@ namespace {
 
 /// [rods_order] of a case, in the units of its files.
 struct OrderKeys {
-    double link = 0.0, from = 0.0, block = 0.0;
+    std::optional<double> link; ///< absent: bodies that touch
+    rods::Bodies bodies;        ///< in the unit of the files
+    double from = 0.0, block = 0.0;
     std::optional<PeriodicBox> box; ///< the periodic one; absent: infinite plane
     OutputUnits units;
 
@@ -75,11 +77,24 @@ std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
     return csv_of(rows);
 }
 
-std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys, std::size_t runs) {
-    const OrderReport report{
-        mean.polar,   mean.nematic,  mean.mean_size, mean.weighted_size,
-        mean.largest, keys.link,     keys.from,      keys.block,
-        runs,         mean.instants, mean.blocks,    {keys.units.length_name, keys.units.time_name, {}}};
+std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys,
+                       const std::vector<RodOrderSeries>& runs) {
+    OrderReport report{mean.polar,
+                       mean.nematic,
+                       mean.mean_size,
+                       mean.weighted_size,
+                       mean.largest,
+                       keys.link,
+                       keys.from,
+                       keys.block,
+                       {},
+                       runs.size(),
+                       mean.instants,
+                       mean.blocks,
+                       {keys.units.length_name, keys.units.time_name, {}}};
+    if (!keys.link) // one run, of the theory
+        if (const auto lifetime = measure::link_lifetime(runs.front().times, runs.front().orders))
+            report.touch_lifetime = *lifetime;
     return json_text(record_json(report), 2) + "\n";
 }
 
@@ -87,7 +102,15 @@ OrderKeys::OrderKeys(const scene::Scene& scene) : units(order_units(scene)) {
     const scene::RodsOrder& order = *scene.rods_order;
     const bool bed = order_of_bed(scene);
     const double end = bed ? scene.granular->duration : scene.rods_run->t_end;
-    link = order.link * units.length;
+    if (order.link)
+        link = *order.link * units.length;
+    else
+        bodies = bodies_of(scene);
+    for (rods::BodyShape& shape : bodies.shapes) {
+        shape.length *= units.length;
+        shape.thick_diameter *= units.length;
+        shape.thin_diameter *= units.length;
+    }
     from = order.from * units.time;
     block = order.block.value_or((end - order.from) / 10.0) * units.time;
     if (bed)
@@ -114,7 +137,7 @@ void write_rods_order(const Session& session, const Case& of, const OrderKeys& k
     const auto& of_some_instant = longest->orders.front().clusters;
     write("clusters.csv", clusters_csv(mean, std::accumulate(of_some_instant.begin(), of_some_instant.end(),
                                                              std::size_t{0})));
-    write("rods_order.json", means_json(mean, keys, runs.size()));
+    write("rods_order.json", means_json(mean, keys, runs));
     session.log->info("order of the rods{}: polar {:.3g} +- {:.2g}, nematic {:.3g} +- {:.2g}, a rod is in a "
                       "cluster of {:.3g} +- {:.2g}",
                       of.suffix(), mean.polar.value, mean.polar.error, mean.nematic.value, mean.nematic.error,
@@ -139,10 +162,22 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
     series.times = columns[0];
     series.times.resize(rows_that_count(series.times, *scene.rods_run, keys.units.time));
     std::vector<measure::RodPlace> places(scene.rods.size());
+    const rods::BodyForces bodies(keys.bodies, places.size(), keys.box);
+    std::vector<double> state(3 * places.size());
+    const auto touch = [&](std::size_t a, std::size_t b) {
+        return bodies.contact(state, a, b).overlap > bodies.touching_overlap();
+    };
     for (std::size_t i = 0; i < series.times.size(); ++i) {
         for (std::size_t rod = 0; rod < places.size(); ++rod)
             places[rod] = {columns[1 + 3 * rod][i], columns[2 + 3 * rod][i], columns[3 + 3 * rod][i]};
-        series.orders.push_back(measure::rod_order(places, keys.link, keys.box));
+        for (std::size_t rod = 0; rod < places.size(); ++rod) {
+            state[3 * rod] = places[rod].x;
+            state[3 * rod + 1] = places[rod].y;
+            state[3 * rod + 2] = places[rod].heading;
+        }
+        series.orders.push_back(keys.link
+                                    ? measure::rod_order(places, *keys.link, keys.box)
+                                    : measure::rod_order(places, bodies.farthest_touch(), keys.box, touch));
     }
     return series;
 }
@@ -170,7 +205,7 @@ RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& 
     RodOrderSeries series;
     for_each_frame(run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
         series.times.push_back(frame.time);
-        series.orders.push_back(measure::rod_order(motile(frame, problem), keys.link, keys.box));
+        series.orders.push_back(measure::rod_order(motile(frame, problem), *keys.link, keys.box));
         return on_progress(part);
     });
     return series;

@@ -397,6 +397,10 @@ std::string outcome_json(const rods::RodResult& result, const RodsPlan& plan, co
         report.min_separation_time = outcome.min_separation_time * units.time;
         report.pair = std::array{outcome.pair.first, outcome.pair.second};
     }
+    if (std::isfinite(outcome.min_gap)) {
+        report.min_gap = outcome.min_gap * units.length;
+        report.min_gap_time = outcome.min_gap_time * units.time;
+    }
     report.turn = outcome.turn;
     if (!own_turn.empty())
         report.own_turn = own_turn;
@@ -424,7 +428,7 @@ std::vector<FileKind> rods_files() {
              "one row per run with noise, or per draw of the measured field's errors: its outcome",
              columns_of<DrawnRow, NoisyRow>()},
             {"noise.json", result,
-             "ensemble of runs with noise: probability of capture (contact, pursuit or orbit) with its 95 % "
+             "ensemble of runs with noise: probability of capture (contact, bound, orbit or pursuit) with its 95 % "
              "interval, outcomes, first contact; mean-square displacement and heading correlation of each "
              "rod against time",
              values_of<NoiseReport>()},

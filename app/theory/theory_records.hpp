@@ -101,7 +101,7 @@ struct Spread {
 
 /// How many of several runs ended how.
 struct EndingCounts {
-    std::int64_t contact = 0, pursuit = 0, escape = 0, undecided = 0, orbit = 0, failed = 0;
+    std::int64_t contact = 0, pursuit = 0, escape = 0, undecided = 0, orbit = 0, bound = 0, failed = 0;
 
     void add(Ending ending) {
         switch (ending) {
@@ -120,6 +120,9 @@ struct EndingCounts {
         case Ending::orbit:
             ++orbit;
             break;
+        case Ending::bound:
+            ++bound;
+            break;
         }
     }
 
@@ -130,6 +133,7 @@ struct EndingCounts {
                           field("escape", &R::escape, {"1", "runs that ended so"}),
                           field("undecided", &R::undecided, {"1", "runs that ended so"}),
                           field("orbit", &R::orbit, {"1", "runs that ended so"}),
+                          field("bound", &R::bound, {"1", "runs that ended so"}),
                           field("failed", &R::failed, {"1", "runs in which the solver failed"})};
     }
 };
@@ -156,6 +160,7 @@ struct OutcomeReport {
     OrNull<std::array<std::size_t, 2>> pair;
     std::vector<double> turn;
     std::optional<std::vector<double>> own_turn;
+    std::optional<double> min_gap, min_gap_time;
     std::optional<double> separation, omega;
     std::optional<bool> separation_grows, stable;
     std::string reason;
@@ -166,18 +171,21 @@ struct OutcomeReport {
     static constexpr auto fields() {
         using R = OutcomeReport;
         return std::tuple{
-            field("outcome", &R::outcome, {"", "contact, pursuit, orbit, escape or undecided"}),
+            field("outcome", &R::outcome, {"", "contact, bound, orbit, pursuit, escape or undecided"}),
             field("certificate", &R::certificate,
                   {"", "how well the outcome is known: verified, checked or open"}),
             field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
             field("min_separation", &R::min_separation,
                   {"{length}", "smallest separation of any pair at any time"}),
             field("min_separation_time", &R::min_separation_time, {"{time}", "when"}),
+            field("min_gap", &R::min_gap,
+                  {"{length}", "smallest gap between two bodies at any time, below 0 where they overlap"}),
+            field("min_gap_time", &R::min_gap_time, {"{time}", "when"}),
             field("pair", &R::pair, {"", "the rods that came so near"}),
             field("turn", &R::turn, {"rad", "of each rod from start to end"}),
             field("own_turn", &R::own_turn, {"rad", "of it by the rod's own field"}),
             field("separation", &R::separation,
-                  {"{length}", "of an orbit, and of a pursuit at the end of the run"}),
+                  {"{length}", "of an orbit, and of a pursuit or a bound pair at the end of the run"}),
             field("omega", &R::omega, {"rad/({time})", "turning rate of an orbit, + counterclockwise"}),
             field("separation_grows", &R::separation_grows,
                   {"", "of a pursuit of two rods: whether it does at the end"}),
@@ -194,7 +202,7 @@ struct OutcomeReport {
 constexpr double ending_code(Ending ending) { return static_cast<double>(static_cast<int>(ending)); }
 
 inline constexpr std::string_view outcome_codes =
-    "0 contact, 1 pursuit, 2 escape, 3 undecided, 4 orbit; empty: the solver failed";
+    "0 contact, 1 pursuit, 2 escape, 3 undecided, 4 orbit, 5 bound; empty: the solver failed";
 
 /// ensemble.csv: a draw of a measured field's errors.
 struct DrawnRow {
@@ -224,8 +232,7 @@ struct NoisyRow {
                           field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
                           field("min_separation", &R::min_separation,
                                 {"{length}", "smallest separation of any pair at any time"}),
-                          field("first", &R::first,
-                                {"1", "rod of the pair in contact, pursuit or orbit, else of the closest"}),
+                          field("first", &R::first, {"1", "rod of the captured pair, else of the closest"}),
                           field("second", &R::second, {"1", "the other rod of that pair"})};
     }
 };
@@ -268,7 +275,7 @@ struct NoiseReport {
         return std::tuple{
             field("runs", &R::runs, {"1", "with noise"}),
             field("capture_probability", &R::capture_probability,
-                  {"1", "share of the runs in contact, pursuit or orbit"}),
+                  {"1", "share of the runs that end in contact, bound, orbit or pursuit"}),
             field("capture_low", &R::capture_low, {"1", "lower end of its interval"}),
             field("capture_high", &R::capture_high, {"1", "upper end of its interval"}),
             field("capture_confidence", &R::capture_confidence, {"1", "of that interval"}),
@@ -326,7 +333,9 @@ struct ClusterRow {
 /// rods_order.json.
 struct OrderReport {
     Estimate polar, nematic, mean_size, weighted_size, largest;
-    double link = 0.0, from = 0.0, block = 0.0;
+    std::optional<double> link;
+    double from = 0.0, block = 0.0;
+    OrNull<double> touch_lifetime;
     std::size_t runs = 0, instants = 0, blocks = 0;
     UnitNames units;
 
@@ -338,9 +347,14 @@ struct OrderReport {
             field("mean_size", &R::mean_size, {"1", "rods by clusters"}),
             field("weighted_size", &R::weighted_size, {"1", "mean size of the cluster that a rod is in"}),
             field("largest", &R::largest, {"1", "rods of the largest cluster"}),
-            field("link", &R::link, {"{order length}", "rods nearer than this are linked"}),
+            field("link", &R::link,
+                  {"{order length}", "rods nearer than this are linked; absent: rods whose bodies touch"}),
             field("from", &R::from, {"{order time}", "means are from then on"}),
             field("block", &R::block, {"{order time}", "of time, for the errors"}),
+            field("touch_lifetime", &R::touch_lifetime,
+                  {"{order time}",
+                   "mean time that two bodies stay in touch, by the output times: their time in "
+                   "touch over the number of touches that end; null: none ended"}),
             field("runs", &R::runs, {"1", "behind the means"}),
             field("instants", &R::instants, {"1", "behind the means"}),
             field("blocks", &R::blocks, {"1", "of time, behind the errors"}),

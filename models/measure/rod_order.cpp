@@ -53,22 +53,22 @@ double side_of(std::span<const double> x, std::span<const double> y, double link
     return std::max(right - left, high - low) + 2.0 * link;
 }
 
-std::vector<std::size_t> cluster_sizes(std::span<const RodPlace> rods, double link,
-                                       std::optional<PeriodicBox> box) {
+/// Calls see(a, b), a < b, for each pair nearer than `reach`.
+template<class See>
+void each_near_pair(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box, See&& see) {
     std::vector<double> x, y;
     for (const RodPlace& rod : rods) {
         x.push_back(rod.x);
         y.push_back(rod.y);
     }
-    const PeriodicBox side = box ? *box : PeriodicBox(side_of(x, y, link));
-    const CellList cells(x, y, side, link);
-    Sets sets(rods.size());
+    const PeriodicBox side = box ? *box : PeriodicBox(side_of(x, y, reach));
+    const CellList cells(x, y, side, reach);
     cells.pairs([&](std::size_t p, std::size_t q) {
         const double dx = cells.x()[p] - cells.x()[q], dy = cells.y()[p] - cells.y()[q];
-        if ((box ? nearest_distance(dx, dy, *box) : std::hypot(dx, dy)) < link)
-            sets.merge(cells.member()[p], cells.member()[q]);
+        const std::size_t a = cells.member()[p], b = cells.member()[q];
+        if ((box ? nearest_distance(dx, dy, *box) : std::hypot(dx, dy)) < reach)
+            see(std::min(a, b), std::max(a, b));
     });
-    return sets.sizes();
 }
 
 /// |mean of exp(i k theta)|
@@ -145,7 +145,34 @@ double RodOrder::weighted_size() const {
 }
 
 RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box) {
-    return {alignment(rods, 1.0), alignment(rods, 2.0), cluster_sizes(rods, link, box)};
+    Sets sets(rods.size());
+    each_near_pair(rods, link, box, [&](std::size_t a, std::size_t b) { sets.merge(a, b); });
+    return {alignment(rods, 1.0), alignment(rods, 2.0), sets.sizes(), {}};
+}
+
+RodOrder rod_order(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box,
+                   const std::function<bool(std::size_t a, std::size_t b)>& linked) {
+    RodOrder order{alignment(rods, 1.0), alignment(rods, 2.0), {}, {}};
+    Sets sets(rods.size());
+    each_near_pair(rods, reach, box, [&](std::size_t a, std::size_t b) {
+        if (!linked(a, b))
+            return;
+        sets.merge(a, b);
+        order.links.emplace_back(a, b);
+    });
+    order.clusters = sets.sizes();
+    std::ranges::sort(order.links);
+    return order;
+}
+
+std::optional<double> link_lifetime(std::span<const double> times, std::span<const RodOrder> orders) {
+    double linked = 0.0, ended = 0.0;
+    for (std::size_t i = 1; i < orders.size(); ++i)
+        for (const auto& link : orders[i - 1].links) {
+            linked += times[i] - times[i - 1];
+            ended += std::ranges::binary_search(orders[i].links, link) ? 0.0 : 1.0;
+        }
+    return ended > 0.0 ? std::optional(linked / ended) : std::nullopt;
 }
 
 MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, double block) {

@@ -41,6 +41,8 @@ void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions
     validate(*rods.medium, medium, rods.rods.size());
     if (options.form != rods::Form::angle)
         throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
+    if (rods.bodies.any())
+        throw InputError("a dynamic medium takes no rods with bodies");
     if (rods.rows.any())
         throw InputError("a dynamic medium takes no rows of a crystal");
     if (rods.field || rods.sums.turning_tolerance != 0.0 || rods.sums.accuracy != elastic::Accuracy::full)

@@ -235,7 +235,7 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
         return Certificate::verified;
     if (outcome.ending == Ending::contact && outcome.time == 0.0)
         return certificate_at_start(problem, outcome);
-    if (problem.rods.size() > most_followed_rods)
+    if (problem.rods.size() > most_followed_rods || problem.bodies.any())
         return Certificate::open;
     if (walks_straight(problem))
         return !problem.box && straight_ending(problem, criteria) == outcome.ending ? Certificate::verified
@@ -343,7 +343,7 @@ void look_again(std::span<const PairProblem> pairs, const PairOptions& options, 
 } // namespace
 
 bool walks_straight(const RodProblem& problem) {
-    return !problem.rows.any() && (!problem.medium || !problem.couplings.any());
+    return !problem.rows.any() && !problem.bodies.any() && (!problem.medium || !problem.couplings.any());
 }
 
 Certificate certificate_at_start(const RodProblem& problem, const RodOutcome& met) {

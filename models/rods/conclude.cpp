@@ -53,8 +53,13 @@ void look_at_pair(RodOutcome& outcome, const RodProblem& problem, const StateRat
     if (y.size() != 6 || !problem.medium || problem.field || problem.box || problem.rows.any())
         return;
     if (outcome.ending == Ending::undecided) {
-        const auto settled = settled_orbit(*problem.medium, problem.couplings, pose(y, 0), pose(y, 1),
-                                           problem.contact_distance);
+        // Nearer than this bodies could touch, and then the flow is another.
+        std::optional<double> nearest_without_touch = problem.contact_distance;
+        if (problem.bodies.any())
+            nearest_without_touch = std::max(problem.contact_distance.value_or(0.0),
+                                             BodyForces(problem.bodies, 2, problem.box).farthest_touch());
+        const auto settled =
+            settled_orbit(*problem.medium, problem.couplings, pose(y, 0), pose(y, 1), nearest_without_touch);
         if (settled) {
             outcome.ending = Ending::orbit;
             outcome.separation = settled->orbit.separation[0];
@@ -136,6 +141,16 @@ void validate(const RodProblem& problem) {
             fmt::format("contact_distance = {}: must be below the smallest starting separation, {} "
                         "between rods[{}] and rods[{}]",
                         *problem.contact_distance, pair.distance, pair.first, pair.second));
+    if (const BodyForces bodies(problem.bodies, problem.rods.size(), problem.box);
+        bodies.any() && !problem.goes_on) {
+        constexpr double rounding = 1e-9; // of bodies that are to start in touch, f/mu
+        const BodyContact near = bodies.closest(to_state(problem.rods));
+        if (near.gap < -rounding)
+            throw InputError(
+                fmt::format("the bodies of rods[{}] and rods[{}] overlap by {:.4g} at the start: "
+                            "start them farther apart",
+                            near.first, near.second, -near.gap));
+    }
 }
 
 bool reaches(const elastic::Medium& medium, const Couplings& c, double distance, double time, double angle) {
@@ -171,12 +186,21 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
     }
     outcome.min_separation = contact ? outcome.pair.distance : record.smallest.distance;
     outcome.min_separation_time = contact ? outcome.time : record.smallest_time;
+    if (problem.bodies.any() && rods > 1) {
+        outcome.min_gap = record.bodies.smallest_gap;
+        outcome.min_gap_time = record.bodies.smallest_gap_time;
+    }
+    const bool at_end = solution.status.termination == integrate::Termination::reached_end;
+    const auto bound = at_end ? bound_pair(record, y, problem.t_end, problem.box) : std::nullopt;
     if (contact)
         outcome.ending = Ending::contact;
-    else if (solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
+    else if (bound) {
+        outcome.ending = Ending::bound;
+        outcome.pair = *bound;
+        outcome.separation = bound->distance;
+    } else if (at_end && !record.late.empty())
         classify(outcome, interacting, problem, rates, y, record, criteria);
-    if (interacting && turned_by == TurnedBy::steady_wakes &&
-        solution.status.termination == integrate::Termination::reached_end && !record.late.empty())
+    if (interacting && turned_by == TurnedBy::steady_wakes && at_end && !record.late.empty())
         look_at_pair(outcome, problem, rates, y);
     describe(outcome, rods, solution.status);
     return outcome;

@@ -62,6 +62,13 @@ struct Directors {
     double rows_rate(Direction n) const {
         return model.rows().any() ? model.rows().rate(std::atan2(n.sine, n.cosine)) : 0.0;
     }
+    /// What contacts add to the rates of the poses.
+    std::vector<double> by_contacts(State state) const {
+        std::vector<double> rates(3 * model.rods(), 0.0);
+        if (model.bodies().any())
+            model.bodies().add_rates(poses_of(state, stride), rates);
+        return rates;
+    }
     void rhs(State state, std::span<double> rate) const;
     void rhs_with_multipliers(State state, std::span<double> rate) const;
     void start_multipliers(std::span<double> state) const;
@@ -70,12 +77,14 @@ struct Directors {
 
 void Directors::rhs(State state, std::span<double> rate) const {
     const auto sums = wakes(state);
+    const std::vector<double> pushed = by_contacts(state);
     for (std::size_t a = 0; a < model.rods(); ++a) {
         const State rod = state.subspan(4 * a, 4);
         const Direction n = unit(rod);
-        const double turning = turning_rate(sums[a], couplings, {n.cosine, n.sine}) + rows_rate(n);
-        rate[4 * a] = rod[2];
-        rate[4 * a + 1] = rod[3];
+        const double turning =
+            turning_rate(sums[a], couplings, {n.cosine, n.sine}) + rows_rate(n) + pushed[3 * a + 2];
+        rate[4 * a] = rod[2] + pushed[3 * a];
+        rate[4 * a + 1] = rod[3] + pushed[3 * a + 1];
         rate[4 * a + 2] = -turning * rod[3];
         rate[4 * a + 3] = turning * rod[2];
     }
@@ -83,14 +92,15 @@ void Directors::rhs(State state, std::span<double> rate) const {
 
 void Directors::rhs_with_multipliers(State state, std::span<double> rate) const {
     const auto sums = wakes(state);
+    const std::vector<double> pushed = by_contacts(state);
     for (std::size_t a = 0; a < model.rods(); ++a) {
         const State rod = state.subspan(5 * a, 5);
         const double nx = rod[2], ny = rod[3], multiplier = rod[4], square = nx * nx + ny * ny;
-        const double rows = rows_rate(unit(rod));
+        const double turning = rows_rate(unit(rod)) + pushed[3 * a + 2];
         elastic::Vector h = drive(sums[a], couplings, {nx, ny});
-        h = {h.x - rows * ny, h.y + rows * nx};
-        rate[5 * a] = nx;
-        rate[5 * a + 1] = ny;
+        h = {h.x - turning * ny, h.y + turning * nx};
+        rate[5 * a] = nx + pushed[3 * a];
+        rate[5 * a + 1] = ny + pushed[3 * a + 1];
         rate[5 * a + 2] = h.x + multiplier * nx;
         rate[5 * a + 3] = h.y + multiplier * ny;
         rate[5 * a + 4] = nx * h.x + ny * h.y + multiplier * square + 0.5 * relaxation * (square - 1.0);
@@ -110,10 +120,11 @@ void Directors::start_multipliers(std::span<double> state) const {
 void Directors::jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
     const auto rods = static_cast<Eigen::Index>(model.rods());
     const std::vector<double> poses = poses_of(state, stride);
-    Eigen::MatrixXd of_angles = Eigen::MatrixXd::Zero(3 * rods, 3 * rods);
+    Eigen::MatrixXd of_angles = Eigen::MatrixXd::Zero(3 * rods, 3 * rods), pushed = of_angles;
     std::vector<double> rates(poses.size());
     model.jacobian(poses, of_angles);
     model.rhs(poses, rates);
+    model.bodies().add_jacobian(poses, pushed);
     const auto director = [&](Eigen::Index a) {
         return Eigen::Vector2d(state[static_cast<std::size_t>(4 * a + 2)],
                                state[static_cast<std::size_t>(4 * a + 3)]);
@@ -124,10 +135,12 @@ void Directors::jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) cons
         jacobian.block<2, 2>(4 * a, 4 * a + 2).setIdentity();
         for (Eigen::Index b = 0; b < rods; ++b) {
             const Eigen::Vector2d nb = director(b);
-            const Eigen::RowVector2d by_n =
-                of_angles(3 * a + 2, 3 * b + 2) * Eigen::RowVector2d(-nb.y(), nb.x()) / nb.squaredNorm();
+            const Eigen::RowVector2d heading_by_n = Eigen::RowVector2d(-nb.y(), nb.x()) / nb.squaredNorm();
             jacobian.block<2, 2>(4 * a + 2, 4 * b) = normal * of_angles.block<1, 2>(3 * a + 2, 3 * b);
-            jacobian.block<2, 2>(4 * a + 2, 4 * b + 2) = normal * by_n;
+            jacobian.block<2, 2>(4 * a + 2, 4 * b + 2) =
+                normal * (of_angles(3 * a + 2, 3 * b + 2) * heading_by_n);
+            jacobian.block<2, 2>(4 * a, 4 * b) += pushed.block<2, 2>(3 * a, 3 * b);
+            jacobian.block<2, 2>(4 * a, 4 * b + 2) += pushed.block<2, 1>(3 * a, 3 * b + 2) * heading_by_n;
         }
         jacobian(4 * a + 2, 4 * a + 3) -= turning;
         jacobian(4 * a + 3, 4 * a + 2) += turning;

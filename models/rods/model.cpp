@@ -41,8 +41,8 @@ private:
 } // namespace
 
 RodModel::RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings,
-                   std::size_t rods, const Rows& rows)
-    : couplings_(couplings), rods_(rods), rows_(rows) {
+                   std::size_t rods, const Rows& rows, BodyForces bodies)
+    : couplings_(couplings), rods_(rods), rows_(rows), bodies_(std::move(bodies)) {
     if (field && couplings.any() && (rods > 1 || field->box()))
         field_ = std::move(field);
 }
@@ -59,6 +59,7 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
     if (rows_.any())
         for (std::size_t a = 0; a < rods_; ++a)
             ydot[3 * a + 2] += rows_.rate(y[3 * a + 2]);
+    bodies_.add_rates(y, ydot);
 }
 
 /// The headings' rates in the wakes.
@@ -88,11 +89,15 @@ void RodModel::linearise(integrate::State y, std::span<double> ydot,
         if (rows_.any())
             ydot[3 * a + 2] += rows_.rate(y[3 * a + 2]);
     }
+    if (shared)
+        bodies_.add_rates(y, ydot);
+    bodies_.add_jacobian(y, by_state);
 }
 
 void RodModel::jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
     jacobian.setZero();
     fill_jacobian(y, jacobian, {});
+    bodies_.add_jacobian(y, jacobian);
 }
 
 /// To zeros. `rates`: where the headings' rates in the wakes go too, unless empty.

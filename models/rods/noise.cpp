@@ -73,7 +73,8 @@ public:
               },
               y_.size()),
           place_{noise.seed, run, 0, 0}, pairs_(problem.rods.size() > 1),
-          record_(start_record(y_, (1.0 - options.criteria.steady_fraction) * problem.t_end, problem.box)) {}
+          record_(start_record(y_, (1.0 - options.criteria.steady_fraction) * problem.t_end, problem.box,
+                               model_.bodies(), problem.t_end)) {}
 
     RodResult run();
 
@@ -143,8 +144,13 @@ double Walk::step_limit() {
         if (turns)
             fastest = std::max(fastest, relaxation_rate(sums_[a], problem_.couplings));
     }
+    model_.bodies().add_rates(y_, rates_);
+    if (pairs_ && model_.bodies().any())
+        fastest = std::max(fastest, model_.bodies().relaxation_rate(y_));
     rates_known_ = true;
     double limit = std::min(noise_.time_step, most_relaxation / fastest);
+    if (pairs_ && model_.bodies().any())
+        limit = std::min(limit, model_.bodies().step_limit(y_, 0.5));
     if (!pairs_ || !(model_.interacting() || problem_.contact_distance))
         return limit;
     limit = std::min(limit, approach_share * encounter_step(y_, problem_.box));
@@ -174,7 +180,8 @@ bool Walk::stop_in(const integrate::Step& step, double share, const Separation& 
 
 void Walk::add(const integrate::Step& step) {
     add_step(
-        record_, step, [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); }, problem_.box);
+        record_, step, [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); }, problem_.box,
+        model_.bodies());
     if (options_.ode.on_step)
         options_.ode.on_step(step);
 }

@@ -61,6 +61,10 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
         outcome.reason = fmt::format("rods {} and {} orbit each other {:.6g} apart, once in a time of {:.6g}",
                                      outcome.pair.first, outcome.pair.second, outcome.separation,
                                      2.0 * std::numbers::pi / std::abs(outcome.omega));
+    else if (outcome.ending == Ending::bound)
+        outcome.reason = fmt::format("the bodies of rods {} and {} touch for most of the last quarter of the "
+                                     "run; their centres are {:.6g} apart at its end",
+                                     outcome.pair.first, outcome.pair.second, outcome.pair.distance);
     else if (outcome.ending == Ending::escape)
         outcome.reason = fmt::format("all rods part; rods {} and {} came closest, {:.6g} apart",
                                      outcome.pair.first, outcome.pair.second, outcome.min_separation);

@@ -48,7 +48,8 @@ PairResult contact_at_start(const PairProblem& pair) {
 
 std::optional<PairProblem> to_pair_problem(const RodProblem& problem) {
     if (problem.rods.size() != 2 || problem.box || problem.field || !problem.medium ||
-        !problem.couplings.any() || problem.rows.any() || !has_wide_wakes(*problem.medium))
+        !problem.couplings.any() || problem.rows.any() || problem.bodies.any() ||
+        !has_wide_wakes(*problem.medium))
         return std::nullopt;
     return PairProblem{*problem.medium,
                        problem.couplings,

@@ -1,5 +1,6 @@
 #include "rodwake/rods/separation.hpp"
 
+#include "body_record.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/integrate/additive_noise.hpp"
@@ -280,11 +281,14 @@ SeparationRecord start_record(integrate::State y, double late_from, Box box) {
     return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(followed, {infinity, 0.0, 0.0})};
 }
 
-void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
+void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box,
+              const BodyForces& bodies) {
     if (step.state.size() < 6)
         return;
     keep_smaller(record, closest_pair(step.state, box), step.time);
-    if (const auto approach = closest_approach(step, box, record.smallest.distance))
+    if (bodies.any())
+        add_body_step(record, step, rates, box, bodies);
+    else if (const auto approach = closest_approach(step, box, record.smallest.distance))
         keep_smaller(record, approach->pair, approach->time);
     if (step.time >= record.late_from && !record.late.empty())
         add_late_step(record, step, rates, box);

@@ -33,6 +33,16 @@ integrate::Event contact_event(double distance, Box box) {
     return event;
 }
 
+/// Of rods with bodies, whose places do not follow their headings.
+integrate::Event contact_event_of_bodies(double distance, Box box) {
+    integrate::Event event;
+    event.name = "contact";
+    event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
+    event.crossing = integrate::Crossing::falling;
+    event.terminal = true;
+    return event;
+}
+
 /// Of rods that walk straight: the places of a run have fewer digits than the closed form.
 std::vector<integrate::Event> known_contact(const RodProblem& problem) {
     const double meeting = first_meeting(problem);
@@ -89,7 +99,7 @@ std::shared_ptr<const elastic::WakeField> wakes_of(const RodProblem& problem) {
 
 RodModel model_of(const RodProblem& problem) {
     return {problem.couplings.any() ? wakes_of(problem) : nullptr, problem.couplings, problem.rods.size(),
-            problem.rows};
+            problem.rows, BodyForces(problem.bodies, problem.rods.size(), problem.box)};
 }
 
 integrate::OdeProblem to_ode(const RodProblem& problem) {
@@ -103,11 +113,20 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
         ode.jacobian = [model](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { model->jacobian(y, j); };
     ode.component_name = RodModel::component_name;
     // in a box straight courses meet many images in one step
+    const bool bodies = model->bodies().any();
     if (model->rods() > 1 && (model->interacting() || (problem.box && problem.contact_distance)))
         ode.step_limit = step_limit(problem);
+    if (model->rods() > 1 && bodies)
+        ode.step_limit = [model, others = ode.step_limit](double t, State y) {
+            // Unseen touches shift few rods by less than any tolerance, and a crowd by little.
+            const double share = model->rods() > most_followed_rods ? 0.5 : 1.0 / 12.0;
+            return std::min(model->bodies().step_limit(y, share),
+                            others ? others(t, y) : std::numeric_limits<double>::infinity());
+        };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)
-        ode.events.push_back(contact_event(*problem.contact_distance, problem.box));
+        ode.events.push_back(bodies ? contact_event_of_bodies(*problem.contact_distance, problem.box)
+                                    : contact_event(*problem.contact_distance, problem.box));
     return ode;
 }
 
@@ -136,7 +155,8 @@ RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& prob
     start.state = ode.initial_state;
     for (const Pose& rod : problem.rods)
         start.headings.push_back(rod.heading);
-    start.record = start_record(to_state(problem.rods), late_from, problem.box);
+    start.record = start_record(to_state(problem.rods), late_from, problem.box,
+                                BodyForces(problem.bodies, problem.rods.size(), problem.box), problem.t_end);
     return start;
 }
 
@@ -195,6 +215,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     ode.initial_state = from.state;
     SeparationRecord record = from.record;
     const std::vector<double> times = output_times(problem);
+    const BodyForces bodies(problem.bodies, problem.rods.size(), problem.box);
     const std::span<const double> times_left = std::span(times).subspan(from.outputs.size());
     PoseTrack track(options.form, from.headings, times_left);
 
@@ -204,7 +225,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     solver.initial_step = first_step(options.ode);
     solver.on_step = [&](const integrate::Step& raw) {
         const integrate::Step step = track.step(raw);
-        add_step(record, step, rates, problem.box);
+        add_step(record, step, rates, problem.box, bodies);
         if (options.ode.on_step)
             options.ode.on_step(step);
     };

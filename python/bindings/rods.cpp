@@ -68,8 +68,14 @@ Run run_of(Path path, std::size_t rods, rods::RodOutcome outcome, bool told_cont
 
 Run simulate(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2,
              double t_end, const std::optional<Array>& output_times, Number contact_distance,
-             const std::string& method, const std::string& form, double rtol, Number atol, long max_steps) {
+             const std::optional<py::tuple>& body, const std::string& method, const std::string& form,
+             double rtol, Number atol, long max_steps) {
     rods::RodProblem problem = problem_of(poses, medium, {kappa, gamma1, gamma2});
+    if (body)
+        problem.bodies = {{{(*body)[0].cast<std::size_t>(), (*body)[1].cast<double>(),
+                            (*body)[2].cast<double>(), (*body)[3].cast<double>()}},
+                          (*body)[4].cast<double>(),
+                          (*body)[5].cast<double>()};
     problem.t_end = t_end;
     problem.output_times = output_times ? copied(*output_times) : default_times(t_end);
     problem.contact_distance = contact_distance;
@@ -142,7 +148,7 @@ py::tuple saved(const Run& run) {
                           std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
                                       s.error_test_failures, s.convergence_failures},
                           static_cast<int>(o.certificate), or_none(o.separation), or_none(o.omega), o.grows,
-                          o.stable);
+                          o.stable, or_none(o.min_gap), o.min_gap_time);
 }
 
 /// Bit for bit, so that a solve that failed on NaN equals its copy too.
@@ -180,6 +186,8 @@ Run restored(const py::tuple& v) {
              v[18].cast<std::optional<double>>().value_or(std::nan("")),
              v[19].cast<std::optional<bool>>(),
              v[20].cast<std::optional<bool>>(),
+             v[21].cast<std::optional<double>>().value_or(std::nan("")),
+             number(22),
              text(10),
              static_cast<Certificate>(v[16].cast<int>())},
             text(11),
@@ -203,7 +211,8 @@ void bind_rods(py::module_& module) {
     py::class_<Run>(module, "RodResult", about_run)
         .def_readonly("t", &Run::t, "(T,): the output times, then the end if it is another time")
         .def_readonly("poses", &Run::poses, "(T, N, 3): x, y and heading of each rod at each time")
-        .def_property_readonly("outcome", outcome, "'contact', 'pursuit', 'escape', 'orbit' or 'undecided'")
+        .def_property_readonly("outcome", outcome,
+                               "'contact', 'bound', 'orbit', 'pursuit', 'escape' or 'undecided'")
         .def_property_readonly(
             "certificate", [](const Run& run) { return to_string(run.outcome.certificate); },
             "how well the outcome is known: 'verified', 'checked' or 'open'")
@@ -222,6 +231,9 @@ void bind_rods(py::module_& module) {
             "smallest separation of two rods at any time; infinite for a single rod")
         .def_property_readonly(
             "min_separation_time", [](const Run& run) { return run.outcome.min_separation_time; }, "when")
+        .def_property_readonly(
+            "min_gap", [](const Run& run) { return run.outcome.min_gap; },
+            "smallest gap between two bodies at any time, below 0 where they overlap; NaN: no bodies")
         .def_property_readonly("turn", turn, "(N,): heading at the end less that at the start, turns counted")
         .def_property_readonly(
             "reason", [](const Run& run) { return run.outcome.reason; }, "the outcome in words")

@@ -22,12 +22,12 @@ class NoiseResult:
 
     def __init__(self, core: Any, contact_distance: Optional[float]) -> None:
         self.contact_distance = contact_distance  #: f/mu; None: contact is not detected
-        self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  #: (R,): 'contact', 'pursuit', 'escape', 'orbit', 'undecided' or 'failed'
+        self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  #: (R,): 'contact', 'bound', 'orbit', 'pursuit', 'escape', 'undecided' or 'failed'
         self.times: Floats = core.times()  #: (R,): of contact, else the time reached
         self.min_separations: Floats = core.min_separations()  #: (R,); infinite for a single rod
         self.pairs: NDArray[np.int64] = core.pairs()  #: (R, 2): the rods that the outcome is about; -1 for a single rod
         capture = core.capture()
-        self.capture_probability: Optional[float] = capture[0] if capture else None  #: share of contact, pursuit and orbit; None: single rod
+        self.capture_probability: Optional[float] = capture[0] if capture else None  #: share of contact, bound, orbit and pursuit; None: single rod
         self.capture_interval: Optional[tuple[float, float]] = capture[1:] if capture else None  #: its 95 % interval (Wilson)
         self.t: Floats = core.t()  #: (T,): the output times, the end among them
         self.runs_at_time: NDArray[np.int64] = core.runs_at_time().astype(np.int64)  #: (T,): runs that got there; contact ends a run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Callable, Optional, Union
 
 import numpy as np
@@ -26,8 +27,23 @@ def motion(poses: Any, medium: Any, kappa: Any, gamma1: Any, gamma2: Any, t_end:
             arguments.maybe("contact_distance", contact_distance, above=0))
 
 
+BODY = {"spheres": 6, "length": 1.25, "thick_diameter": 0.3, "thin_diameter": 0.2, "stall_overlap": 0.05, "mobility_ratio": 1.0}
+
+
+def _body(given: Any) -> Optional[tuple[float, ...]]:
+    """The options of a body in the order of BODY, whose defaults are those of a scene."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping) or set(given) - set(BODY):
+        raise InputError(f"body: expected a mapping with some of {', '.join(BODY)}; got {given!r}")
+    values = {**BODY, **given}
+    return (arguments.whole("body['spheres']", values["spheres"], 1, 1000),
+            *(arguments.number(f"body['{name}']", values[name], above=0) for name in list(BODY)[1:]))
+
+
 def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0,
-             t_end: float, output_times: Optional[ArrayLike] = None, contact_distance: Optional[float] = None, method: str = "auto",
+             t_end: float, output_times: Optional[ArrayLike] = None, contact_distance: Optional[float] = None,
+             body: Optional[Mapping[str, float]] = None, method: str = "auto",
              form: str = "angle", rtol: float = 1e-8, atol: Optional[float] = None, max_steps: int = 1_000_000) -> RodResult:
     """Integrates the motion of rods to `t_end` or to contact.
 
@@ -52,6 +68,9 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
     contact_distance : float, optional
         Distance of two rods that ends the run, f/mu. Without it rods that meet run into the singularity of their fields, and the
         solve fails.
+    body : mapping, optional
+        Rods with bodies, as [body] of a scene: any of 'spheres', 'length', 'thick_diameter', 'thin_diameter' (f/mu), 'stall_overlap',
+        'mobility_ratio'. {}: the default body. Without it rods are points.
     method : str
         'auto', 'bdf', 'adams' or 'erk' (docs/numerics.md).
     form : str
@@ -65,7 +84,7 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
     -------
     RodResult
     """
-    return _core.simulate(*motion(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance),
+    return _core.simulate(*motion(poses, medium, kappa, gamma1, gamma2, t_end, output_times, contact_distance), _body(body),
                           arguments.kind("method", method, str, "'auto', 'bdf', 'adams' or 'erk'"),
                           arguments.kind("form", form, str, "'angle', 'director' or 'dae'"), arguments.number("rtol", rtol, above=0),
                           arguments.maybe("atol", atol, above=0), arguments.whole("max_steps", max_steps, 1, MOST_STEPS))

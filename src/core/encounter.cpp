@@ -41,6 +41,8 @@ std::string to_string(Ending ending) {
         return "escape";
     case Ending::orbit:
         return "orbit";
+    case Ending::bound:
+        return "bound";
     case Ending::undecided:
         break;
     }

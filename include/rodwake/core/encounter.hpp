@@ -7,10 +7,13 @@
 //   pursuit    headings locked and separation steady: the rear rod follows the other's trail
 //   escape     the rods part, and what is left of their turning can no longer bring them back
 //   orbit      the rods circle each other and come ever nearer to doing so at one distance and rate
+//   bound      rods with bodies push each other: they touch for most of the end of the run
 //   undecided  none of these by the end of the run
 //
-// Contact is an event, at its first time. The other criteria are those of the end of the run, with r the
-// separation, r' its rate, v_a and v_b the velocities:
+// Contact is an event, at its first time, and comes before all others, bound before orbit before pursuit. The
+// other criteria are those of the end of the run, with r the separation, r' its rate, v_a and v_b the
+// velocities:
+//   bound      of rods with bodies (rods/body.hpp): they touch for 0.9 of the last quarter of the run
 //   pursuit    the angle between the headings is at most locked_heading, the rear rod is within
 //   lateral_offset r
 //              of the other's axis and behind it, and r varied by at most steady_separation of its mean
@@ -37,14 +40,15 @@
 
 namespace rodwake {
 
-enum class Ending { contact, pursuit, escape, undecided, orbit };
+enum class Ending { contact, pursuit, escape, undecided, orbit, bound };
 /// In the order of the numbers that stand for them in tables.
-inline constexpr std::array all_endings = {Ending::contact, Ending::pursuit, Ending::escape,
-                                           Ending::undecided, Ending::orbit};
+inline constexpr std::array all_endings = {Ending::contact,   Ending::pursuit, Ending::escape,
+                                           Ending::undecided, Ending::orbit,   Ending::bound};
 
 /// Rods that stay together.
 constexpr bool is_capture(Ending ending) {
-    return ending == Ending::contact || ending == Ending::pursuit || ending == Ending::orbit;
+    return ending == Ending::contact || ending == Ending::pursuit || ending == Ending::orbit ||
+           ending == Ending::bound;
 }
 
 std::string to_string(Ending ending);

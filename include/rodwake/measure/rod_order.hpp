@@ -3,7 +3,8 @@
 //
 //   polar order      P = |sum_a exp(i theta_a)|/N        1: all head one way
 //   nematic order    S = |sum_a exp(2 i theta_a)|/N      1: all along one axis, either way
-//   clusters         rods nearer than the distance `link` are linked; those joined by links are a cluster
+//   clusters         rods nearer than the distance `link` are linked, or by another rule; those joined by
+//                    links are a cluster
 //   mean size        N/number of clusters
 //   weighted size    sum over clusters of s^2/N: the mean size of the cluster that a rod is in
 //
@@ -14,8 +15,10 @@
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/measure/frame.hpp"
 
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace rodwake::measure {
@@ -23,7 +26,8 @@ namespace rodwake::measure {
 /// At one instant.
 struct RodOrder {
     double polar = 0.0, nematic = 0.0;
-    std::vector<std::size_t> clusters; ///< sizes, the largest first; they add up to N
+    std::vector<std::size_t> clusters;                      ///< sizes, the largest first; they add up to N
+    std::vector<std::pair<std::size_t, std::size_t>> links; ///< by a rule: first < second, in order
 
     double mean_size() const;
     double weighted_size() const;
@@ -33,6 +37,14 @@ struct RodOrder {
 /// least one rod, finite places, link > 0 and at most half the box's shorter side. Cost: N, and the pairs in
 /// neighbouring cells of the size of link.
 RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box = {});
+
+/// Linked are pairs nearer than `reach` for which `linked(a, b)` holds. The links are kept.
+RodOrder rod_order(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box,
+                   const std::function<bool(std::size_t a, std::size_t b)>& linked);
+
+/// Mean time that a link lasts: the time of all links over the number of them that are gone at the next time.
+/// Times between which a link parts and forms anew count as one. Nothing if none ends.
+std::optional<double> link_lifetime(std::span<const double> times, std::span<const RodOrder> orders);
 
 /// Of one run: times grow, as many as orders, all of the same rods.
 struct RodOrderSeries {

@@ -13,7 +13,8 @@
 //   open      neither
 //
 // Degenerate input: open are a run that failed or was interrupted, or with noise; more than
-// most_followed_rods rods; straight walkers in a periodic box, whose images are not gone through. With rtol
+// most_followed_rods rods; rods with bodies, for whose contacts there is no bound; straight walkers in a
+// periodic box, whose images are not gone through. With rtol
 // below 1e-11 nothing is checked, as no tolerance is a hundred times tighter.
 
 #include "rodwake/core/encounter.hpp"
@@ -23,7 +24,7 @@
 
 namespace rodwake::rods {
 
-/// Whether nothing turns the rods.
+/// Whether nothing turns or pushes the rods.
 bool walks_straight(const RodProblem& problem);
 
 /// Of rods that start in contact, by the separation of `met`.

@@ -5,6 +5,7 @@
 //   x_a' = cos theta_a,  y_a' = sin theta_a
 //   theta_a' = sum over b != a of z.[n_a x (kappa eps_b.n_a + gamma1 lap u_b + gamma2 grad div u_b)] at R_a
 //              - gamma_rows sin 6(theta_a - direction)    with Rows
+//   and what the contacts of their bodies add to all three (rods/body.hpp)
 //
 // Reduced units: lengths f/mu, times f/(mu v0), so v0 = 1 and f/mu = 1. Each rod's field is the steady one of
 // elastic/field.hpp, turned to its heading at that instant: the quasi-static closure of the paper. In a
@@ -22,6 +23,7 @@
 
 #include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/integrate/ode.hpp"
+#include "rodwake/rods/body.hpp"
 #include "rodwake/rods/couplings.hpp"
 
 #include <cstddef>
@@ -43,11 +45,12 @@ class RodModel {
 public:
     /// `field`: the wakes, and with them the domain, plane or periodic box; none: nothing of them turns rods.
     RodModel(std::shared_ptr<const elastic::WakeField> field, const Couplings& couplings, std::size_t rods,
-             const Rows& rows = {});
+             const Rows& rows = {}, BodyForces bodies = {});
 
     std::size_t rods() const { return rods_; }
     bool interacting() const { return field_ != nullptr; }
     const Rows& rows() const { return rows_; }
+    const BodyForces& bodies() const { return bodies_; }
     /// Whether jacobian() can be asked for: the field has gradients, or none is evaluated.
     bool has_jacobian() const { return !field_ || field_->capabilities().gradients; }
 
@@ -73,6 +76,7 @@ private:
     Couplings couplings_;
     std::size_t rods_;
     Rows rows_;
+    BodyForces bodies_;
 };
 
 std::vector<double> to_state(std::span<const Pose> rods);

@@ -11,6 +11,7 @@
 //   an illegal medium (eta <= -1, xi = 0)                       InputError
 //   coincident rods, without or with a contact distance         InputError; contact at 0
 //   rods that meet, without a contact distance                  failed, advised to set one
+//   bodies that overlap at the start                            InputError
 //   a coupling that is NaN or infinite                          failed, undecided
 //   one rod; no medium; no coupling                             straight walks
 //   xi = 1e30 (alpha -> 0), eta -> -1, eta = 1e12               runs
@@ -53,6 +54,8 @@ struct RodProblem {
     std::shared_ptr<const elastic::WakeField> field = nullptr;
     WakeSums sums = {};
     Rows rows = {}; ///< of a crystal that turns each rod, with or without a medium
+    Bodies bodies = {};
+    bool goes_on = false; ///< from the state of another run: then bodies may overlap at the start
 };
 
 /// Sums whose errors keep to sums.turning_tolerance T. With d eps the error of the strain and
@@ -105,6 +108,9 @@ struct RodOutcome {
     /// and whether rods in line at this separation are stable. Rods that start exactly in line stay in line
     /// though they may be unstable there.
     std::optional<bool> grows = {}, stable = {};
+    /// Smallest gap between the bodies of two rods at any time, below 0: overlap, f/mu; NaN: no bodies.
+    double min_gap = std::numeric_limits<double>::quiet_NaN();
+    double min_gap_time = 0.0;                   ///< when
     std::string reason;                          ///< in words, with the numbers
     Certificate certificate = Certificate::open; ///< by simulate_certified (certificate.hpp)
 };

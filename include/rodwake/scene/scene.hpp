@@ -11,6 +11,7 @@
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
+#include "rodwake/rods/body.hpp"
 #include "rodwake/rods/couplings.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"
@@ -106,10 +107,19 @@ struct Noise {
     bool operator==(const Noise&) const = default;
 };
 
+/// [body]: of all rods but those with a shape of their own.
+struct Body : rods::BodyShape {
+    double stall_overlap = rods::Bodies{}.stall_overlap;
+    double mobility_ratio = rods::Bodies{}.mobility_ratio;
+
+    bool operator==(const Body&) const = default;
+};
+
 /// [[rods]]
 struct Rod {
-    std::vector<double> position; ///< x, y
-    double heading = 0.0;         ///< rad, counter-clockwise from +x
+    std::vector<double> position;             ///< x, y
+    double heading = 0.0;                     ///< rad, counter-clockwise from +x
+    std::optional<rods::BodyShape> body = {}; ///< absent: that of [body]
 
     bool operator==(const Rod&) const = default;
 };
@@ -126,10 +136,12 @@ struct RandomRods {
     bool operator==(const RandomRods&) const = default;
 };
 
-/// The rods it stands for; they depend on its values alone. None if they are too crowded.
-std::vector<Rod> random_rods(const RandomRods& random);
-/// Share of the square that discs of diameter min_separation cover. Up to most_crowding all rods find room.
-double crowding(const RandomRods& random);
+/// The rods it stands for; they depend on its values and on the body alone, and bodies do not overlap. None
+/// if they are too crowded.
+std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>& body);
+/// Share of the square that discs of diameter min_separation cover, or the bodies if they cover more of what
+/// they may. Up to most_crowding all rods find room.
+double crowding(const RandomRods& random, const std::optional<Body>& body);
 inline constexpr double most_crowding = 0.3;
 
 /// [rods_run]
@@ -151,8 +163,8 @@ struct RodsRun {
 
 /// [rods_order]: order parameters and clusters of the rods in time. Of a bed (order_of_bed) m and s.
 struct RodsOrder {
-    double link = 0.0;           ///< rods nearer than this are of one cluster, f/mu
-    double from = 0.0;           ///< earlier times do not count in the means, f/(mu v0)
+    std::optional<double> link; ///< rods nearer than this are of one cluster, f/mu; absent: bodies that touch
+    double from = 0.0;          ///< earlier times do not count in the means, f/(mu v0)
     std::optional<double> block; ///< of time, one independent value for the errors; absent: a tenth of what
                                  ///< counts
 
@@ -224,6 +236,7 @@ struct Scene {
     std::optional<Medium> medium;
     std::optional<Coupling> coupling;
     std::optional<Noise> noise;
+    std::optional<Body> body;
     std::optional<RandomRods> rods_random;
     std::vector<Rod> rods; ///< with rods_random those it stands for
     std::optional<RodsRun> rods_run;
@@ -244,6 +257,9 @@ struct Scene {
 inline double measured_radius(const Scene& scene) {
     return scene.tracks ? scene.tracks->bead_radius : scene.granular->bead_radius;
 }
+
+/// The bodies of the rods; none without [body] and rods with a shape of their own.
+rods::Bodies bodies_of(const Scene& scene);
 
 /// Whether the rods diffuse.
 inline bool noisy(const Scene& scene) {
