@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 
-from . import bed, canvas, errors, files, style, words
+from . import bed, bodies, canvas, errors, files, style, words
 from .bed_run import TRAJECTORY
 from .errors import PlotError
 from .trajectories import grown, runs_of, span
@@ -151,7 +151,11 @@ class RodsFilm(Film):
         figure, self.axes = rods_stage(window, self.length, self.units)
         self.trails = matplotlib.collections.LineCollection([], colors=style.GREY, linewidths=0.5, alpha=0.5, zorder=2)
         self.axes.add_collection(self.trails, autolim=False)
-        self.arrows = self.axes.quiver(*self.places(0), *self.directions(0), self.headings(0), cmap=HEADING_MAP, norm=HEADINGS, pivot="mid",
+        self.run, self.bodies = run, None
+        if bodies.has_bodies(run):
+            self.bodies = bodies.add(self.axes, run, self.rods.x[0], self.rods.y[0], self.rods.theta[0], self.length.factor,
+                                     self.colours(0), zorder=3)
+        self.arrows = None if self.bodies else self.axes.quiver(*self.places(0), *self.directions(0), self.headings(0), cmap=HEADING_MAP, norm=HEADINGS, pivot="mid",
                                        angles="xy", units="dots", scale_units="dots", scale=1 / 11, width=2.6, headwidth=3.4, headlength=4,
                                        headaxislength=3.6, zorder=3)
         self.lay_out(figure, len(self.rods.t), RODS_DPI)
@@ -165,10 +169,19 @@ class RodsFilm(Film):
     def headings(self, frame):
         return (np.degrees(self.rods.theta[frame]) + 180) % 360 - 180
 
+    def colours(self, frame):
+        return HEADING_MAP(HEADINGS(self.headings(frame)))
+
     def show(self, frame):
         frame %= len(self.rods.t)
-        self.arrows.set_offsets(np.column_stack(self.places(frame)))
-        self.arrows.set_UVC(*self.directions(frame), self.headings(frame))
+        if self.bodies:
+            at = self.rods.x[frame], self.rods.y[frame], self.rods.theta[frame]
+            self.bodies.set_offsets(self.length.factor * bodies.centres(self.run, *at))
+            counts = [len(bodies.discs(self.run, rod)[0]) for rod in range(len(at[0]))]
+            self.bodies.set_facecolors(np.repeat(self.colours(frame), counts, axis=0))
+        else:
+            self.arrows.set_offsets(np.column_stack(self.places(frame)))
+            self.arrows.set_UVC(*self.directions(frame), self.headings(frame))
         since = max(0, frame - TRAIL)
         self.trails.set_segments(np.stack(self.places(slice(since, frame + 1)), axis=-1).swapaxes(0, 1))
         title = style.safe(self.spec.title) + ", " if self.spec.title else ""
@@ -198,7 +211,8 @@ def caption_rods_movie(run, spec):
     rods, units = runs_of(run.result)[0], run.result.units
     found = film_of(run, spec)
     name = f"figures/{words.escape(found[0].name)}: " if found else ""
-    return (f"{name}{rods.x.shape[1]} rods as arrows, coloured by heading, with what they walked since {TRAIL} pictures before; {len(rods.t)} "
+    drawn = "with their bodies to scale" if bodies.has_bodies(run) else "as arrows"
+    return (f"{name}{rods.x.shape[1]} rods {drawn}, coloured by heading, with what they walked since {TRAIL} pictures before; {len(rods.t)} "
             f"pictures from <i>t</i> = {words.number(rods.t[0])} to {words.number(rods.t[-1])} {units.time_html()}, {spec.fps} a second.")
 
 

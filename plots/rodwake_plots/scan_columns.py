@@ -175,12 +175,12 @@ def extend(shown, low, high):
 
 # Outcomes have the same colours in every figure, and marks in every legend.
 
-# Two blues, contact and pursuit, are one family; orbit, rare, is brown. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
+# Two blues, contact and pursuit, are one family; orbit, rare, is brown, bound purple. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
 # vision; tests/plots/test_scan_pieces.py has the numbers.
 COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
-           "orbit": "#873c00", "finished": "#6f8f7a"}  # the last stands alone
+           "orbit": "#873c00", "bound": "#6b2d73", "finished": "#6f8f7a"}  # the last stands alone
 NOTHING = "#e4e4e1"  # where there is no number
-CAPTURE = "capture = contact, pursuit or orbit"
+CAPTURE = "capture = contact, bound, orbit or pursuit"
 BOUNDARY = dict(color=style.INK, linewidth=0.6)
 FAILED = dict(marker="x", color="#b3261e", linestyle="none")
 
@@ -197,8 +197,8 @@ def painted(codes):
 
 
 def without_number(codes):
-    """Where a number is shown: pursuit and orbit as themselves, captures without a time of their own, the others as nothing."""
-    table = np.array([rgba(COLOURS[name] if name in ("pursuit", "orbit") else NOTHING) for name in (*OUTCOMES, "")], dtype=np.uint8)
+    """Where a number is shown: pursuit, orbit and bound as themselves, captures without a time of their own, the others as nothing."""
+    table = np.array([rgba(COLOURS[name] if name in ("pursuit", "orbit", "bound") else NOTHING) for name in (*OUTCOMES, "")], dtype=np.uint8)
     return table[codes]
 
 

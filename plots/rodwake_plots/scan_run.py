@@ -13,8 +13,8 @@ from . import canvas, errors, files, fit_words, schema, style, words
 from .errors import PlotError
 
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
-OUTCOMES = ("contact", "pursuit", "escape", "undecided", "orbit", "finished")  # the last of beds without a pair
-CAPTURED = ("contact", "pursuit", "orbit")
+OUTCOMES = ("contact", "pursuit", "escape", "undecided", "orbit", "bound", "finished")  # the last of beds without a pair
+CAPTURED = ("contact", "pursuit", "orbit", "bound")
 CERTIFICATES = ("verified", "checked", "open")  # how well an outcome is known
 
 

@@ -152,9 +152,9 @@ def design_html(scan):
 def what(run, spec):
     """What the colours show."""
     if spec.colour == "outcome" and run.scan.runs > 1:
-        return "The outcome that most runs of a point had; capture is contact, pursuit or orbit"
+        return "The outcome that most runs of a point had; capture is contact, bound, orbit or pursuit"
     if spec.colour == "outcome":
-        return "Outcome; capture is contact, pursuit or orbit"
+        return "Outcome; capture is contact, bound, orbit or pursuit"
     told, unit = scan_columns.quantity(spec.colour, run.scan), scan_columns.unit_html(run, spec.colour)
     meaning = scan_columns.meaning(spec.colour, run.scan)
     return words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")

@@ -75,6 +75,7 @@ def sentence(run, name):
         "contact": f"Contact: {who} met at {time}, {nearest} apart.",
         "pursuit": f"Pursuit: the headings of {who} locked and their separation stayed bounded until {time}; closest approach {nearest}.",
         "orbit": f"Orbit: {who} circle each other, {words.number(run.outcome.get('separation', '?'), 6)} {units.length_html()} apart.",
+        "bound": f"Bound: {who} push each other until the end, {words.number(run.outcome.get('separation', '?'), 6)} {units.length_html()} apart.",
         "escape": f"Escape: {who} went apart; closest approach {nearest}, followed until {time}.",
     }.get(name, f"No outcome was decided until {time}; closest approach {nearest}.")
 

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib import patheffects
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgba
 from matplotlib.transforms import ScaledTranslation
 
-from . import canvas, schema, style, words
+from . import bodies, canvas, schema, style, words
 from .errors import MissingError, PlotError
 from .schema import Kind
 
@@ -25,7 +25,7 @@ def draw(run, spec):
     extent = max(map(abs, window.x + window.y))
     length, time = units.length("x", extent), units.time("t", last)
     look = Look(length.factor, time.factor, Normalize(0, last * time.factor or 1.0), mark_interval(last),
-                           lie_on_each_other(runs, window))
+                lie_on_each_other(runs, window), run if bodies.has_bodies(run) else None)
     overlay = spec.overlay and len(runs) > 1
     figure, grid = layout(window, 1 if overlay else len(runs))
     panels = list(grid.ravel())
@@ -284,6 +284,7 @@ class Look(NamedTuple):
     norm: Normalize
     interval: float
     apart: bool = False  # paths lie on each other: coloured by rod and moved apart, not coloured by time
+    bodies: object = None  # the run directory, where rods have bodies: drawn to scale, and paths go straight from row to row
 
 
 def draw_panel(axes, run, window, look):
@@ -292,7 +293,11 @@ def draw_panel(axes, run, window, look):
     for rod in rods:
         samples(axes, run, rod, look)
         draw_path(axes, run, rod, look)
-        draw_marks(axes, run, rod, look)
+        if not look.bodies:
+            draw_marks(axes, run, rod, look)
+    for index, alpha in ((0, 0.4), (-1, 0.9)) if look.bodies else ():
+        bodies.add(axes, look.bodies, run.x[index], run.y[index], run.theta[index], look.length,
+                   [to_rgba(colour_of(rod)) for rod in rods], alpha=alpha, zorder=4)
     for rod in rods if len(rods) <= MOST_LABELS else ():
         name_rod(axes, run, rod, look.length)
 
@@ -323,8 +328,8 @@ def draw_path(axes, run, rod, look):
         axes.plot(x * look.length, y * look.length, color=colour_of(rod), linewidth=1.6, solid_capstyle="round", zorder=2,
                   transform=beside(axes, run, rod), scalex=False, scaley=False)
         return
-    t = fine_times(run)
-    points = np.stack(path(run, rod, t), axis=-1) * look.length
+    t = run.t if look.bodies else fine_times(run)
+    points = np.stack((run.x[:, rod], run.y[:, rod]) if look.bodies else path(run, rod, t), axis=-1) * look.length
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     middle = (t[:-1] + t[1:]) / 2 * look.time
     axes.add_collection(LineCollection(pieces, array=middle, cmap=style.TIME_MAP, norm=look.norm, linewidths=2.0,
