@@ -24,6 +24,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace rodwake::app {
 
@@ -65,9 +66,14 @@ struct CriticalValue {
     }
 };
 
-/// Brackets as points: the values of the axes, the last two numbers its ends.
+/// Brackets as points: the values of the axes, the last two numbers its ends, which may lie within the values
+/// of the coarse pass around them where the critical value was predicted.
 inline constexpr const char* critical_ledger = "critical.log";
 inline constexpr std::int64_t first_bracket = std::int64_t{1} << 48;
+/// The width that a bracket between these values is narrowed to.
+double critical_width(const ScanPlan& plan, double from, double to);
+/// The bracket in which the critical value lies for certain.
+std::pair<double, double> coarse_bracket(const ScanPlan& plan, const scan::Point& bracket);
 scan::Columns columns_of_critical();
 /// The plan must outlive it. A bracket that fails is a result that says why.
 scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> stop);

@@ -2,6 +2,7 @@
 
 #include "critical_encounters.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/pair_batch.hpp"
 #include "rodwake/rods/pair_branches.hpp"
 #include "rodwake/rods/pair_equilibria.hpp"
 #include "scan_parts.hpp"
@@ -20,18 +21,12 @@ namespace rodwake::app {
 
 namespace {
 
-/// Two values at which rods part, the second nearer to the one at which they no longer do.
-struct Parting {
-    double far, near;
-};
-
 /// A root that a corrector found, and the bracket around it.
 struct Root {
     CriticalKind kind = CriticalKind::separatrix;
     double value = 0.0;
     Bracket bracket;
-    std::optional<Parting> parting = {}; ///< where the secant of an unbinding began
-    bool of_fixed_point = false;         ///< solved for without encounters
+    bool of_fixed_point = false; ///< solved for without encounters
 };
 
 /// Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between the ends,
@@ -81,25 +76,27 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
 /// The square of the angle between the headings of rods that part, long after; nothing if they have not
 /// parted.
 std::optional<double> squared_opening_angle(Encounters& encounters, double value) {
-    rods::RodProblem problem = encounters.problem_at(value);
-    problem.t_end *= 1e4;
-    problem.output_times.clear();
-    rods::RodOptions options = encounters.options(problem);
-    options.ode.max_steps = 20'000;
-    ++encounters.count;
-    const rods::RodResult run = rods::simulate(problem, options);
-    if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
+    auto pair = rods::to_pair_problem(encounters.problem_at(value));
+    if (!pair)
         return std::nullopt;
-    const std::vector<double>& end = run.solution.final_state;
-    return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
+    pair->t_end *= 1e4;
+    const integrate::OdeOptions ode = encounters.options(rods::to_rod_problem(*pair)).ode;
+    ++encounters.count;
+    rods::PairResult end;
+    rods::simulate_pairs({&*pair, 1}, {ode.rtol, ode.atol}, {&end, 1});
+    if (end.handed_over() || end.ending != Ending::escape)
+        return std::nullopt;
+    return std::pow(std::remainder(end.state[2] - end.state[5], 2.0 * std::numbers::pi), 2);
 }
 
-/// The zero of the squared angle, short of `end`, where rods no longer part: the value as a polynomial in it,
-/// through all angles so far, each fivefold closer. Nothing if the angle does not fall to zero as a square
-/// root: then the change is another one.
-std::optional<double> unbind(Encounters& encounters, const Parting& parting, double end, double width) {
+/// The zero of the squared angle between `near`, where rods part, and `end`, where they no longer do: the
+/// value as a polynomial in it, through all angles so far, each fivefold closer, until the zero changes by no
+/// more than `width`. `far` is farther out than `near`; a `root` that is known saves the last angle. Nothing
+/// if the angle does not fall to zero as a square root: then the change is another one.
+std::optional<double> unbind(Encounters& encounters, double far, double near, double end, double width,
+                             double root = std::nan("")) {
     std::vector<double> squares, values; // values: Neville's scheme, its last diagonal
-    double next = parting.far, root = std::nan("");
+    double next = far;
     for (int turn = 0; turn < 12; ++turn) {
         const auto square = squared_opening_angle(encounters, next);
         if (!square || (turn > 0 && !(*square < squares.back())))
@@ -108,12 +105,12 @@ std::optional<double> unbind(Encounters& encounters, const Parting& parting, dou
         values.push_back(next);
         for (int k = turn; k-- > 0;)
             values[k] = values[k + 1] + *square * (values[k + 1] - values[k]) / (squares[k] - *square);
-        const double change = std::abs(values[0] - root);
-        root = values[0];
         if (turn == 0) {
-            next = parting.near;
+            next = near;
             continue;
         }
+        const double change = std::abs(values[0] - root);
+        root = values[0];
         if (!((root - next) * (end - root) > 0.0)) // beyond the end, or back
             return std::nullopt;
         if (change <= width)
@@ -130,9 +127,20 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
     for (double step = std::max(width, 1e-12 * std::abs(value)); step < bracket.width(); step *= 4.0) {
         const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
         if (low.group == bracket.low.group && high.group == bracket.high.group)
-            return Root{kind, value, {low, high}, {}};
+            return Root{kind, value, {low, high}};
     }
     return std::nullopt;
+}
+
+/// The unbinding in a bracket between pursuit and escape, checked on both sides.
+std::optional<Root> unbound_root(Encounters& encounters, const Bracket& bracket, double width) {
+    if (!bracket.is_between(Ending::pursuit, Ending::escape))
+        return std::nullopt;
+    const bool below = bracket.low.ending == Ending::escape;
+    const double near = below ? bracket.low.at : bracket.high.at,
+                 end = below ? bracket.high.at : bracket.low.at;
+    const auto zero = unbind(encounters, near + 0.5 * (near - end), near, end, width);
+    return zero ? checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width) : std::nullopt;
 }
 
 /// A root of fixed points, which encounters cannot tell apart from its surroundings: near a fold and near an
@@ -141,7 +149,7 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
 /// time.
 Root fixed_point_root(Encounters& brief, CriticalKind kind, double value, const Bracket& bracket,
                       double width) {
-    Root root{kind, value, bracket, {}, true};
+    Root root{kind, value, bracket, true};
     const double most = std::min(value - bracket.low.at, bracket.high.at - value);
     double first = 0.0;
     for (double step = 0.5 * most; step > width; step *= 0.25) {
@@ -255,8 +263,7 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         return encounters.closest_approach(one) - encounters.contact_distance(one.at);
     };
     const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
-    bool tried_fold = false;
-    std::optional<Parting> parting;
+    bool tried_fold = false, parts = true; // parts: the end at which rods part is a new one
     while (bracket.width() > width) {
         if (ends_in_shrinking_orbit(bracket))
             if (const auto value = shrunk_orbit(encounters, bracket))
@@ -264,8 +271,11 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
         if (middle <= bracket.low.at || middle >= bracket.high.at)
             break;
+        // Near an unbinding encounters take ever longer, so bisection would not get far.
+        if (parts && bracket.width() < 1e-3 * scale && bracket.width() > 16.0 * width)
+            if (const auto root = unbound_root(encounters, bracket, width))
+                return *root;
         const Encounter one = encounters.at(middle);
-        const Encounter& replaced = one.group == bracket.low.group ? bracket.low : bracket.high;
 
         // Where D is smooth over the bracket, its root is found much sooner.
         const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
@@ -282,30 +292,23 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         // Undecided rods tell no side: then the bracket is the range.
         const bool stuck =
             one.ending == undecided && bracket.low.ending != undecided && bracket.high.ending != undecided;
-        const bool parts = one.ending == escape && replaced.ending == escape;
-        if (parts)
-            parting = Parting{replaced.at, one.at};
+        parts = one.ending == escape;
         if (!stuck)
             bracket.take(one);
 
-        // Near an unbinding and near a fold encounters take ever longer, so bisection would not get far.
+        // Near a fold encounters take ever longer too.
         if (!stuck && bracket.width() > 1e-3 * scale)
             continue;
-        if (parting && (parts || stuck) && bracket.is_between(pursuit, escape)) {
-            const double end = bracket.low.ending == pursuit ? bracket.low.at : bracket.high.at;
-            if (const auto zero = unbind(encounters, *parting, end, width))
-                if (auto root = checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width)) {
-                    root->parting = parting;
-                    return *root;
-                }
-        }
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket))
                 return fixed_point_root(brief, CriticalKind::fold, *fold, bracket, width);
         }
-        if (stuck)
+        if (stuck) {
+            if (const auto root = unbound_root(encounters, bracket, width))
+                return *root;
             break;
+        }
     }
 
     // A bracket that is still wide may hide that D is continuous, so D near contact on both sides is enough.
@@ -318,21 +321,35 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
             std::midpoint(bracket.low.at, bracket.high.at), bracket};
 }
 
-/// The same root at another tolerance, looked for around the first within the bracket of the coarse pass.
-std::optional<double> again(Encounters& encounters, Encounters& brief, const Root& root,
-                            const Bracket& coarse, double width) {
-    if (root.parting)
-        return unbind(encounters, *root.parting,
-                      root.bracket.low.ending == Ending::pursuit ? coarse.low.at : coarse.high.at, width);
-    for (double step = 8.0 * std::max(width, root.bracket.width());; step *= 8.0) {
-        const double low = std::max(root.value - step, coarse.low.at),
-                     high = std::min(root.value + step, coarse.high.at);
+/// A bracket around the value, `step` to each side or wider, but within `from` and `to`; nothing if there is
+/// none.
+std::optional<Bracket> bracket_around(Encounters& encounters, double value, double step, double from,
+                                      double to) {
+    for (;; step *= 8.0) {
+        const double low = std::max(value - step, from), high = std::min(value + step, to);
         const Bracket bracket{encounters.at(low), encounters.at(high)};
-        if (bracket.low.group == root.bracket.low.group && bracket.high.group == root.bracket.high.group)
-            return correct(encounters, brief, bracket, width).value;
-        if (low == coarse.low.at && high == coarse.high.at)
+        if (bracket.low.group != bracket.high.group)
+            return bracket;
+        if (low == from && high == to)
             return std::nullopt;
     }
+}
+
+/// The same root at another tolerance.
+std::optional<double> again(Encounters& encounters, Encounters& brief, const Root& root, double from,
+                            double to, double width) {
+    if (root.kind == CriticalKind::unbinding) {
+        const bool below = root.bracket.low.ending == Ending::escape;
+        const double away = std::max(64.0 * width, 1e-4 * std::abs(root.value)) * (below ? -1.0 : 1.0);
+        return unbind(encounters, root.value + away, root.value + 0.25 * away, below ? to : from, width,
+                      root.value);
+    }
+    const auto bracket =
+        bracket_around(encounters, root.value, std::max(width, root.bracket.width()), from, to);
+    if (!bracket || bracket->low.group != root.bracket.low.group ||
+        bracket->high.group != root.bracket.high.group)
+        return std::nullopt;
+    return correct(encounters, brief, *bracket, width).value;
 }
 
 /// A plan of the same points at a hundredth of the tolerance.
@@ -356,22 +373,21 @@ ScanPlan briefer(const ScanPlan& plan) {
 CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan& brief,
                     const scan::Point& point, const std::function<bool()>& stop, CriticalKind& kind) {
     const std::size_t axis = plan.design.axes.size() - 1;
-    const scan::Axis& range = plan.design.axes[axis];
     Encounters encounters(plan, point, stop), brief_encounters(brief, point, stop);
-    const Bracket coarse{encounters.at(point.at[axis]), encounters.at(point.at[axis + 1])};
+    const auto [from, to] = coarse_bracket(plan, point);
+    const double low_end = point.at[axis], high_end = point.at[axis + 1];
+    const bool predicted = low_end > from || high_end < to;
+    const auto start = bracket_around(encounters, std::midpoint(low_end, high_end),
+                                      predicted ? 0.5 * (high_end - low_end) : HUGE_VAL, from, to);
     CriticalValue found;
-    found.low = coarse.low.at, found.high = coarse.high.at;
-    if (coarse.low.group == coarse.high.group) { // a rounding away from the coarse pass: nothing is between
+    found.low = from, found.high = to;
+    if (!start) { // a rounding away from the coarse pass: nothing is between
         kind = CriticalKind::other;
         return found;
     }
 
-    // The width that is asked for is relative to the value, which is known within the coarse bracket.
-    const double size = std::max(std::abs(coarse.low.at), std::abs(coarse.high.at)),
-                 width = plan.critical->tolerance *
-                         std::max(std::min({size, std::abs(coarse.low.at), std::abs(coarse.high.at)}),
-                                  1e-3 * (range.to - range.from));
-    Root root = correct(encounters, brief_encounters, coarse, width);
+    const double width = critical_width(plan, from, to);
+    const Root root = correct(encounters, brief_encounters, *start, width);
     kind = root.kind;
     found.value = root.value;
     found.encounters = static_cast<double>(encounters.count + brief_encounters.count);
@@ -397,11 +413,11 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
         }
     if (!root.of_fixed_point) {
         Encounters checked(tight, point, stop);
-        if (const auto check = again(checked, brief_encounters, root, coarse, width)) {
+        if (const auto check = again(checked, brief_encounters, root, from, to, width)) {
             found.low = std::min(found.low, *check);
             found.high = std::max(found.high, *check);
         } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
-            found.low = coarse.low.at, found.high = coarse.high.at;
+            found.low = from, found.high = to;
     }
     return found;
 }

@@ -121,11 +121,37 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
     return options;
 }
 
+/// In the batch, if its options are given and it does not hand the pair over; else alone.
+rods::RodResult run_rest(const rods::RodProblem& rest, const rods::RodOptions& options,
+                         std::optional<rods::PairOptions> batch) {
+    if (batch) {
+        const rods::PairProblem pairs[] = {*rods::to_pair_problem(rest)};
+        rods::PairResult ends[1];
+        batch->criteria = options.criteria;
+        batch->on_step = [&](std::size_t, const rods::PairStep& step) {
+            options.ode.on_step({step.time, step.time, step.state, step.state});
+        };
+        rods::simulate_pairs(pairs, *batch, ends);
+        if (const rods::PairResult& one = ends[0]; !one.handed_over()) {
+            rods::RodResult run;
+            run.outcome = rods::outcome_of(one);
+            run.solution.final_state.assign(one.state.begin(), one.state.end());
+            run.solution.statistics.steps = one.steps;
+            run.solution.statistics.rhs_evaluations = one.rhs_evaluations;
+            if (options.ode.stop_requested && options.ode.stop_requested())
+                run.solution.status.termination = Termination::interrupted;
+            return run;
+        }
+    }
+    return rods::simulate(rest, options);
+}
+
 /// Rods that are undecided go on from `state`, each time for as long as they have run, until their outcome is
 /// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
 /// the last solve ended.
 integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
-                         std::vector<double> state, Leader& leader, EncounterEnd& end) {
+                         std::vector<double> state, Leader& leader, EncounterEnd& end,
+                         const std::optional<rods::PairOptions>& batch = {}) {
     const double steady_fraction = options.criteria.steady_fraction;
     if (start.rods.size() == 2)
         options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
@@ -138,7 +164,7 @@ integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options
         rest.t_end = std::min(end.time, limit - end.time);
         options.criteria.steady_fraction =
             std::min(1.0, steady_fraction * (end.time + rest.t_end) / rest.t_end);
-        rods::RodResult run = rods::simulate(rest, options);
+        rods::RodResult run = run_rest(rest, options, batch);
         status = run.solution.status;
         if (!status.ok() || status.termination == Termination::interrupted)
             break;
@@ -253,7 +279,7 @@ private:
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
                         const integrate::Status status =
-                            decide(problem, options, t_end_limit(problem), state, leader, end);
+                            decide(problem, options, t_end_limit(problem), state, leader, end, batch.options);
                         if (status.termination == Termination::interrupted)
                             return interrupted(result, began);
                         done = status.ok();
