@@ -2,7 +2,6 @@
 
 #include "critical_encounters.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/rods/pair_batch.hpp"
 #include "rodwake/rods/pair_branches.hpp"
 #include "rodwake/rods/pair_equilibria.hpp"
 #include "scan_parts.hpp"
@@ -76,17 +75,16 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
 /// The square of the angle between the headings of rods that part, long after; nothing if they have not
 /// parted.
 std::optional<double> squared_opening_angle(Encounters& encounters, double value) {
-    auto pair = rods::to_pair_problem(encounters.problem_at(value));
-    if (!pair)
+    rods::RodProblem problem = encounters.problem_at(value);
+    problem.t_end *= 1e4;
+    problem.output_times.clear();
+    rods::RodOptions options = encounters.options(problem);
+    options.ode.max_steps = 10'000; // rods that part for ever take longer steps
+    const rods::RodResult run = encounters.run(problem, options);
+    if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
         return std::nullopt;
-    pair->t_end *= 1e4;
-    const integrate::OdeOptions ode = encounters.options(rods::to_rod_problem(*pair)).ode;
-    ++encounters.count;
-    rods::PairResult end;
-    rods::simulate_pairs({&*pair, 1}, {ode.rtol, ode.atol}, {&end, 1});
-    if (end.handed_over() || end.ending != Ending::escape)
-        return std::nullopt;
-    return std::pow(std::remainder(end.state[2] - end.state[5], 2.0 * std::numbers::pi), 2);
+    const std::vector<double>& end = run.solution.final_state;
+    return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
 }
 
 /// The zero of the squared angle between `near`, where rods part, and `end`, where they no longer do: the
@@ -125,9 +123,9 @@ std::optional<double> unbind(Encounters& encounters, double far, double near, do
 std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, double value,
                                  const Bracket& bracket, double width) {
     for (double step = std::max(width, 1e-12 * std::abs(value)); step < bracket.width(); step *= 4.0) {
-        const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
-        if (low.group == bracket.low.group && high.group == bracket.high.group)
-            return Root{kind, value, {low, high}};
+        const Bracket both = encounters.both(value - step, value + step);
+        if (both.low.group == bracket.low.group && both.high.group == bracket.high.group)
+            return Root{kind, value, both};
     }
     return std::nullopt;
 }
@@ -153,7 +151,7 @@ Root fixed_point_root(Encounters& brief, CriticalKind kind, double value, const 
     const double most = std::min(value - bracket.low.at, bracket.high.at - value);
     double first = 0.0;
     for (double step = 0.5 * most; step > width; step *= 0.25) {
-        const Encounter low = brief.at(value - step), high = brief.at(value + step);
+        const auto [low, high] = brief.both(value - step, value + step);
         if (low.ending != bracket.low.ending || high.ending != bracket.high.ending)
             break;
         root.bracket = {low, high};
@@ -313,12 +311,11 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
 
     // A bracket that is still wide may hide that D is continuous, so D near contact on both sides is enough.
     const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
-    if (touches && std::max(std::abs(gap(bracket.low)), std::abs(gap(bracket.high))) < 0.5 * distance)
+    const Encounter& apart = bracket.low.ending == contact ? bracket.high : bracket.low;
+    const Encounter& met = bracket.low.ending == contact ? bracket.low : bracket.high;
+    if (touches && std::abs(gap(apart)) < 0.5 * distance && std::abs(gap(met)) < 0.5 * distance)
         return {CriticalKind::grazing, std::midpoint(bracket.low.at, bracket.high.at), bracket};
-    const double jump = std::abs(bracket.low.closest - bracket.high.closest);
-    const bool bound = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
-    return {bound ? CriticalKind::unbinding : CriticalKind::separatrix,
-            std::midpoint(bracket.low.at, bracket.high.at), bracket};
+    return {CriticalKind::separatrix, std::midpoint(bracket.low.at, bracket.high.at), bracket};
 }
 
 /// A bracket around the value, `step` to each side or wider, but within `from` and `to`; nothing if there is
@@ -327,7 +324,7 @@ std::optional<Bracket> bracket_around(Encounters& encounters, double value, doub
                                       double to) {
     for (;; step *= 8.0) {
         const double low = std::max(value - step, from), high = std::min(value + step, to);
-        const Bracket bracket{encounters.at(low), encounters.at(high)};
+        const Bracket bracket = encounters.both(low, high);
         if (bracket.low.group != bracket.high.group)
             return bracket;
         if (low == from && high == to)
@@ -335,14 +332,19 @@ std::optional<Bracket> bracket_around(Encounters& encounters, double value, doub
     }
 }
 
-/// The same root at another tolerance.
-std::optional<double> again(Encounters& encounters, Encounters& brief, const Root& root, double from,
-                            double to, double width) {
-    if (root.kind == CriticalKind::unbinding) {
+/// The same root at another tolerance. Between pursuit and escape it also finds out the kind: rods part at
+/// an angle that falls to zero as a square root, or else it is a separatrix.
+std::optional<double> again(Encounters& encounters, Encounters& brief, Root& root, double from, double to,
+                            double width) {
+    if (root.bracket.is_between(Ending::pursuit, Ending::escape)) {
         const bool below = root.bracket.low.ending == Ending::escape;
         const double away = std::max(64.0 * width, 1e-4 * std::abs(root.value)) * (below ? -1.0 : 1.0);
-        return unbind(encounters, root.value + away, root.value + 0.25 * away, below ? to : from, width,
-                      root.value);
+        const auto value = unbind(encounters, root.value + away, root.value + 0.25 * away, below ? to : from,
+                                  width, root.value);
+        if (value) {
+            root.kind = CriticalKind::unbinding;
+            return value;
+        }
     }
     const auto bracket =
         bracket_around(encounters, root.value, std::max(width, root.bracket.width()), from, to);
@@ -387,7 +389,7 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
     }
 
     const double width = critical_width(plan, from, to);
-    const Root root = correct(encounters, brief_encounters, *start, width);
+    Root root = correct(encounters, brief_encounters, *start, width);
     kind = root.kind;
     found.value = root.value;
     found.encounters = static_cast<double>(encounters.count + brief_encounters.count);
@@ -402,6 +404,15 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
         return found;
     }
 
+    if (!root.of_fixed_point) {
+        Encounters checked(tight, point, stop);
+        if (const auto check = again(checked, brief_encounters, root, from, to, width)) {
+            found.low = std::min(found.low, *check);
+            found.high = std::max(found.high, *check);
+        } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
+            found.low = from, found.high = to;
+        kind = root.kind;
+    }
     const OutputUnits units = output_units(plan.base);
     found.closest_below = encounters.closest_approach(root.bracket.low) * units.length;
     found.closest_above = encounters.closest_approach(root.bracket.high) * units.length;
@@ -411,14 +422,6 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
             found.lambda = rate->rate / units.time;
             found.lambda_error = rate->error / units.time;
         }
-    if (!root.of_fixed_point) {
-        Encounters checked(tight, point, stop);
-        if (const auto check = again(checked, brief_encounters, root, from, to, width)) {
-            found.low = std::min(found.low, *check);
-            found.high = std::max(found.high, *check);
-        } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
-            found.low = from, found.high = to;
-    }
     return found;
 }
 

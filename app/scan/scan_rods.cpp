@@ -121,37 +121,45 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
     return options;
 }
 
-/// In the batch, if its options are given and it does not hand the pair over; else alone.
-rods::RodResult run_rest(const rods::RodProblem& rest, const rods::RodOptions& options,
-                         std::optional<rods::PairOptions> batch) {
-    if (batch) {
-        const rods::PairProblem pairs[] = {*rods::to_pair_problem(rest)};
-        rods::PairResult ends[1];
-        batch->criteria = options.criteria;
-        batch->on_step = [&](std::size_t, const rods::PairStep& step) {
-            options.ode.on_step({step.time, step.time, step.state, step.state});
+} // namespace
+
+rods::RodResult run_rods(const scene::RodsRun& run, const rods::RodProblem& problem,
+                         const rods::RodOptions& options) {
+    const auto pair = rods::to_pair_problem(problem);
+    if (!pair || !suits_batch(run, options, {}))
+        return rods::simulate(problem, options);
+    rods::PairOptions batch = pair_options(options.ode);
+    batch.criteria = options.criteria;
+    double time = 0.0;
+    std::vector<double> before = rods::to_state(problem.rods);
+    if (options.ode.on_step)
+        batch.on_step = [&](std::size_t, const rods::PairStep& step) {
+            options.ode.on_step({time, step.time, before, step.state});
+            time = step.time;
+            before.assign(step.state.begin(), step.state.end());
         };
-        rods::simulate_pairs(pairs, *batch, ends);
-        if (const rods::PairResult& one = ends[0]; !one.handed_over()) {
-            rods::RodResult run;
-            run.outcome = rods::outcome_of(one);
-            run.solution.final_state.assign(one.state.begin(), one.state.end());
-            run.solution.statistics.steps = one.steps;
-            run.solution.statistics.rhs_evaluations = one.rhs_evaluations;
-            if (options.ode.stop_requested && options.ode.stop_requested())
-                run.solution.status.termination = Termination::interrupted;
-            return run;
-        }
-    }
-    return rods::simulate(rest, options);
+    rods::PairResult end;
+    rods::simulate_pairs({&*pair, 1}, batch, {&end, 1});
+    if (end.handed_over())
+        return rods::simulate(problem, options);
+    rods::RodResult result;
+    result.outcome = rods::outcome_of(end);
+    result.solution.final_state.assign(end.state.begin(), end.state.end());
+    result.solution.statistics.steps = end.steps;
+    result.solution.statistics.rhs_evaluations = end.rhs_evaluations;
+    if (options.ode.stop_requested && options.ode.stop_requested())
+        result.solution.status.termination = Termination::interrupted;
+    return result;
 }
+
+namespace {
 
 /// Rods that are undecided go on from `state`, each time for as long as they have run, until their outcome is
 /// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
 /// the last solve ended.
 integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
                          std::vector<double> state, Leader& leader, EncounterEnd& end,
-                         const std::optional<rods::PairOptions>& batch = {}) {
+                         const scene::RodsRun* batch = nullptr) {
     const double steady_fraction = options.criteria.steady_fraction;
     if (start.rods.size() == 2)
         options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
@@ -164,7 +172,7 @@ integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options
         rest.t_end = std::min(end.time, limit - end.time);
         options.criteria.steady_fraction =
             std::min(1.0, steady_fraction * (end.time + rest.t_end) / rest.t_end);
-        rods::RodResult run = run_rest(rest, options, batch);
+        rods::RodResult run = batch ? run_rods(*batch, rest, options) : rods::simulate(rest, options);
         status = run.solution.status;
         if (!status.ok() || status.termination == Termination::interrupted)
             break;
@@ -278,8 +286,8 @@ private:
                         Leader leader(problem, ends[k]);
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
-                        const integrate::Status status =
-                            decide(problem, options, t_end_limit(problem), state, leader, end, batch.options);
+                        const integrate::Status status = decide(problem, options, t_end_limit(problem), state,
+                                                                leader, end, &problem_.run());
                         if (status.termination == Termination::interrupted)
                             return interrupted(result, began);
                         done = status.ok();
