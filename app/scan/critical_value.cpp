@@ -193,6 +193,16 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) 
     const auto key = flow_parameter(low, high);
     if (!key)
         return std::nullopt;
+    // An orbit that goes on to the other end, little changed, has no fold.
+    const bool below = bracket.low.ending == Ending::orbit;
+    const rods::RodProblem &of_orbit = below ? low : high, &other = below ? high : low;
+    const rods::Pose pose = follow(encounters, below ? bracket.low : bracket.high).poses.back();
+    const auto here = rods::equilibrium_near(*of_orbit.medium, of_orbit.couplings, pose);
+    const auto there =
+        here ? rods::equilibrium_near(*other.medium, other.couplings, here->pose) : std::nullopt;
+    if (there && there->kind == rods::EquilibriumKind::orbit && there->stable() &&
+        std::abs(there->separation[0] - here->separation[0]) < 0.1 * here->separation[0])
+        return std::nullopt;
     // The key is linear in the parameter, or in its inverse, as xi is in alpha.
     const auto value_of = [&](double parameter) {
         const auto share = [&](double at, double first, double last) {
@@ -337,9 +347,9 @@ std::optional<Bracket> bracket_around(Encounters& encounters, double value, doub
 std::optional<double> again(Encounters& encounters, Encounters& brief, Root& root, double from, double to,
                             double width) {
     if (root.bracket.is_between(Ending::pursuit, Ending::escape)) {
-        const bool below = root.bracket.low.ending == Ending::escape;
-        const double away = std::max(64.0 * width, 1e-4 * std::abs(root.value)) * (below ? -1.0 : 1.0);
-        const auto value = unbind(encounters, root.value + away, root.value + 0.25 * away, below ? to : from,
+        const double away = std::max(64.0 * width, 1e-4 * std::abs(root.value)) *
+                            (root.bracket.low.ending == Ending::escape ? -1.0 : 1.0);
+        const auto value = unbind(encounters, root.value + away, root.value + 0.25 * away, root.value - away,
                                   width, root.value);
         if (value) {
             root.kind = CriticalKind::unbinding;
