@@ -325,7 +325,10 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
     const Encounter& met = bracket.low.ending == contact ? bracket.low : bracket.high;
     if (touches && std::abs(gap(apart)) < 0.5 * distance && std::abs(gap(met)) < 0.5 * distance)
         return {CriticalKind::grazing, std::midpoint(bracket.low.at, bracket.high.at), bracket};
-    return {CriticalKind::separatrix, std::midpoint(bracket.low.at, bracket.high.at), bracket};
+    const double jump = std::abs(bracket.low.closest - bracket.high.closest);
+    const bool bound = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
+    return {bound ? CriticalKind::unbinding : CriticalKind::separatrix,
+            std::midpoint(bracket.low.at, bracket.high.at), bracket};
 }
 
 /// A bracket around the value, `step` to each side or wider, but within `from` and `to`; nothing if there is
@@ -342,8 +345,8 @@ std::optional<Bracket> bracket_around(Encounters& encounters, double value, doub
     }
 }
 
-/// The same root at another tolerance. Between pursuit and escape it also finds out the kind: rods part at
-/// an angle that falls to zero as a square root, or else it is a separatrix.
+/// The same root at another tolerance. Between pursuit and escape the angle at which rods part says whether
+/// it is an unbinding; where it is small only next to the root, it says nothing.
 std::optional<double> again(Encounters& encounters, Encounters& brief, Root& root, double from, double to,
                             double width) {
     if (root.bracket.is_between(Ending::pursuit, Ending::escape)) {
@@ -426,12 +429,14 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
     const OutputUnits units = output_units(plan.base);
     found.closest_below = encounters.closest_approach(root.bracket.low) * units.length;
     found.closest_above = encounters.closest_approach(root.bracket.high) * units.length;
-    if (kind == CriticalKind::separatrix && root.bracket.width() <= width)
+    if (kind == CriticalKind::separatrix && root.bracket.width() <= width) {
         if (const auto rate = departure(encounters, root.bracket)) {
             found.value = rate->value;
             found.lambda = rate->rate / units.time;
             found.lambda_error = rate->error / units.time;
-        }
+        } else if (root.bracket.is_between(Ending::pursuit, Ending::escape))
+            kind = CriticalKind::unbinding; // there is no fixed point that the rods would leave
+    }
     return found;
 }
 
