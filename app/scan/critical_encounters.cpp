@@ -87,7 +87,7 @@ rods::RodOptions Encounters::options(const rods::RodProblem& problem) const {
 
 rods::RodResult Encounters::run(const rods::RodProblem& problem, const rods::RodOptions& options) {
     ++count;
-    return run_rods(problem_.run(), problem, options);
+    return run_rods(problem_.run(), problem, options, true);
 }
 
 scan::Point Encounters::point(double value) const {
