@@ -11,8 +11,11 @@
 //                there, and its zero is extrapolated from angles ever closer to it
 //   fold         the orbit in which the rods end vanishes: the fold of its branch (rods/pair_branches.hpp)
 //
-// A bracket's result depends on the scene and the bracket alone, so that bits depend on neither threads nor
-// ranks. What lies between two values of the coarse pass and leaves no trace at them is not seen: the audit
+// Along the first axis values are predicted from those of lower levels (critical_search.cpp), and a bracket
+// around the prediction is tried first.
+//
+// A bracket's result depends on the scene and the bracket alone, and brackets on lower levels alone, so that
+// bits depend on neither threads nor ranks. What lies between two values of the coarse pass and leaves no trace at them is not seen: the audit
 // says how likely that is.
 
 #include "rodwake/app/scan.hpp"
