@@ -76,6 +76,34 @@ name = "phase_diagram"
 kind = "phase_diagram"
 )";
 
+constexpr const char* critical = R"(
+[rods_run]
+t_end = 60.0
+contact_distance = 0.1       # stop when two rods are this near
+
+[scan]
+design = "critical"          # solves for the values at which the end of an encounter changes
+solve_for = "coupling.kappa"
+from = 10.0
+to = 100.0
+spacing = "log"
+count = 16                   # values tried first, and as many at random: two changes between two may go unseen
+between = ["capture", "escape"]   # or two outcomes, ["contact", "other"], ["any"]
+tolerance = 1e-6             # of the value; rods_run.rtol is a hundredth of that
+trajectories = 0
+
+[[scan.axes]]                # for each of these
+key = "medium.alpha"
+from = 0.5
+to = 2.0
+spacing = "log"
+count = 11
+
+[[figures]]
+name = "critical_kappa"
+kind = "critical_values"
+)";
+
 constexpr const char* bed = R"(schema = 1
 title = "Rods in a vibrated bed of beads"
 
@@ -130,6 +158,11 @@ std::string scan_scene(const Answers& answers) {
                            : fmt::format(scan, largest / 1000.0, largest, 1, -10.0, -0.5));
 }
 
+std::string critical_scene() {
+    return fmt::format(theory, "Critical coupling for capture", 1.0) + fmt::format(rod, 0.0, 0) +
+           fmt::format(rod, -5.0, 90) + critical;
+}
+
 std::string bed_scene(const Answers& answers) {
     constexpr int lane = 15; // of a rod, bead radii
     const int count = std::stoi(answers.at("--rods"));
@@ -178,17 +211,22 @@ Answers answered(const Answers& given) {
 
 std::string scene_text(const Answers& answers) {
     const std::string& kind = answers.at("--kind");
-    return kind == "bed" ? bed_scene(answers) : kind == "scan" ? scan_scene(answers) : rods_scene(answers);
+    return kind == "bed"        ? bed_scene(answers)
+           : kind == "scan"     ? scan_scene(answers)
+           : kind == "critical" ? critical_scene()
+                                : rods_scene(answers);
 }
 
 } // namespace
 
 std::vector<Question> new_scene_questions() {
-    const CLI::Validator kinds = one_of({"rods", "bed", "scan"});
+    const CLI::Validator kinds = one_of({"rods", "bed", "scan", "critical"});
     const CLI::Validator starts = one_of({"parallel", "perpendicular"});
     return {
-        {"--kind", "", "What to model: rods (theory), bed (beads and rods), scan (phase diagram)", "rods",
-         kinds},
+        {"--kind", "",
+         "What to model: rods (theory), bed (beads and rods), scan (phase diagram), critical (critical "
+         "values)",
+         "rods", kinds},
         {"--rods", "rods bed", "How many rods, 1 to 20", "2", whole_number_from(1, 20)},
         {"--start", "scan", "How the second rod starts: parallel or perpendicular", "perpendicular", starts},
         {"--kappa", "rods scan", "Coupling kappa to the strain (of a scan the largest)", "0.5",

@@ -11,8 +11,11 @@
 //                there, and its zero is extrapolated from angles ever closer to it
 //   fold         the orbit in which the rods end vanishes: the fold of its branch (rods/pair_branches.hpp)
 //
-// A bracket's result depends on the scene and the bracket alone, so that bits depend on neither threads nor
-// ranks. What lies between two values of the coarse pass and leaves no trace at them is not seen: the audit
+// Along the first axis values are predicted from those of lower levels (critical_search.cpp), and a bracket
+// around the prediction is tried first.
+//
+// A bracket's result depends on the scene and the bracket alone, and brackets on lower levels alone, so that
+// bits depend on neither threads nor ranks. What lies between two values of the coarse pass and leaves no trace at them is not seen: the audit
 // says how likely that is.
 
 #include "rodwake/app/scan.hpp"
@@ -24,6 +27,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace rodwake::app {
 
@@ -65,9 +69,14 @@ struct CriticalValue {
     }
 };
 
-/// Brackets as points: the values of the axes, the last two numbers its ends.
+/// Brackets as points: the values of the axes, the last two numbers its ends, which may lie within the values
+/// of the coarse pass around them where the critical value was predicted.
 inline constexpr const char* critical_ledger = "critical.log";
 inline constexpr std::int64_t first_bracket = std::int64_t{1} << 48;
+/// The width that a bracket between these values is narrowed to.
+double critical_width(const ScanPlan& plan, double from, double to);
+/// The bracket in which the critical value lies for certain.
+std::pair<double, double> coarse_bracket(const ScanPlan& plan, const scan::Point& bracket);
 scan::Columns columns_of_critical();
 /// The plan must outlive it. A bracket that fails is a result that says why.
 scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> stop);

@@ -1,6 +1,7 @@
 // The rate at which rods leave the unstable fixed point that lies on a separatrix.
 
 #include "critical_encounters.hpp"
+#include "rodwake/measure/statistics.hpp"
 #include "rodwake/rods/pair_equilibria.hpp"
 #include "rodwake/rods/settled_orbit.hpp"
 
@@ -24,7 +25,7 @@ Path follow(Encounters& encounters, const Encounter& one) {
         path.separations.push_back(std::hypot(pose.x, pose.y));
         path.poses.push_back(pose);
     };
-    rods::simulate(problem, options);
+    encounters.run(problem, options);
     return path;
 }
 
@@ -99,6 +100,15 @@ std::optional<double> departure_time(const Path& path, const Saddle& saddle) {
 } // namespace
 
 std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
+    const rods::RodProblem problem = encounters.problem_at(bracket.low.at);
+    if (!has_fixed_points(problem))
+        return std::nullopt;
+    const auto pose =
+        lingering_pose(problem, follow(encounters, bracket.low), follow(encounters, bracket.high));
+    const auto saddle = pose ? saddle_near(problem, *pose) : std::nullopt;
+    if (!saddle || !(saddle->rate > 0.0))
+        return std::nullopt;
+
     const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
     while (bracket.width() > 4e-16 * scale) { // the times of the last decades need all digits
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
@@ -109,15 +119,6 @@ std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
             return std::nullopt;
         bracket.take(one);
     }
-    const rods::RodProblem problem = encounters.problem_at(bracket.low.at);
-    if (!has_fixed_points(problem))
-        return std::nullopt;
-    const auto pose =
-        lingering_pose(problem, follow(encounters, bracket.low), follow(encounters, bracket.high));
-    const auto saddle = pose ? saddle_near(problem, *pose) : std::nullopt;
-    if (!saddle || !(saddle->rate > 0.0))
-        return std::nullopt;
-
     std::vector<double> logs, times;
     const double root = std::midpoint(bracket.low.at, bracket.high.at);
     for (int decade = 3; decade <= 10; ++decade) {
@@ -130,13 +131,9 @@ std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
     }
     if (times.size() < 3)
         return Departure{root, saddle->rate, std::nan("")};
-    const auto n = static_cast<double>(times.size());
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    for (std::size_t i = 0; i < times.size(); ++i)
-        x += logs[i] / n, y += times[i] / n;
-    for (std::size_t i = 0; i < times.size(); ++i)
-        xx += (logs[i] - x) * (logs[i] - x), xy += (logs[i] - x) * (times[i] - y);
-    return Departure{root, saddle->rate, std::abs(xx / xy - saddle->rate)};
+    const std::vector<double> alike(times.size(), 1.0);
+    const double slope = measure::fit_line(logs, times, alike).slope.value;
+    return Departure{root, saddle->rate, std::abs(1.0 / slope - saddle->rate)};
 }
 
 } // namespace rodwake::app

@@ -7,6 +7,7 @@
 #include "scan_values.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -22,22 +23,27 @@ Encounters::Encounters(const ScanPlan& plan, const scan::Point& point, const std
     time_ = number("time"), closest_ = number("min_separation"), orbit_ = number("separation");
 }
 
-Encounter Encounters::at(double value) {
-    const scan::Point points[] = {point(value)};
-    scan::Result results[1];
-    evaluate_(points, results);
-    const scan::Result& result = results[0];
-    if (!result.ok())
-        throw PointFailed{result.status, std::string(result.cause_text())};
-    ++count;
-    Encounter one{value, static_cast<Ending>(result.outcome), critical_group(*plan_.critical, result.outcome),
-                  result.values[time_] / units_.time};
-    one.closest = result.values[closest_] / units_.length;
-    if (one.ending == Ending::orbit) {
-        one.orbit = result.values[orbit_] / units_.length;
-        one.closest = std::min(one.closest, one.orbit);
+Bracket Encounters::both(double low, double high) {
+    const std::array points = {point(low), point(high)};
+    std::array<scan::Result, 2> results;
+    const std::size_t number = low == high ? 1 : 2;
+    evaluate_(std::span(points).first(number), std::span(results).first(number));
+    std::array<Encounter, 2> all;
+    for (std::size_t k = 0; k < number; ++k) {
+        const scan::Result& result = results[k];
+        if (!result.ok())
+            throw PointFailed{result.status, std::string(result.cause_text())};
+        ++count;
+        Encounter& one = all[k];
+        one = {points[k].at[axis_], static_cast<Ending>(result.outcome),
+               critical_group(*plan_.critical, result.outcome), result.values[time_] / units_.time};
+        one.closest = result.values[closest_] / units_.length;
+        if (one.ending == Ending::orbit) {
+            one.orbit = result.values[orbit_] / units_.length;
+            one.closest = std::min(one.closest, one.orbit);
+        }
     }
-    return one;
+    return {all[0], all[number - 1]};
 }
 
 double Encounters::closest_approach(const Encounter& one) {
@@ -47,7 +53,7 @@ double Encounters::closest_approach(const Encounter& one) {
     if (rods::contact_at_start(problem))
         return one.closest;
     const double contact = *problem.contact_distance;
-    problem.contact_distance = 1e-6 * contact;
+    problem.contact_distance = 1e-3 * contact;
     problem.t_end += one.time;
     rods::RodOptions all = options(problem);
     const bool may_orbit = has_fixed_points(problem);
@@ -67,8 +73,7 @@ double Encounters::closest_approach(const Encounter& one) {
                 first = settled->orbit.separation[0];
     };
     all.ode.stop_requested = [&] { return first.has_value() || (stop_ && stop_()); };
-    ++count;
-    const rods::RodResult run = rods::simulate(problem, all);
+    const rods::RodResult run = this->run(problem, all);
     if (run.outcome.ending == Ending::orbit)
         return std::min(run.outcome.min_separation, run.outcome.separation);
     return first.value_or(least);
@@ -78,6 +83,11 @@ rods::RodOptions Encounters::options(const rods::RodProblem& problem) const {
     rods::RodOptions all = rod_options(problem_.run(), problem);
     all.ode.stop_requested = stop_;
     return all;
+}
+
+rods::RodResult Encounters::run(const rods::RodProblem& problem, const rods::RodOptions& options) {
+    ++count;
+    return run_rods(problem_.run(), problem, options, true);
 }
 
 scan::Point Encounters::point(double value) const {

@@ -46,7 +46,9 @@ public:
     Encounters(const ScanPlan& plan, const scan::Point& point, const std::function<bool()>& stop);
 
     /// Until its outcome is decided, or the limit of time. Throws PointFailed.
-    Encounter at(double value);
+    Encounter at(double value) { return both(value, value).low; }
+    /// Two at once, which costs little more.
+    Bracket both(double low, double high);
     /// The closest approach; of rods in contact, which walk on, that of the first minimum, or of the orbit in
     /// which they end.
     double closest_approach(const Encounter& one);
@@ -54,6 +56,8 @@ public:
     /// Valid until the next call.
     const rods::RodProblem& problem_at(double value) { return problem_.at(point(value)); }
     rods::RodOptions options(const rods::RodProblem& problem) const;
+    /// One more run, as of scan_parts.hpp.
+    rods::RodResult run(const rods::RodProblem& problem, const rods::RodOptions& options);
 
     long count = 0;
 

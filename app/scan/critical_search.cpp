@@ -12,9 +12,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace rodwake::app {
 
@@ -45,6 +47,43 @@ std::int64_t point_of_bracket(const ScanPlan& plan, std::int64_t id) {
     return (id - first_bracket) / most_changes / values;
 }
 
+/// Places that differ on the first axis alone, in the order of its values, one after the other, each with its
+/// level: critical values are predicted from those of lower levels.
+struct Chain {
+    std::vector<std::size_t> places;
+    std::vector<double> at;
+    std::vector<int> levels;
+};
+
+std::vector<Chain> chains_of(const ScanPlan& plan, std::size_t places) {
+    const std::size_t others = plan.design.axes.size() - 1;
+    const scan::PointList points(plan.design);
+    std::map<std::vector<double>, std::vector<std::pair<double, std::size_t>>> rows;
+    for (std::size_t place = 0; place < places; ++place) {
+        const scan::Point point =
+            points.at_place(static_cast<std::int64_t>(place * plan.design.axes.back().values.size()));
+        std::vector<double> rest(point.at.begin() + std::min<std::size_t>(others, 1),
+                                 point.at.begin() + others);
+        rows[rest].emplace_back(others > 0 ? point.at[0] : 0.0, place);
+    }
+    const bool words = others == 0 || !plan.design.axes[0].words.empty();
+    std::vector<Chain> chains;
+    for (auto& [rest, row] : rows) {
+        std::ranges::sort(row);
+        Chain& chain = chains.emplace_back();
+        const bool log = !words && row.front().first > 0.0; // a curve is smooth in either
+        // Every 2^levels-th place is of level 0, then those in between, ever closer; five begin.
+        const int levels = words ? 0 : std::max(static_cast<int>(std::bit_width(row.size() / 5)) - 1, 0);
+        for (std::size_t i = 0; i < row.size(); ++i) {
+            chain.places.push_back(row[i].second);
+            chain.at.push_back(log ? std::log(row[i].first) : row[i].first);
+            const bool end = i == 0 || i + 1 == row.size();
+            chain.levels.push_back(end ? 0 : std::max(levels - std::countr_zero(i), 0));
+        }
+    }
+    return chains;
+}
+
 CriticalValue value_of(const scan::Result& result) {
     CriticalValue value;
     std::size_t next = 0;
@@ -53,7 +92,56 @@ CriticalValue value_of(const scan::Result& result) {
     return value;
 }
 
+using Groups = std::pair<int, int>; ///< below and above
+
+/// Interpolates with ever more neighbours, the nearest first, and keeps what changes least with one more: the
+/// prediction, and how far off it may be; nothing of fewer than three.
+std::optional<std::pair<double, double>> interpolated(double at,
+                                                      std::span<const std::pair<double, double>> known) {
+    std::optional<std::pair<double, double>> best;
+    std::vector<double> values; // Neville's scheme, its last diagonal
+    double before = HUGE_VAL;
+    for (std::size_t j = 0; j < known.size(); ++j) {
+        const double last = values.empty() ? known[j].second : values[0];
+        values.push_back(known[j].second);
+        for (std::size_t k = j; k-- > 0;)
+            values[k] = values[k + 1] + (at - known[j].first) * (values[k + 1] - values[k]) /
+                                            (known[j].first - known[k].first);
+        const double change = std::abs(values[0] - last), error = std::max(change, before / 8.0);
+        if (j >= 2 && (!best || error < best->second))
+            best = {values[0], error};
+        before = change;
+    }
+    return best;
+}
+
+/// Moves the ends of a bracket to where its critical value is predicted, on a grid of a power of two.
+void narrow(const ScanPlan& plan, scan::Point& bracket, double value, double error) {
+    const std::size_t axis = plan.design.axes.size() - 1;
+    double &low = bracket.at[axis], &high = bracket.at[axis + 1];
+    const double width = critical_width(plan, low, high),
+                 half = error < 0.5 * width ? 0.5 * width : 2.0 * error;
+    const double grid = std::exp2(std::floor(std::log2(0.25 * half))), reach = grid * std::floor(half / grid),
+                 middle = grid * std::round(value / grid);
+    if (value > low && value < high && reach < 0.25 * (high - low))
+        low = std::max(low, middle - reach), high = std::min(high, middle + reach);
+}
+
 } // namespace
+
+double critical_width(const ScanPlan& plan, double from, double to) {
+    const scan::Axis& range = plan.design.axes.back();
+    return plan.critical->tolerance *
+           std::max(std::min(std::abs(from), std::abs(to)), 1e-3 * (range.to - range.from));
+}
+
+std::pair<double, double> coarse_bracket(const ScanPlan& plan, const scan::Point& bracket) {
+    const std::vector<double>& values = plan.design.axes.back().values;
+    const std::int64_t number = bracket.id - first_bracket;
+    const auto k = static_cast<std::size_t>(number / most_changes) % values.size();
+    const double rest = bracket.at[plan.design.axes.size() - 1];
+    return {number % most_changes == 0 ? values[k] : rest, values[k + 1]};
+}
 
 CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, scan::Ledger& found,
                              const scan::Execute& execute,
@@ -68,11 +156,13 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
 
     // Neighbours of different groups are brackets. The audit: random values that end otherwise than the two
     // of the coarse pass around them, which end alike, were found by chance.
-    std::vector<scan::Point> brackets;
-    std::map<std::int64_t, std::int32_t> ends; // of each bracket the outcome at its upper end
+    const auto group = [&](std::int32_t outcome) {
+        return outcome < 0 ? -1 : critical_group(critical, outcome);
+    };
+    std::vector<std::vector<std::size_t>> brackets(outcomes.size()); // of each place, by their lower values
+    std::int64_t done = 0, total = 0;
     for (std::size_t place = 0; place < outcomes.size(); ++place) {
         const std::vector<std::int32_t>& row = outcomes[place];
-        const auto group = [&](std::size_t k) { return row[k] < 0 ? -1 : critical_group(critical, row[k]); };
         std::size_t last = 0; // of the coarse pass
         for (std::size_t k = 0; k + 1 < row.size(); ++k) {
             if (!critical.audited[k])
@@ -84,66 +174,109 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
                 while (next + 1 < row.size() && critical.audited[next])
                     ++next;
                 ++search.audited;
-                search.missed += group(last) == group(next) && group(k + 1) != group(last);
+                search.missed +=
+                    group(row[last]) == group(row[next]) && group(row[k + 1]) != group(row[last]);
             }
-            if (group(k) == group(k + 1))
-                continue;
-            scan::Point bracket = points.at_place(static_cast<std::int64_t>(place) * values);
-            bracket.id =
-                first_bracket +
-                (static_cast<std::int64_t>(place) * values + static_cast<std::int64_t>(k)) * most_changes;
-            bracket.at[number_of_axis] = axis.values[k];
-            bracket.at[number_of_axis + 1] = axis.values[k + 1];
-            ends[bracket.id] = row[k + 1];
-            brackets.push_back(bracket);
+            if (group(row[k]) != group(row[k + 1]))
+                brackets[place].push_back(k), ++total;
         }
     }
 
-    // A bracket's result is its lowest change. If what lies above that is not yet the group of the upper end,
-    // the rest is a bracket of its own.
-    std::int64_t done = 0, total = static_cast<std::int64_t>(brackets.size());
-    while (!brackets.empty()) {
-        std::map<std::int64_t, scan::Result> results;
-        for (const scan::Result& one : found.find(brackets))
-            results.emplace(one.point.id, one);
-        std::vector<scan::Point> unknown;
-        for (const scan::Point& bracket : brackets)
-            if (!results.contains(bracket.id))
-                unknown.push_back(bracket);
-        done += static_cast<std::int64_t>(results.size());
-        const bool finished = execute(unknown, [&](std::span<const scan::Result> fresh) {
-            found.add(fresh);
-            for (const scan::Result& one : fresh)
-                results.emplace(one.point.id, one);
-            done += static_cast<std::int64_t>(fresh.size());
-            progress(done, total);
-        });
-        if (!finished)
-            return search;
-        std::vector<scan::Point> rest;
-        for (const scan::Point& bracket : brackets) {
-            const scan::Result& result = results.at(bracket.id);
-            if (!result.ok()) {
-                search.failed.push_back(result);
-                continue;
+    // Level after level: the value of a bracket is predicted from those of lower levels between the same
+    // groups, the n-th from each n-th.
+    const std::vector<Chain> chains = chains_of(plan, outcomes.size());
+    std::map<std::pair<std::size_t, Groups>, std::vector<double>> known; // values of a place, ascending
+    int levels = 0;
+    for (const Chain& chain : chains)
+        levels = std::max(levels, 1 + std::ranges::max(chain.levels));
+    for (int level = 0; level < levels; ++level) {
+        std::vector<scan::Point> wanted;
+        for (const Chain& chain : chains)
+            for (std::size_t i = 0; i < chain.places.size(); ++i) {
+                if (chain.levels[i] != level)
+                    continue;
+                const std::size_t place = chain.places[i];
+                const std::vector<std::int32_t>& row = outcomes[place];
+                std::map<Groups, std::size_t> all, turn;
+                const auto groups = [&](std::size_t k) { return Groups{group(row[k]), group(row[k + 1])}; };
+                for (const std::size_t k : brackets[place])
+                    ++all[groups(k)];
+                for (const std::size_t k : brackets[place]) {
+                    scan::Point bracket = points.at_place(static_cast<std::int64_t>(place) * values);
+                    bracket.id = first_bracket +
+                                 (static_cast<std::int64_t>(place) * values + static_cast<std::int64_t>(k)) *
+                                     most_changes;
+                    bracket.at[number_of_axis] = axis.values[k];
+                    bracket.at[number_of_axis + 1] = axis.values[k + 1];
+                    std::vector<std::pair<double, double>> neighbours;
+                    for (std::size_t j = 0; j < chain.places.size(); ++j)
+                        if (const auto at = known.find({chain.places[j], groups(k)});
+                            chain.levels[j] < level && at != known.end() &&
+                            at->second.size() == all[groups(k)])
+                            neighbours.emplace_back(chain.at[j], at->second[turn[groups(k)]]);
+                    std::ranges::stable_sort(
+                        neighbours, {}, [&](const auto& one) { return std::abs(one.first - chain.at[i]); });
+                    neighbours.resize(std::min<std::size_t>(neighbours.size(), 8));
+                    if (const auto value = interpolated(chain.at[i], neighbours))
+                        narrow(plan, bracket, value->first, value->second);
+                    ++turn[groups(k)];
+                    wanted.push_back(bracket);
+                }
             }
-            if (result.outcome != static_cast<std::int32_t>(CriticalKind::other))
-                search.values.push_back(result);
-            const CriticalValue value = value_of(result);
-            const auto above = static_cast<std::int32_t>(value.above);
-            const std::int64_t turn = (bracket.id - first_bracket) % most_changes;
-            if (above < 0 || turn + 1 == most_changes ||
-                critical_group(critical, above) == critical_group(critical, ends[bracket.id]))
-                continue;
-            scan::Point upper = bracket;
-            upper.id = bracket.id + 1;
-            upper.at[number_of_axis] = value.rest;
-            ends[upper.id] = ends[bracket.id];
-            if (upper.at[number_of_axis] < upper.at[number_of_axis + 1])
-                rest.push_back(upper);
+
+        // A bracket's result is its lowest change. If what lies above that is not yet the group of the upper
+        // end, the rest is a bracket of its own.
+        while (!wanted.empty()) {
+            std::map<std::int64_t, scan::Result> results;
+            for (const scan::Result& one : found.find(wanted))
+                results.emplace(one.point.id, one);
+            std::vector<scan::Point> unknown;
+            for (const scan::Point& bracket : wanted)
+                if (!results.contains(bracket.id))
+                    unknown.push_back(bracket);
+            done += static_cast<std::int64_t>(results.size());
+            const bool finished = execute(unknown, [&](std::span<const scan::Result> fresh) {
+                found.add(fresh);
+                for (const scan::Result& one : fresh)
+                    results.emplace(one.point.id, one);
+                done += static_cast<std::int64_t>(fresh.size());
+                progress(done, total);
+            });
+            if (!finished)
+                return search;
+            std::vector<scan::Point> rest;
+            for (const scan::Point& bracket : wanted) {
+                const scan::Result& result = results.at(bracket.id);
+                if (!result.ok()) {
+                    search.failed.push_back(result);
+                    continue;
+                }
+                if (result.outcome != static_cast<std::int32_t>(CriticalKind::other))
+                    search.values.push_back(result);
+                const CriticalValue value = value_of(result);
+                const auto below = static_cast<std::int32_t>(value.below),
+                           above = static_cast<std::int32_t>(value.above);
+                const auto place = static_cast<std::size_t>(point_of_bracket(plan, bracket.id));
+                const std::int64_t number = bracket.id - first_bracket;
+                const auto k = static_cast<std::size_t>(number / most_changes % values);
+                if (above < 0)
+                    continue;
+                known[{place, {group(below), group(above)}}].push_back(value.value);
+                if (number % most_changes + 1 == most_changes ||
+                    group(above) == group(outcomes[place][k + 1]))
+                    continue;
+                scan::Point upper = bracket;
+                upper.id = bracket.id + 1;
+                upper.at[number_of_axis] = value.rest;
+                upper.at[number_of_axis + 1] = axis.values[k + 1];
+                if (upper.at[number_of_axis] < upper.at[number_of_axis + 1])
+                    rest.push_back(upper);
+            }
+            total += static_cast<std::int64_t>(rest.size());
+            wanted = std::move(rest);
         }
-        total += static_cast<std::int64_t>(rest.size());
-        brackets = std::move(rest);
+        for (auto& [place, all] : known)
+            std::ranges::sort(all);
     }
     std::ranges::sort(search.values, {}, [](const scan::Result& one) { return one.point.id; });
     search.complete = true;

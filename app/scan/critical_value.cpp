@@ -20,18 +20,12 @@ namespace rodwake::app {
 
 namespace {
 
-/// Two values at which rods part, the second nearer to the one at which they no longer do.
-struct Parting {
-    double far, near;
-};
-
 /// A root that a corrector found, and the bracket around it.
 struct Root {
     CriticalKind kind = CriticalKind::separatrix;
     double value = 0.0;
     Bracket bracket;
-    std::optional<Parting> parting = {}; ///< where the secant of an unbinding began
-    bool of_fixed_point = false;         ///< solved for without encounters
+    bool of_fixed_point = false; ///< solved for without encounters
 };
 
 /// Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between the ends,
@@ -85,21 +79,22 @@ std::optional<double> squared_opening_angle(Encounters& encounters, double value
     problem.t_end *= 1e4;
     problem.output_times.clear();
     rods::RodOptions options = encounters.options(problem);
-    options.ode.max_steps = 20'000;
-    ++encounters.count;
-    const rods::RodResult run = rods::simulate(problem, options);
+    options.ode.max_steps = 10'000; // rods that part for ever take longer steps
+    const rods::RodResult run = encounters.run(problem, options);
     if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
         return std::nullopt;
     const std::vector<double>& end = run.solution.final_state;
     return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
 }
 
-/// The zero of the squared angle, short of `end`, where rods no longer part: the value as a polynomial in it,
-/// through all angles so far, each fivefold closer. Nothing if the angle does not fall to zero as a square
-/// root: then the change is another one.
-std::optional<double> unbind(Encounters& encounters, const Parting& parting, double end, double width) {
+/// The zero of the squared angle between `near`, where rods part, and `end`, where they no longer do: the
+/// value as a polynomial in it, through all angles so far, each fivefold closer, until the zero changes by no
+/// more than `width`. `far` is farther out than `near`; a `root` that is known saves the last angle. Nothing
+/// if the angle does not fall to zero as a square root: then the change is another one.
+std::optional<double> unbind(Encounters& encounters, double far, double near, double end, double width,
+                             double root = std::nan("")) {
     std::vector<double> squares, values; // values: Neville's scheme, its last diagonal
-    double next = parting.far, root = std::nan("");
+    double next = far;
     for (int turn = 0; turn < 12; ++turn) {
         const auto square = squared_opening_angle(encounters, next);
         if (!square || (turn > 0 && !(*square < squares.back())))
@@ -108,12 +103,12 @@ std::optional<double> unbind(Encounters& encounters, const Parting& parting, dou
         values.push_back(next);
         for (int k = turn; k-- > 0;)
             values[k] = values[k + 1] + *square * (values[k + 1] - values[k]) / (squares[k] - *square);
-        const double change = std::abs(values[0] - root);
-        root = values[0];
         if (turn == 0) {
-            next = parting.near;
+            next = near;
             continue;
         }
+        const double change = std::abs(values[0] - root);
+        root = values[0];
         if (!((root - next) * (end - root) > 0.0)) // beyond the end, or back
             return std::nullopt;
         if (change <= width)
@@ -128,11 +123,22 @@ std::optional<double> unbind(Encounters& encounters, const Parting& parting, dou
 std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, double value,
                                  const Bracket& bracket, double width) {
     for (double step = std::max(width, 1e-12 * std::abs(value)); step < bracket.width(); step *= 4.0) {
-        const Encounter low = encounters.at(value - step), high = encounters.at(value + step);
-        if (low.group == bracket.low.group && high.group == bracket.high.group)
-            return Root{kind, value, {low, high}, {}};
+        const Bracket both = encounters.both(value - step, value + step);
+        if (both.low.group == bracket.low.group && both.high.group == bracket.high.group)
+            return Root{kind, value, both};
     }
     return std::nullopt;
+}
+
+/// The unbinding in a bracket between pursuit and escape, checked on both sides.
+std::optional<Root> unbound_root(Encounters& encounters, const Bracket& bracket, double width) {
+    if (!bracket.is_between(Ending::pursuit, Ending::escape))
+        return std::nullopt;
+    const bool below = bracket.low.ending == Ending::escape;
+    const double near = below ? bracket.low.at : bracket.high.at,
+                 end = below ? bracket.high.at : bracket.low.at;
+    const auto zero = unbind(encounters, near + 0.5 * (near - end), near, end, width);
+    return zero ? checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width) : std::nullopt;
 }
 
 /// A root of fixed points, which encounters cannot tell apart from its surroundings: near a fold and near an
@@ -141,11 +147,11 @@ std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, doub
 /// time.
 Root fixed_point_root(Encounters& brief, CriticalKind kind, double value, const Bracket& bracket,
                       double width) {
-    Root root{kind, value, bracket, {}, true};
+    Root root{kind, value, bracket, true};
     const double most = std::min(value - bracket.low.at, bracket.high.at - value);
     double first = 0.0;
     for (double step = 0.5 * most; step > width; step *= 0.25) {
-        const Encounter low = brief.at(value - step), high = brief.at(value + step);
+        const auto [low, high] = brief.both(value - step, value + step);
         if (low.ending != bracket.low.ending || high.ending != bracket.high.ending)
             break;
         root.bracket = {low, high};
@@ -186,6 +192,16 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) 
         return std::nullopt;
     const auto key = flow_parameter(low, high);
     if (!key)
+        return std::nullopt;
+    // An orbit that goes on to the other end, little changed, has no fold.
+    const bool below = bracket.low.ending == Ending::orbit;
+    const rods::RodProblem &of_orbit = below ? low : high, &other = below ? high : low;
+    const rods::Pose pose = follow(encounters, below ? bracket.low : bracket.high).poses.back();
+    const auto here = rods::equilibrium_near(*of_orbit.medium, of_orbit.couplings, pose);
+    const auto there =
+        here ? rods::equilibrium_near(*other.medium, other.couplings, here->pose) : std::nullopt;
+    if (there && there->kind == rods::EquilibriumKind::orbit && there->stable() &&
+        std::abs(there->separation[0] - here->separation[0]) < 0.1 * here->separation[0])
         return std::nullopt;
     // The key is linear in the parameter, or in its inverse, as xi is in alpha.
     const auto value_of = [&](double parameter) {
@@ -255,8 +271,7 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         return encounters.closest_approach(one) - encounters.contact_distance(one.at);
     };
     const double scale = std::max(std::abs(bracket.low.at), std::abs(bracket.high.at));
-    bool tried_fold = false;
-    std::optional<Parting> parting;
+    bool tried_fold = false, parts = true; // parts: the end at which rods part is a new one
     while (bracket.width() > width) {
         if (ends_in_shrinking_orbit(bracket))
             if (const auto value = shrunk_orbit(encounters, bracket))
@@ -264,8 +279,11 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         const double middle = std::midpoint(bracket.low.at, bracket.high.at);
         if (middle <= bracket.low.at || middle >= bracket.high.at)
             break;
+        // Near an unbinding encounters take ever longer, so bisection would not get far.
+        if (parts && bracket.width() < 1e-3 * scale && bracket.width() > 16.0 * width)
+            if (const auto root = unbound_root(encounters, bracket, width))
+                return *root;
         const Encounter one = encounters.at(middle);
-        const Encounter& replaced = one.group == bracket.low.group ? bracket.low : bracket.high;
 
         // Where D is smooth over the bracket, its root is found much sooner.
         const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
@@ -282,35 +300,30 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         // Undecided rods tell no side: then the bracket is the range.
         const bool stuck =
             one.ending == undecided && bracket.low.ending != undecided && bracket.high.ending != undecided;
-        const bool parts = one.ending == escape && replaced.ending == escape;
-        if (parts)
-            parting = Parting{replaced.at, one.at};
+        parts = one.ending == escape;
         if (!stuck)
             bracket.take(one);
 
-        // Near an unbinding and near a fold encounters take ever longer, so bisection would not get far.
+        // Near a fold encounters take ever longer too.
         if (!stuck && bracket.width() > 1e-3 * scale)
             continue;
-        if (parting && (parts || stuck) && bracket.is_between(pursuit, escape)) {
-            const double end = bracket.low.ending == pursuit ? bracket.low.at : bracket.high.at;
-            if (const auto zero = unbind(encounters, *parting, end, width))
-                if (auto root = checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width)) {
-                    root->parting = parting;
-                    return *root;
-                }
-        }
         if (!tried_fold && !touches && (bracket.low.ending == orbit || bracket.high.ending == orbit)) {
             tried_fold = true;
             if (const auto fold = fold_near(encounters, bracket))
                 return fixed_point_root(brief, CriticalKind::fold, *fold, bracket, width);
         }
-        if (stuck)
+        if (stuck) {
+            if (const auto root = unbound_root(encounters, bracket, width))
+                return *root;
             break;
+        }
     }
 
     // A bracket that is still wide may hide that D is continuous, so D near contact on both sides is enough.
     const bool touches = (bracket.low.ending == contact) != (bracket.high.ending == contact);
-    if (touches && std::max(std::abs(gap(bracket.low)), std::abs(gap(bracket.high))) < 0.5 * distance)
+    const Encounter& apart = bracket.low.ending == contact ? bracket.high : bracket.low;
+    const Encounter& met = bracket.low.ending == contact ? bracket.low : bracket.high;
+    if (touches && std::abs(gap(apart)) < 0.5 * distance && std::abs(gap(met)) < 0.5 * distance)
         return {CriticalKind::grazing, std::midpoint(bracket.low.at, bracket.high.at), bracket};
     const double jump = std::abs(bracket.low.closest - bracket.high.closest);
     const bool unbinds = bracket.is_between(pursuit, escape) && jump < 1e-3 * bracket.low.closest;
@@ -318,21 +331,40 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
             std::midpoint(bracket.low.at, bracket.high.at), bracket};
 }
 
-/// The same root at another tolerance, looked for around the first within the bracket of the coarse pass.
-std::optional<double> again(Encounters& encounters, Encounters& brief, const Root& root,
-                            const Bracket& coarse, double width) {
-    if (root.parting)
-        return unbind(encounters, *root.parting,
-                      root.bracket.low.ending == Ending::pursuit ? coarse.low.at : coarse.high.at, width);
-    for (double step = 8.0 * std::max(width, root.bracket.width());; step *= 8.0) {
-        const double low = std::max(root.value - step, coarse.low.at),
-                     high = std::min(root.value + step, coarse.high.at);
-        const Bracket bracket{encounters.at(low), encounters.at(high)};
-        if (bracket.low.group == root.bracket.low.group && bracket.high.group == root.bracket.high.group)
-            return correct(encounters, brief, bracket, width).value;
-        if (low == coarse.low.at && high == coarse.high.at)
+/// A bracket around the value, `step` to each side or wider, but within `from` and `to`; nothing if there is
+/// none.
+std::optional<Bracket> bracket_around(Encounters& encounters, double value, double step, double from,
+                                      double to) {
+    for (;; step *= 8.0) {
+        const double low = std::max(value - step, from), high = std::min(value + step, to);
+        const Bracket bracket = encounters.both(low, high);
+        if (bracket.low.group != bracket.high.group)
+            return bracket;
+        if (low == from && high == to)
             return std::nullopt;
     }
+}
+
+/// The same root at another tolerance. Between pursuit and escape the angle at which rods part says whether
+/// it is an unbinding; where it is small only next to the root, it says nothing.
+std::optional<double> again(Encounters& encounters, Encounters& brief, Root& root, double from, double to,
+                            double width) {
+    if (root.bracket.is_between(Ending::pursuit, Ending::escape)) {
+        const double away = std::max(64.0 * width, 1e-4 * std::abs(root.value)) *
+                            (root.bracket.low.ending == Ending::escape ? -1.0 : 1.0);
+        const auto value = unbind(encounters, root.value + away, root.value + 0.25 * away, root.value - away,
+                                  width, root.value);
+        if (value) {
+            root.kind = CriticalKind::unbinding;
+            return value;
+        }
+    }
+    const auto bracket =
+        bracket_around(encounters, root.value, std::max(width, root.bracket.width()), from, to);
+    if (!bracket || bracket->low.group != root.bracket.low.group ||
+        bracket->high.group != root.bracket.high.group)
+        return std::nullopt;
+    return correct(encounters, brief, *bracket, width).value;
 }
 
 /// A plan of the same points at a hundredth of the tolerance.
@@ -356,22 +388,21 @@ ScanPlan briefer(const ScanPlan& plan) {
 CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan& brief,
                     const scan::Point& point, const std::function<bool()>& stop, CriticalKind& kind) {
     const std::size_t axis = plan.design.axes.size() - 1;
-    const scan::Axis& range = plan.design.axes[axis];
     Encounters encounters(plan, point, stop), brief_encounters(brief, point, stop);
-    const Bracket coarse{encounters.at(point.at[axis]), encounters.at(point.at[axis + 1])};
+    const auto [from, to] = coarse_bracket(plan, point);
+    const double low_end = point.at[axis], high_end = point.at[axis + 1];
+    const bool predicted = low_end > from || high_end < to;
+    const auto start = bracket_around(encounters, std::midpoint(low_end, high_end),
+                                      predicted ? 0.5 * (high_end - low_end) : HUGE_VAL, from, to);
     CriticalValue found;
-    found.low = coarse.low.at, found.high = coarse.high.at;
-    if (coarse.low.group == coarse.high.group) { // a rounding away from the coarse pass: nothing is between
+    found.low = from, found.high = to;
+    if (!start) { // a rounding away from the coarse pass: nothing is between
         kind = CriticalKind::other;
         return found;
     }
 
-    // The width that is asked for is relative to the value, which is known within the coarse bracket.
-    const double size = std::max(std::abs(coarse.low.at), std::abs(coarse.high.at)),
-                 width = plan.critical->tolerance *
-                         std::max(std::min({size, std::abs(coarse.low.at), std::abs(coarse.high.at)}),
-                                  1e-3 * (range.to - range.from));
-    Root root = correct(encounters, brief_encounters, coarse, width);
+    const double width = critical_width(plan, from, to);
+    Root root = correct(encounters, brief_encounters, *start, width);
     kind = root.kind;
     found.value = root.value;
     found.encounters = static_cast<double>(encounters.count + brief_encounters.count);
@@ -386,22 +417,25 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
         return found;
     }
 
+    if (!root.of_fixed_point) {
+        Encounters checked(tight, point, stop);
+        if (const auto check = again(checked, brief_encounters, root, from, to, width)) {
+            found.low = std::min(found.low, *check);
+            found.high = std::max(found.high, *check);
+        } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
+            found.low = from, found.high = to;
+        kind = root.kind;
+    }
     const OutputUnits units = output_units(plan.base);
     found.closest_below = encounters.closest_approach(root.bracket.low) * units.length;
     found.closest_above = encounters.closest_approach(root.bracket.high) * units.length;
-    if (kind == CriticalKind::separatrix && root.bracket.width() <= width)
+    if (kind == CriticalKind::separatrix && root.bracket.width() <= width) {
         if (const auto rate = departure(encounters, root.bracket)) {
             found.value = rate->value;
             found.lambda = rate->rate / units.time;
             found.lambda_error = rate->error / units.time;
-        }
-    if (!root.of_fixed_point) {
-        Encounters checked(tight, point, stop);
-        if (const auto check = again(checked, brief_encounters, root, coarse, width)) {
-            found.low = std::min(found.low, *check);
-            found.high = std::max(found.high, *check);
-        } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
-            found.low = coarse.low.at, found.high = coarse.high.at;
+        } else if (root.bracket.is_between(Ending::pursuit, Ending::escape))
+            kind = CriticalKind::unbinding; // there is no fixed point that the rods would leave
     }
     return found;
 }

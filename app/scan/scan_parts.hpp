@@ -52,6 +52,11 @@ scan::Evaluate evaluate_beds(const ScanPlan& plan, std::filesystem::path folder,
 /// in output units. With noise a point is an ensemble.
 scan::Evaluate evaluate_rods(const ScanPlan& plan, std::function<bool()> stop);
 
+/// One run, in the batch where the pair suits it and is not handed over: the end, its numbers and the final
+/// state; on_step is given where steps end, also before a pair is handed over. `critical`: after more steps.
+rods::RodResult run_rods(const scene::RodsRun& run, const rods::RodProblem& problem,
+                         const rods::RodOptions& options, bool critical);
+
 /// Design::side of two rods of an undecided end: the angle between their headings, signed. A pursuit so
 /// narrow that it lies within a cell has rods that turn one way on its one side and the other way on the
 /// other. The plan must outlive it; empty where nothing is known.

@@ -115,17 +115,52 @@ bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
            time_limit.value_or(HUGE_VAL) > longest_in_batch;
 }
 
-rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
+/// Near critical values rods circle for long, and are not stiff.
+rods::PairOptions pair_options(const integrate::OdeOptions& ode, bool critical) {
     rods::PairOptions options{ode.rtol, ode.atol};
-    options.max_attempts = std::min(options.max_attempts, ode.max_steps);
+    options.max_attempts = std::min(critical ? 100'000 : options.max_attempts, ode.max_steps);
     return options;
 }
+
+} // namespace
+
+rods::RodResult run_rods(const scene::RodsRun& run, const rods::RodProblem& problem,
+                         const rods::RodOptions& options, bool critical) {
+    const auto pair = rods::to_pair_problem(problem);
+    if (!pair || !suits_batch(run, options, {}))
+        return rods::simulate(problem, options);
+    rods::PairOptions batch = pair_options(options.ode, critical);
+    batch.criteria = options.criteria;
+    double time = 0.0;
+    std::vector<double> before = rods::to_state(problem.rods);
+    if (options.ode.on_step)
+        batch.on_step = [&](std::size_t, const rods::PairStep& step) {
+            options.ode.on_step({time, step.time, before, step.state});
+            time = step.time;
+            before.assign(step.state.begin(), step.state.end());
+        };
+    rods::PairResult end;
+    rods::simulate_pairs({&*pair, 1}, batch, {&end, 1});
+    if (end.handed_over())
+        return rods::simulate(problem, options);
+    rods::RodResult result;
+    result.outcome = rods::outcome_of(end);
+    result.solution.final_state.assign(end.state.begin(), end.state.end());
+    result.solution.statistics.steps = end.steps;
+    result.solution.statistics.rhs_evaluations = end.rhs_evaluations;
+    if (options.ode.stop_requested && options.ode.stop_requested())
+        result.solution.status.termination = Termination::interrupted;
+    return result;
+}
+
+namespace {
 
 /// Rods that are undecided go on from `state`, each time for as long as they have run, until their outcome is
 /// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
 /// the last solve ended.
 integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
-                         std::vector<double> state, Leader& leader, EncounterEnd& end) {
+                         std::vector<double> state, Leader& leader, EncounterEnd& end,
+                         const scene::RodsRun* batch = nullptr, bool critical = false) {
     const double steady_fraction = options.criteria.steady_fraction;
     if (start.rods.size() == 2)
         options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
@@ -139,7 +174,8 @@ integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options
         rest.t_end = std::min(end.time, limit - end.time);
         options.criteria.steady_fraction =
             std::min(1.0, steady_fraction * (end.time + rest.t_end) / rest.t_end);
-        rods::RodResult run = rods::simulate(rest, options);
+        rods::RodResult run =
+            batch ? run_rods(*batch, rest, options, critical) : rods::simulate(rest, options);
         status = run.solution.status;
         if (!status.ok() || status.termination == Termination::interrupted)
             break;
@@ -214,7 +250,8 @@ private:
         if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
             return climb(problem, options, result, start);
         rods::validate(*pair);
-        Batch& batch = batch_of(pair_options(options.ode), certified(result.point));
+        Batch& batch =
+            batch_of(pair_options(options.ode, plan_.critical.has_value()), certified(result.point));
         batch.pairs.push_back(*pair);
         batch.points.push_back(number);
     }
@@ -254,7 +291,8 @@ private:
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
                         const integrate::Status status =
-                            decide(problem, options, t_end_limit(problem), state, leader, end);
+                            decide(problem, options, t_end_limit(problem), state, leader, end,
+                                   &problem_.run(), plan_.critical.has_value());
                         if (status.termination == Termination::interrupted)
                             return interrupted(result, began);
                         done = status.ok();

@@ -263,9 +263,17 @@ double expected_points(const scan::Design& design) {
 
 std::string scan_cost(const ScanPlan& plan) {
     const double each = seconds_of_point(plan), points = expected_points(plan.design);
-    return fmt::format("  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each,
-                       points, plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "",
-                       each * points);
+    std::string text = fmt::format(
+        "  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each, points,
+        plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "", each * points);
+    if (plan.critical) { // near a critical value encounters take about five times as long
+        const auto values = static_cast<double>(plan.design.axes.back().values.size());
+        text += fmt::format(
+            "  critical values: {:.3g} encounters bracket those of a point; each value takes 2 to 20 "
+            "more, and 3 to 20 at rtol/100: about {:.2g} CPU seconds if each point has one\n",
+            values, points / values * 5.0 * 15.0 * each);
+    }
+    return text;
 }
 
 constexpr ColumnInfo cells_columns[] = {

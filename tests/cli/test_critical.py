@@ -5,7 +5,9 @@ import json
 import math
 
 import rodwake
-from scans import CROSSING, ScanTest
+from ranks import ScanRanksTest
+from rodwake import wait_until
+from scans import CROSSING, ScanTest, rows_of
 
 # A rod at right angles, 5 f/mu beside the other one (alpha = eta = 1).
 START = CROSSING.replace("[0.0, -4.0]", "[0.0, -5.0]")
@@ -76,33 +78,42 @@ class CriticalTest(ScanTest):
         other, = self.solve("other", part, "-s", "medium.alpha=1.05")
         self.assertAlmostEqual(float(one["value"]) / float(other["value"]), 1.0, delta=1e-9)
 
-    def test_a_strip_between_values_and_where_there_is_none(self):
-        """Contact in a strip of 3 % of the range between two coarse values is found by random ones, and only by them."""
+    def test_predicted_values(self):
+        """Along alpha values are predicted from those before: they cost a fifth of bisection, and are what bisection finds."""
+        part = 'from = 10.0\nto = 120.0\nspacing = "log"\ncount = 8\ntolerance = 1e-6\n'
+        axis = '[[scan.axes]]\nkey = "medium.alpha"\nfrom = 0.5\nto = 8.0\nspacing = "log"\ncount = 81\n'
+        many = self.solve("many", part + axis, rtol="1e-8")
+        self.assertEqual({row["kind"] for row in many}, {"unbinding"})
+        self.assertEqual(len(many), 81)
+        bisection = math.log2(110.0 / 2e-5)
+        self.assertLess(sum(float(row["encounters"]) for row in many), 81 * bisection / 4)  # 81 values: an eighth begins
+        alphas = ", ".join(many[k]["medium.alpha"] for k in (37, 61))
+        few = self.solve("few", part + f'[[scan.axes]]\nkey = "medium.alpha"\nvalues = [{alphas}]\n', rtol="1e-8")
+        for row, alone in zip((many[37], many[61]), few):
+            self.near(row, float(alone["value"]), 2e-6 * float(alone["value"]))
+            self.assertLess(float(row["high"]) - float(row["low"]), 4e-6 * float(row["value"]))
+
+    def test_where_there_is_none(self):
         self.write("straight.toml", STRAIGHT.replace("tolerance = 1e-13", "tolerance = 1e-8\ncount = 2"))
         self.scan("straight.toml", "blind", "-s", "scan.audit=0")
         self.assertEqual(self.values("blind"), [])
         point, = self.told("blind")["points"]
         self.assertEqual((point["status"], point["outcomes"]), ("none", {"escape": 2}))
-        self.scan("straight.toml", "seeing", "-s", "scan.audit=400")
-        self.assertEqual(len(self.values("seeing")), 2)
-        audit = self.told("seeing")["audit"]
-        share = 0.2 * math.sqrt(2.0) / 9.0
-        self.assertAlmostEqual(audit["found"] / audit["values"], share, delta=4.0 * math.sqrt(share / 400))
 
-    def test_same_bytes_on_threads_and_after_an_end(self):
-        axis = '[[scan.axes]]\nkey = "medium.alpha"\nfrom = 0.8\nto = 1.6\ncount = 3\n'
-        part = 'from = 14.0\nto = 40.0\ncount = 4\naudit = 2\ntolerance = 1e-5\nbetween = ["any"]\n' + axis
-        self.solve("one", part, "-j", "1", rtol="1e-8")
-        whole = (self.folder / "one" / "critical.csv").read_bytes()
-        self.solve("two", part, "-j", "2", rtol="1e-8")
-        self.assertEqual(whole, (self.folder / "two" / "critical.csv").read_bytes())
-        log = self.folder / "two" / "critical.log"
-        log.write_bytes(log.read_bytes()[:-100])  # as a machine that went down leaves it
-        (self.folder / "two" / "critical.csv").unlink()
-        self.scan("two.toml", "two", "-s", "rods_run.rtol=1e-8", "-j", "2")
-        self.assertEqual(whole, (self.folder / "two" / "critical.csv").read_bytes())
-        branches = {row["branch"] for row in self.values("two")}
-        self.assertLess(len(branches), len(self.values("two")))
+    def test_a_strip_between_values(self):
+        """Contact in 0.1 % of the range, elsewhere at each of 200 starts: random values find it as often as they should."""
+        share, values, starts = 1e-3, 300, 200
+        text = STRAIGHT.replace("contact_distance = 0.1", f"contact_distance = {9.0 * share / math.sqrt(8.0)}")
+        self.write("strip.toml", text.replace("tolerance = 1e-13", f"tolerance = 1e-4\ncount = 2\naudit = {values}") +
+                   f'[[scan.axes]]\nkey = "rods.1.position.1"\nfrom = -8.5\nto = -0.5\ncount = {starts}\n')
+        self.scan("strip.toml", "out")
+        told = self.told("out")
+        found = sum(point["count"] == 2 for point in told["points"])
+        self.assertEqual(found, sum(point["count"] > 0 for point in told["points"]))
+        rate = 1.0 - (1.0 - share)**values
+        self.assertAlmostEqual(found / starts, rate, delta=4.0 * math.sqrt(rate * (1.0 - rate) / starts))
+        self.assertGreater(told["audit"]["missed_rate_high"], share)
+        self.assertAlmostEqual(told["audit"]["found"] / told["audit"]["values"], share, delta=0.3 * share)
 
     def test_undecided_encounters_leave_a_range(self):
         """Where the limit of time is too short to decide, the bracket is what is known; the value is 26.0584 (separatrix)."""
@@ -119,6 +130,32 @@ class CriticalTest(ScanTest):
                                  ("is in the list already", 'scan.between=["escape", "escape"]'), ("takes two different ends", 'scan.between=["escape"]'), ("the axis is empty", "scan.to=1.0"),
                                  ("needs outcomes that are certain", "noise.rotational_diffusion=0.1")):
             self.refuse_scan(message, "critical.toml", "out", "-s", setting)
+
+
+class SameBytesTest(ScanRanksTest):
+    """Of values that are predicted from others, on threads and ranks, and after a kill."""
+
+    def test_same_bytes(self):
+        self.write("scan.toml", START + CRITICAL + 'from = 14.0\nto = 40.0\ncount = 4\naudit = 2\ntolerance = 1e-5\nbetween = ["any"]\n'
+                   '[[scan.axes]]\nkey = "medium.alpha"\nfrom = 0.8\nto = 1.6\ncount = 11\n')
+
+        def table(run):
+            return (self.folder / run / "critical.csv").read_bytes()
+
+        self.scan("scan.toml", "one", "-j", "1")
+        self.scan("scan.toml", "two", "-j", "2")
+        self.assertEqual(table("one"), table("two"))
+        self.ranks(2, "scan", "scan.toml", "-o", "ranks", "--quiet")
+        self.assertEqual(table("one"), table("ranks"))
+        log = self.folder / "killed" / "critical.log"
+        with self.started("scan", "scan.toml", "-o", "killed", "-j", "2", "--quiet") as process:
+            self.assertTrue(wait_until(lambda: log.exists() and log.stat().st_size > 2000 or process.poll() is not None, 60))
+            process.kill()
+        self.assertFalse((self.folder / "killed" / "critical.csv").exists(), "it ended before it was killed")
+        self.scan("scan.toml", "killed", "-j", "2")
+        self.assertEqual(table("one"), table("killed"))
+        rows = rows_of(self.folder / "one" / "critical.csv")
+        self.assertLess(len({row["branch"] for row in rows}), len(rows) / 4)
 
 
 if __name__ == "__main__":

@@ -132,7 +132,7 @@ rodwake scenes pari
 rodwake scenes pair -o .
     NAME and --output: give one of them
 rodwake new --kind bd
-    --kind: bd is none of rods, bed, scan (did you mean "bed"?)
+    --kind: bd is none of rods, bed, scan, critical (did you mean "bed"?)
 rodwake new --rods 21
     --rods: 21 is not a whole number from 1 to 20
 rodwake new --kind bed --kappa 1

@@ -56,7 +56,7 @@ class NewTest(ProgramTest):
         for number, options in enumerate((
                 [], ["--rods", 1], ["--rods", 20, "--kappa", "1e-6"], ["--kind", "bed"],
                 ["--kind", "bed", "--rods", 5, "--phi-b", 0.9], ["--kind", "scan"],
-                ["--kind", "scan", "--start", "parallel", "--kappa", "1e6"])):
+                ["--kind", "scan", "--start", "parallel", "--kappa", "1e6"], ["--kind", "critical"])):
             done = self.expect(0, "new", f"{number}.toml", *options)
             self.assertIn(f"rodwake run {number}.toml", done.stderr)
             self.expect(0, "check", "--quiet", f"{number}.toml")
@@ -74,10 +74,14 @@ class NewTest(ProgramTest):
         self.expect(0, "rods", "my.toml", "--quiet")
         self.expect(0, "new", "scan.toml", "--kind", "scan")
         self.expect(0, "scan", "scan.toml", "--quiet", "-s", "scan.resolution=16", "-s", "scan.audit=10")
+        self.expect(0, "new", "critical.toml", "--kind", "critical")
+        self.expect(0, "scan", "critical.toml", "--quiet", "-o", "critical")
+        rows = (self.folder / "critical/critical.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 12, rows)  # a value for each alpha
 
     def test_refusals(self):
         self.refuse(2, "--kappa: a scene of kind bed has no use for it", "new", "--kind", "bed", "--kappa", 1)
-        self.refuse(2, 'bd is none of rods, bed, scan .did you mean "bed"', "new", "--kind", "bd")
+        self.refuse(2, 'bd is none of rods, bed, scan, critical .did you mean "bed"', "new", "--kind", "bd")
         self.write("my.toml", "mine")
         self.refuse(2, "my.toml: already exists", "new", "my.toml")
         self.expect(0, "new", "my.toml", "--force")
