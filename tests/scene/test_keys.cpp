@@ -180,7 +180,7 @@ TEST_CASE("a refusal needs the key, the place and the whole text") {
     CHECK_FALSE(is_refused(key_named("medium.mu"), {"-1", legal}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1"}));
     CHECK_FALSE(is_refused(eta, {"-1", "must be > -1 and <= 1"}));
-    CHECK_FALSE(says("must be one of x, y", "must be one of x"));
+    CHECK_FALSE(has_whole("must be one of x, y", "must be one of x"));
 }
 
 TEST_CASE("every misspelt key is refused with the right one named") {
@@ -207,7 +207,7 @@ TEST_CASE("every dimensional key refuses a unit of another dimension") {
                                   : list ? "[\"" + wrong + "\", 1]"
                                          : wrong;
         const auto text = error_text(complete, {override_path(info) + "=" + value});
-        CHECK(text.find("found \"" + wrong + "\" (string)") != std::string::npos);
+        CHECK_THAT(text, Catch::Contains("found \"" + wrong + "\" (string)"));
     }
 }
 
