@@ -197,22 +197,23 @@ TEST_CASE("without information in the data the samples are those of the priors")
 }
 
 TEST_CASE("what is not to be trusted is said, with what to do") {
+    const PosteriorMethod few{.samples = 800};
     const auto line = [](double datum) {
         return toy({{.name = "a", .start = 0.5}}, 1, [=](auto p, auto r) { r[0] = (p[0] - datum) / 0.02; });
     };
     const std::vector<Prior> unit = {{PriorKind::uniform, 0.0, 1.0}};
-    CHECK(remarks_on(sample(line(1.5), unit, std::vector{0.5}, {}).value(), "against the upper end"));
-    CHECK(remarks_on(sample(line(-0.5), unit, std::vector{0.5}, {}).value(), "against the lower end"));
-    CHECK(sample(line(0.5), unit, std::vector{0.5}, {}).value().remarks.empty());
-    CHECK(sample(line(0.1), unit, std::vector{0.5}, {}).value().remarks.empty()); // five errors from the end
-    const std::vector<Prior> normal = {{PriorKind::normal, {}, {}, 0.0, 0.1}};    // a tail is no end
-    CHECK(remarks_on(sample(line(0.5), normal, std::vector{0.5}, {}).value(),
+    CHECK(remarks_on(sample(line(1.5), unit, std::vector{0.5}, few).value(), "against the upper end"));
+    CHECK(remarks_on(sample(line(-0.5), unit, std::vector{0.5}, few).value(), "against the lower end"));
+    CHECK(sample(line(0.5), unit, std::vector{0.5}, few).value().remarks.empty());
+    CHECK(sample(line(0.1), unit, std::vector{0.5}, few).value().remarks.empty()); // five errors from the end
+    const std::vector<Prior> normal = {{PriorKind::normal, {}, {}, 0.0, 0.1}};     // a tail is no end
+    CHECK(remarks_on(sample(line(0.5), normal, std::vector{0.5}, few).value(),
                      "in the upper tail of its normal"));
-    CHECK(remarks_on(sample(line(-0.5), normal, std::vector{0.5}, {}).value(),
+    CHECK(remarks_on(sample(line(-0.5), normal, std::vector{0.5}, few).value(),
                      "in the lower tail of its normal"));
-    CHECK(sample(line(0.16), normal, std::vector{0.5}, {}).value().remarks.empty());
+    CHECK(sample(line(0.16), normal, std::vector{0.5}, few).value().remarks.empty());
     const std::vector<Prior> endless = {{PriorKind::uniform, 1e-6, 1e6}};
-    CHECK(remarks_on(sample(line(0.5), endless, std::vector{0.5}, {}).value(), "in the lowest 5e-07"));
+    CHECK(remarks_on(sample(line(0.5), endless, std::vector{0.5}, few).value(), "in the lowest 5e-07"));
     // a model that exists in one place
     const Problem point = toy({{.name = "a", .start = 0.5}}, 1, [](auto p, auto r) {
         if (p[0] != 0.5)

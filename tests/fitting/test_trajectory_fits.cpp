@@ -79,7 +79,13 @@ void expect_found(const ReferenceCase& one, double factor) {
 
 } // namespace
 
-TEST_CASE("couplings are found again from every reference trajectory, contacts by their time") {
+TEST_CASE("couplings are found again from reference trajectories: a contact by its time, stiff, three rods") {
+    for (const char* name : {"side-by-side, contact at 0.1", "stiff, kappa 1e4", "three rods"})
+        for (const double factor : {2.0, 0.5})
+            expect_found(reference(name), factor);
+}
+
+TEST_CASE("couplings are found again from every reference trajectory", "[.long]") {
     double factor = 2.0;
     for (const ReferenceCase& one : test::reference_cases()) {
         expect_found(one, factor);
@@ -186,7 +192,8 @@ int held(bool free_start) {
 } // namespace
 
 // Four standard deviations of a binomial count of 38 of 40 are 5.5; a row too exact by sqrt(2) would hold 33.
-TEST_CASE("intervals of kappa hold the truth with noise on all rows of the tracks, the first one too") {
+TEST_CASE("intervals of kappa hold the truth with noise on all rows of the tracks, the first one too",
+          "[.long]") {
     CHECK(held(true) >= 33);
     CHECK(held(false) < 25); // as the first row is taken for exact: the count above sees that
 }

@@ -177,7 +177,8 @@ const std::vector<std::string> never{"units",
                                      "fit.profiles[].place_unit",
                                      "fit.profiles[].value_unit"};
 
-/// Every `stride`-th value is compared with the text, the others are set alone: reading takes longest.
+/// Every `stride`-th value is compared with the text, since reading takes longest; others are set until one
+/// of their key is accepted.
 void check_singles(std::size_t stride) {
     std::mt19937 random(11);
     std::size_t count = 0;
@@ -195,9 +196,12 @@ void check_singles(std::size_t stride) {
                     continue;
                 }
                 for (const Value& value : values) {
+                    const bool compared = count++ % stride == 0;
+                    if (!compared && accepted[full_name(info)] > 0)
+                        continue;
                     CAPTURE(base, key, as_toml(value));
                     const Result set = by_setter(scene, *setter, value);
-                    if (count++ % stride == 0)
+                    if (compared)
                         CHECK(same(set, by_text(toml, key, value)));
                     accepted[full_name(info)] += set.has_value();
                 }
@@ -212,7 +216,7 @@ void check_singles(std::size_t stride) {
 } // namespace
 
 TEST_CASE("single values are set as by writing and reading the scene, or refused as there") {
-    check_singles(5); // prime to how many values most keys have, so all kinds come up
+    check_singles(17); // prime to how many values most keys have, so all kinds come up
 }
 
 TEST_CASE("every single value is set as by writing and reading the scene, or refused as there", "[.long]") {
