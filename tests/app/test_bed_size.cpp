@@ -5,6 +5,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/granular/observe.hpp"
 #include "rodwake/scene/read.hpp"
+#include "store/scratch.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -118,12 +119,7 @@ TEST_CASE("the paper's box without its strain has 42 rows of 37, and check says 
 
 TEST_CASE("what no lattice or box can be is refused with what to do") {
     const auto refusal = [](const scene::Scene& scene) {
-        try {
-            (void)app::granular_problem(scene);
-        } catch (const InputError& error) {
-            return std::string(error.what());
-        }
-        return std::string();
+        return store_test::error_of<InputError>([&] { (void)app::granular_problem(scene); });
     };
     CHECK_THAT(refusal(bed("\"fit\"", "phi_b = 0.8\norientation = \"45 deg\"\n")),
                Contains("give 0 or 90 deg"));

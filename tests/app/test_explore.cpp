@@ -229,11 +229,11 @@ TEST_CASE("the page starts with a scene") {
         "[rods_run]\nt_end = 60.0\ncontact_distance = 0.1\n";
     const std::string text =
         page("schema = 1\n[medium]\neta = 2.0\nxi = 4.0\n[coupling]\nkappa = 3.0\n" + rods);
-    CHECK(text.find(R"("eta":2.0,"alpha":0.25,"t_end":60.0,"contact_distance":0.1,"kappa":3.0)") !=
-          std::string::npos);
-    CHECK(text.find(R"("x0":1.0,"y0":2.5,"theta0":0.5)") != std::string::npos);
+    CHECK_THAT(text,
+               Catch::Contains(R"("eta":2.0,"alpha":0.25,"t_end":60.0,"contact_distance":0.1,"kappa":3.0)"));
+    CHECK_THAT(text, Catch::Contains(R"("x0":1.0,"y0":2.5,"theta0":0.5)"));
     for (const char* place : {"{{style}}", "{{setup}}", "{{kernel}}", "{{script}}"})
-        CHECK(text.find(place) == std::string::npos);
+        CHECK_THAT(text, !Catch::Contains(place));
     CHECK(text.size() < 2'000'000);
     CHECK_THROWS_WITH(page("schema = 1\n" + rods), Catch::Contains("no [medium]"));
     CHECK_THROWS_AS(app::explorer_page("/nowhere", {}), RunError);

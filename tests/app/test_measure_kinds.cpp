@@ -225,7 +225,7 @@ TEST_CASE("Heading diffusion becomes the noise of the theory in its units, with 
     CHECK(reduced.value == Approx(2.2 * D.value / walked.value));
     CHECK(value_of<Estimate>(scaled.values, "rotational_diffusion").value == Approx(2.0 * reduced.value));
     CHECK(value_of<double>(scaled.values, "f_over_mu") == Approx(4.4));
-    CHECK(papers.line.find("[noise] rotational_diffusion = ") != std::string::npos);
+    CHECK_THAT(papers.line, Catch::Contains("[noise] rotational_diffusion = "));
     REQUIRE(papers.tables.size() == 1);
     CHECK(papers.tables[0].columns[0].back() == Approx(0.2));
     CHECK(papers.tables[0].columns[1][0] == Approx(0.01)); // one row: a jump of 0.1
@@ -270,7 +270,7 @@ TEST_CASE(
     CHECK(value_of<Estimate>(report.values, "used_inertia").count == 0);
     CHECK(value_of<std::string>(report.values, "inertia_source").find("bare mass") != std::string::npos);
     CHECK(value_of<std::string>(report.values, "decay_absence").find("0.1 s apart") != std::string::npos);
-    CHECK(report.line.find("too short for a steady wake") != std::string::npos);
+    CHECK_THAT(report.line, Catch::Contains("too short for a steady wake"));
 
     const scene::Scene heavier = bed("mechanics = true\nrod = 1\nblock = 0.5\nshear_speed = \"100 a/s\"\n"
                                      "inertia_factor = 1.25\ninertia_error = 0.05\n");

@@ -2,12 +2,10 @@
 
 #include "rodwake/app/wake_tables.hpp"
 #include "rodwake/core/error.hpp"
+#include "store/scratch.hpp"
 
 #include <catch2/catch.hpp>
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <fstream>
 
 using namespace rodwake;
@@ -19,12 +17,9 @@ constexpr double eta = 0.7, tolerance = 3e-2;
 constexpr elastic::Medium in_box{eta, 2.0};
 constexpr double box = 1.5, box_tolerance = 1e-3;
 
-/// A folder of its own, removed at the end.
 struct Folder {
-    std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("rodwake_tables_" + std::to_string(::getpid()));
-    Folder() { std::filesystem::remove_all(path); }
-    ~Folder() { std::filesystem::remove_all(path); }
+    store_test::Scratch scratch;
+    std::filesystem::path path = scratch.path();
 
     std::filesystem::path file() const { return path / app::table_file_name(eta, tolerance); }
     std::filesystem::path box_file() const { return path / app::table_file_name(in_box, box, box_tolerance); }
@@ -52,7 +47,7 @@ TEST_CASE("a table is made once and read afterwards", "[threads]") {
     Listener first, second;
     WakeTables making(first.context, folder.path);
     const auto made = making.plane(eta, tolerance);
-    CHECK(first.text.find("largest error") != std::string::npos);
+    CHECK_THAT(first.text, Catch::Contains("largest error"));
     CHECK(std::filesystem::exists(folder.file()));
     CHECK(making.plane(eta, tolerance) == made);
     WakeTables reading(second.context, folder.path);
@@ -67,7 +62,7 @@ TEST_CASE("a damaged table is made anew, with a word") {
     const auto made = WakeTables(quiet.context, folder.path).plane(eta, tolerance);
     damage(folder.file());
     CHECK(*WakeTables(listener.context, folder.path).plane(eta, tolerance) == *made);
-    CHECK(listener.text.find("will be recomputed") != std::string::npos);
+    CHECK_THAT(listener.text, Catch::Contains("will be recomputed"));
     Listener third;
     CHECK(*WakeTables(third.context, folder.path).plane(eta, tolerance) == *made); // and kept again
     CHECK(third.text.empty());
@@ -77,7 +72,7 @@ TEST_CASE("without a folder to write to a table serves its run") {
     Listener listener;
     CHECK(WakeTables(listener.context, "").plane(eta, tolerance)->strain_error <= tolerance);
     CHECK(WakeTables(listener.context, "/proc/nowhere").plane(eta, tolerance)->strain_error <= tolerance);
-    CHECK(listener.text.find("not kept") != std::string::npos);
+    CHECK_THAT(listener.text, Catch::Contains("not kept"));
 }
 
 TEST_CASE("a table of a box is kept as those of the plane are") {
@@ -85,7 +80,7 @@ TEST_CASE("a table of a box is kept as those of the plane are") {
     Listener first, second, third;
     WakeTables making(first.context, folder.path);
     const auto made = making.periodic(in_box, box, box_tolerance);
-    CHECK(first.text.find("in its box: tolerance 0.001, largest error") != std::string::npos);
+    CHECK_THAT(first.text, Catch::Contains("in its box: tolerance 0.001, largest error"));
     CHECK(std::filesystem::exists(folder.box_file()));
     const auto read = WakeTables(second.context, folder.path).periodic(in_box, box, box_tolerance);
     CHECK(second.text.empty());
@@ -98,7 +93,7 @@ TEST_CASE("a table of a box is kept as those of the plane are") {
           made.at({0.1, 0.2, 0.3}, 0.5, 0.6, {.strain = true}).strain.xx);
     damage(folder.box_file());
     CHECK(WakeTables(third.context, folder.path).periodic(in_box, box, box_tolerance).data() == made.data());
-    CHECK(third.text.find("will be recomputed") != std::string::npos);
+    CHECK_THAT(third.text, Catch::Contains("will be recomputed"));
     CHECK(app::table_file_name(in_box, box, box_tolerance) !=
           app::table_file_name({in_box.eta, 2.5}, box, box_tolerance));
 }

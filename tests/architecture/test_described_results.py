@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import unittest
+from pathlib import Path
 
 from test_architecture import text_of, tracked
 
@@ -12,27 +13,24 @@ import rodwake
 
 COMPILER = os.environ.get("CXX", "c++")
 DESCRIBED = re.compile(r'\bfield\(\s*"(\w+)"')
-SOURCE = """#include "rodwake/core/record.hpp"
-struct R {{
-    double speed = 0.0;
-    static constexpr auto fields() {{ return std::tuple{{rodwake::field({})}}; }}
-}};
-int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
+# One of each in a namespace of its own; lines of each are counted as in a file of that name.
+SOURCE = """namespace {name} {{
+# 1 "{name}"
+struct R {{ double speed = 0.0; static constexpr auto fields() {{ return std::tuple{{rodwake::field({text})}}; }} }};
+inline const auto size = std::get<0>(R::fields()).name.size();
+}}
 """
-TOLD = """#include "bed/measure_parts.hpp"
-struct Found {{
-    double speed = 0.0;
-}};
-constexpr rodwake::app::{} told[] = {{{{{{{}}}, [](const Found& f) {{ return f.speed; }}}}}};
-int main() {{ return static_cast<int>(std::size(told)); }}
+TOLD = """namespace {name} {{
+# 1 "{name}"
+struct Found {{ double speed = 0.0; }};
+constexpr rodwake::app::{text}, [](const Found& f) {{ return f.speed; }}}}}};
+inline const auto size = std::size(told);
+}}
 """
-KEPT = """#include "rodwake/store/archive.hpp"
-struct R {{
-    double x, y;
-}};
-template<>
-inline constexpr auto rodwake::store::parts<R> = rodwake::store::parts_of({});
-int main() {{ return static_cast<int>(rodwake::store::Kept<R>::layout().size()); }}
+KEPT = """namespace {name} {{ struct R {{ double x, y; }}; }}
+# 1 "{name}"
+template<> inline constexpr auto rodwake::store::parts<{name}::R> = rodwake::store::parts_of({text});
+inline const auto {name}_size = rodwake::store::Kept<{name}::R>::layout().size();
 """
 # Words that files of several kinds have in common.
 GENERAL = set("bias blocks contact contacts cpu data error errors escape failed failure high low mean median message model number outcome pair particles path pressure pursuit reason rods rows run "
@@ -77,10 +75,16 @@ QUOTED = {
 }
 
 
-def compiled(*description, source=SOURCE):
+def errors_of(header, source, *descriptions):
+    """What the compiler says of each description; all are compiled at once, since reading the header takes longest."""
+    text = f'#include "{header}"\n' + "".join(source.format(name=f"case{k}", text=one) for k, one in enumerate(descriptions))
     done = subprocess.run([COMPILER, "-std=c++20", "-fsyntax-only", "-I", rodwake.SOURCE / "include", "-I", rodwake.SOURCE / "app",
-                           "-isystem", "/usr/include/eigen3", "-x", "c++", "-"], input=source.format(*description), capture_output=True, text=True)
-    return done.returncode == 0, done.stderr
+                           "-isystem", "/usr/include/eigen3", "-x", "c++", "-"], input=text, capture_output=True, text=True)
+    said = [""] * len(descriptions)
+    for part in re.split(r"(?m)^(?=case\d+:)", done.stderr)[1:]:  # what follows a line of a case is said of it
+        places = re.findall(r"(?m)^(/\S+):(\d+):\d+: error: ", part)  # whose line is shown for the first case only
+        said[int(re.match(r"case(\d+)", part)[1])] += part + "".join(Path(file).read_text().splitlines()[int(line) - 1] for file, line in places)
+    return said
 
 
 def quoted_elsewhere(files, common):
@@ -98,28 +102,26 @@ def quoted_elsewhere(files, common):
 
 
 class DescribedResultsTest(unittest.TestCase):
+    def assert_refused(self, said, *reasons):
+        """The first description is good, the others are wrong for these reasons."""
+        self.assertEqual(said[0], "")
+        for text, why in zip(said[1:], reasons, strict=True):
+            self.assertIn("error: ", text)
+            self.assertIn(why, text)
+
     def test_a_wrong_description_does_not_compile(self):
-        self.assertEqual(compiled('"speed", &R::speed, {"m/s", "of the rod"}'), (True, ""))
-        for wrong, why in (('"speed", &R::speed, {"m/ss", "of the rod"}', "unit"), ('"speed", &R::speed, {"", "of the rod"}', "unit"),
-                           ('"speed", &R::speed, {"m/s", ""}', "meaning"), ('"", &R::speed, {"m/s", "of the rod"}', "name")):
-            good, said = compiled(wrong)
-            self.assertFalse(good, wrong)
-            self.assertIn(why, said)
+        said = errors_of("rodwake/core/record.hpp", SOURCE, '"speed", &R::speed, {"m/s", "of the rod"}', '"speed", &R::speed, {"m/ss", "of the rod"}',
+                         '"speed", &R::speed, {"", "of the rod"}', '"speed", &R::speed, {"m/s", ""}', '"", &R::speed, {"m/s", "of the rod"}')
+        self.assert_refused(said, "unit", "unit", "meaning", "name")
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
-        self.assertEqual(compiled("ToldValue<Found>", '"speed", "Speed", "a/s", "of the rod"', source=TOLD), (True, ""))
-        for kind, wrong in (("ToldValue<Found>", '"speed", "Speed", "a/s", ""'), ("ToldValue<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
-                            ("RowColumn<Found>", '"speed", "", "of the rod"')):
-            good, said = compiled(kind, wrong, source=TOLD)
-            self.assertFalse(good, wrong)
-            self.assertIn("meaning and a unit", said)
+        values = [f'ToldValue<Found> told[] = {{{{{{"speed", "Speed", {rest}}}' for rest in ('"a/s", "of the rod"', '"a/s", ""', '"a/ss", "of the rod"')]
+        said = errors_of("bed/measure_parts.hpp", TOLD, *values, 'RowColumn<Found> told[] = {{{"speed", "", "of the rod"}')
+        self.assert_refused(said, *["meaning and a unit"] * 3)
 
     def test_a_struct_of_a_checkpoint_with_a_part_left_out_does_not_compile(self):
-        self.assertEqual(compiled('"x y", &R::x, &R::y', source=KEPT), (True, ""))
-        for wrong, why in (('"x", &R::x', "not among its parts"), ('"x", &R::x, &R::y', "each part has a name")):
-            good, said = compiled(wrong, source=KEPT)
-            self.assertFalse(good, wrong)
-            self.assertIn(why, said)
+        said = errors_of("rodwake/store/archive.hpp", KEPT, '"x y", &{0}::x, &{0}::y'.format("case0::R"), '"x", &case1::R::x', '"x", &case2::R::x, &case2::R::y')
+        self.assert_refused(said, "not among its parts", "each part has a name")
 
     def test_names_are_quoted_where_they_are_described(self):
         """Left out are names that are a scene key too, that several kinds of files have, or of one or two letters."""

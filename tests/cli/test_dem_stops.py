@@ -132,7 +132,7 @@ class CheckpointTest(BedTest):
 
     def setUp(self):
         super().setUp()
-        self.dem("whole", *self.SETTINGS)
+        self.made_once("whole", "dem", "bed.toml", *self.SETTINGS)
         with self.started("dem", "bed.toml", "-o", "out", *self.SETTINGS) as process:
             self.wait_for(process, "out/checkpoint.rwc.previous")
             self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
@@ -184,7 +184,7 @@ class FullDiskTest(BedTest):
 
     def go_on(self, run):
         """With room again."""
-        self.dem("whole", *self.SETTINGS)
+        self.made_once("whole", "dem", "bed.toml", *self.SETTINGS)
         self.assertTrue((self.folder / run / "checkpoint.rwc").exists())
         self.dem(run, *self.SETTINGS)
         self.assertGreater(self.steps_gone_on_from(run)[-1], 0)

@@ -111,7 +111,7 @@ class DynamicTest(ProgramTest):
         self.assertIn("film of the medium: 5 frames of 32 x 32 points, 82.2 kB in medium_film.h5", told)
 
     def test_the_film_of_a_resumed_run_is_the_same(self):
-        film = *LONG, "-s", "medium.dynamic.film_interval=0.02", "-s", "medium.dynamic.film_grid=30"
+        film = *LONG, "-s", "medium.dynamic.film_interval=0.02", "-s", "medium.dynamic.film_grid=30", "-s", "rods_run.t_end=5"
         self.rods("whole", *film)
         log = self.folder / "out/medium_film.log"
         with self.started("rods", "pair.toml", *film, "-o", "out", "--quiet") as process:

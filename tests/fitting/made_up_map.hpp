@@ -18,12 +18,7 @@ inline const std::vector<Parameter> truth = {
     {.name = "rho", .start = 0.03},      {.name = "eta_s", .start = 0.15}, {.name = "offset", .start = 0.02},
     {.name = "offset_y", .start = -0.01}};
 
-inline std::vector<double> starts(const std::vector<Parameter>& parameters) {
-    std::vector<double> values;
-    for (const Parameter& p : parameters)
-        values.push_back(p.start);
-    return values;
-}
+using toy::starts;
 
 inline std::vector<double> true_values() { return starts(truth); }
 
@@ -39,17 +34,23 @@ inline std::size_t index_of(const std::string& name) {
     return static_cast<std::size_t>(std::ranges::find(truth, name, &Parameter::name) - truth.begin());
 }
 
+/// The map with displacements as these parameters make them.
+inline Map made_by(Map map, const std::vector<Parameter>& parameters) {
+    auto u = predict(model, map, parameters, starts(parameters));
+    map.Ux = std::move(u.Ux);
+    map.Uy = std::move(u.Uy);
+    return map;
+}
+
 /// n x n bins of the box 72 x 66, all known; sigma the same for all.
-inline Map map_of(std::size_t n, double sigma, const std::vector<double>& values = true_values()) {
+inline Map map_of(std::size_t n, double sigma) {
     Map map{.name = "made up", .lx = 72.0, .ly = 66.0, .speed = 1.7};
     for (std::size_t k = 0; k < n; ++k) {
         const double at = static_cast<double>(k) / static_cast<double>(n) - 0.5;
         map.x.push_back(map.lx * at);
         map.y.push_back(map.ly * at);
     }
-    auto u = predict(model, map, truth, values);
-    map.Ux = std::move(u.Ux);
-    map.Uy = std::move(u.Uy);
+    map = made_by(std::move(map), truth);
     map.known.assign(map.bins(), true);
     map.sigma_x.assign(map.bins(), sigma);
     map.sigma_y = map.sigma_x;

@@ -170,9 +170,7 @@ rodwake::fitting::Problem nist_problem(const NistProblem& nist, std::size_t star
     }
     problem.residuals = nist.rows.size();
     problem.sigma_known = false;
-    problem.evaluate = [nist, model = models().at(nist.name)](std::span<const double> p,
-                                                              Eigen::Ref<Eigen::VectorXd> r,
-                                                              Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [nist, model = models().at(nist.name)](auto p, auto r, Eigen::MatrixXd* jacobian) {
         Values b;
         for (std::size_t k = 0; k < p.size(); ++k)
             b.push_back(Dual::variable(p[k], k));

@@ -1,18 +1,12 @@
 #pragma once
 // Profiles made up from known parameters, with Gaussian noise of known size.
 
-#include "rodwake/core/rng.hpp"
 #include "rodwake/fitting/wake.hpp"
-
-#include <cmath>
+#include "support/normal.hpp"
 
 namespace fitting_test {
 
-/// Standard normal, by Box and Muller.
-inline double normal(rodwake::RandomStream& random) {
-    const double radius = std::sqrt(-2.0 * std::log(random.uniform()));
-    return radius * std::cos(2.0 * M_PI * random.uniform());
-}
+using rodwake::normal;
 
 /// `count` even places from -reach to reach (none at 0 if count is even), errors all `sigma`; noise 0: exact
 /// values.

@@ -26,8 +26,7 @@ Problem made(const Setting& setting, std::uint64_t seed) {
     for (std::size_t i = 0; i < problem.residuals; ++i)
         noise.push_back(toy::normal(random) * (random.uniform() < setting.outliers ? 10.0 : 1.0));
     problem.evaluate = [noise, by = 1.0 / setting.claimed,
-                        inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                                                  Eigen::MatrixXd* jacobian) {
+                        inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {
         inner(p, r, jacobian);
         for (std::size_t i = 0; i < noise.size(); ++i)
             r[static_cast<Eigen::Index>(i)] = by * (r[static_cast<Eigen::Index>(i)] - noise[i]);

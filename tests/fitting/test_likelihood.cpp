@@ -17,8 +17,7 @@ Problem mean_of(double m, std::size_t n = 9) {
     Problem problem;
     problem.parameters = {toy::positive("p", 1.0)};
     problem.residuals = n;
-    problem.evaluate = [m, n](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                              Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [m, n](auto p, auto r, Eigen::MatrixXd* jacobian) {
         for (Eigen::Index i = 0; i < r.size(); ++i)
             r[i] = p[0] - m - 0.1 * (static_cast<double>(i) - 0.5 * static_cast<double>(n - 1));
         if (jacobian)
@@ -34,7 +33,7 @@ ProfileLikelihood profile(const Problem& problem, std::size_t parameter, std::si
 } // namespace
 
 TEST_CASE("the profile of a straight line's slope is its parabola") {
-    const Problem problem = toy::line({1.2, 2.9, 5.1, 6.8, 9.3, 10.7});
+    const Problem problem = toy::line(toy::ys);
     const Fit best = fit(problem, {});
     const double b = best.values[1], error = std::sqrt(6.0 / 105.0);
     const ProfileLikelihood p = profile(problem, 1);
@@ -79,15 +78,7 @@ TEST_CASE("a bound ends the profile, on the bound itself") {
 }
 
 TEST_CASE("flat directions have no ends") {
-    Problem problem = toy::line({1.0, 2.0, 2.5, 4.5});
-    problem.parameters.push_back(toy::parameter("idle", 3.0));
-    problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                                                  Eigen::MatrixXd* jacobian) {
-        Eigen::MatrixXd two(r.size(), 2);
-        inner(p.first(2), r, jacobian ? &two : nullptr);
-        if (jacobian)
-            jacobian->leftCols(2) = two;
-    };
+    const Problem problem = toy::with_idle(toy::line({1.0, 2.0, 2.5, 4.5}), toy::parameter("idle", 3.0));
     const ProfileLikelihood p = profile(problem, 2);
     CHECK_FALSE(p.low.has_value());
     CHECK_FALSE(p.high.has_value());
@@ -111,7 +102,7 @@ TEST_CASE("at the ends the others, fitted anew, give the threshold") {
 }
 
 TEST_CASE("sigmas unknown: the threshold grows with the scatter") {
-    Problem problem = toy::line({1.2, 2.9, 5.1, 6.8, 9.3, 10.7});
+    Problem problem = toy::line(toy::ys);
     problem.sigma_known = false;
     const Fit best = fit(problem, {});
     const double error = std::sqrt(6.0 / 105.0 * best.chi2 / 4.0);
@@ -121,7 +112,7 @@ TEST_CASE("sigmas unknown: the threshold grows with the scatter") {
 }
 
 TEST_CASE("what is tied moves along") {
-    Problem problem = toy::line({1.2, 2.9, 5.1, 6.8, 9.3, 10.7});
+    Problem problem = toy::line(toy::ys);
     problem.parameters[0].tied_to = "b";
     problem.parameters[0].tie_factor = 0.5;
     const Fit best = fit(problem, {});
@@ -154,8 +145,7 @@ TEST_CASE("profiles of what is not free are refused") {
 
 TEST_CASE("residuals that throw on the way end a side without an end") {
     Problem problem = mean_of(2.0);
-    problem.evaluate = [inner = problem.evaluate](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                                                  Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {
         if (p[0] > 2.3)
             throw std::runtime_error("beyond the data");
         inner(p, r, jacobian);

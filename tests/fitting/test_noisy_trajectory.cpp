@@ -1,34 +1,34 @@
 // Tracks of rods that diffuse: likelihoods in closed form, and truths that come back from made-up noise.
 
-#include "catch2/catch.hpp"
+#include "toy_problems.hpp"
+
 #include "rodwake/core/error.hpp"
 #include "rodwake/fitting/density.hpp"
 #include "rodwake/fitting/misfit.hpp"
 #include "rodwake/fitting/report.hpp"
 #include "rodwake/fitting/trajectory.hpp"
 #include "rodwake/rods/noise.hpp"
-#include "toy_problems.hpp"
 
 #include <Eigen/Cholesky>
+#include <catch2/catch.hpp>
+
 #include <cmath>
 #include <map>
 
 using namespace rodwake;
 using namespace rodwake::fitting;
+using toy::parameters;
+using toy::starts;
 
 namespace {
 
-/// Free ones have no bounds but 0.
-std::vector<Parameter> parameters(const std::map<std::string, double>& values,
-                                  const std::vector<std::string>& free) {
-    std::vector<Parameter> all;
-    for (const auto& [name, value] : values) {
-        Parameter p{.name = name, .start = value};
-        p.fixed = std::ranges::find(free, name) == free.end();
-        if (name.starts_with("D_"))
+/// Diffusion coefficients are bounded.
+std::vector<Parameter> noisy_parameters(const std::map<std::string, double>& values,
+                                        const std::vector<std::string>& free) {
+    std::vector<Parameter> all = toy::parameters(values, free);
+    for (Parameter& p : all)
+        if (p.name.starts_with("D_"))
             p.lower = 0.0, p.upper = 10.0;
-        all.push_back(p);
-    }
     return all;
 }
 
@@ -66,7 +66,7 @@ std::pair<double, double> pull(const Trajectory& data, double held_noise = -1.0)
         free.emplace_back("D_r");
     else
         values["D_r"] = held_noise;
-    const Problem problem = trajectory_problem({}, {data}, parameters(values, free));
+    const Problem problem = trajectory_problem({}, {data}, noisy_parameters(values, free));
     const Fit found = fit(problem, {});
     const Report told = report(problem, found);
     const auto at = [&](const char* name) {
@@ -91,7 +91,7 @@ TEST_CASE("headings that diffuse freely have their likelihood in closed form") {
     data.sigma_heading = 0.1;
     for (const bool measured : {false, true}) {
         data.free_headings = measured;
-        const Problem problem = trajectory_problem({}, {data}, parameters({{"D_r", 0.05}}, {"D_r"}));
+        const Problem problem = trajectory_problem({}, {data}, noisy_parameters({{"D_r", 0.05}}, {"D_r"}));
         const Density density(problem, {{PriorKind::uniform, 0.0, 1.0}});
         for (const double D : {0.0, 0.01, 0.3}) {
             const Eigen::Index n = 11;
@@ -124,16 +124,12 @@ TEST_CASE("without noise of their own the rods follow the trajectory, and residu
     data.free_start = false;
     auto values = truth;
     values["D_r"] = 0.0;
-    const Problem noisy = trajectory_problem({}, {data}, parameters(values, {"kappa"}));
+    const Problem noisy = trajectory_problem({}, {data}, noisy_parameters(values, {"kappa"}));
     values.erase("D_r");
-    const Problem plain = trajectory_problem({}, {data}, parameters(values, {"kappa"}));
+    const Problem plain = trajectory_problem({}, {data}, noisy_parameters(values, {"kappa"}));
     const auto at = [](const Problem& problem) {
-        std::vector<double> p;
-        for (const Parameter& one : problem.parameters)
-            p.push_back(one.start);
-        Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
-        Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(r.size(), static_cast<Eigen::Index>(p.size()));
-        problem.evaluate(p, r, &slopes);
+        Eigen::MatrixXd slopes;
+        const Eigen::VectorXd r = toy::residuals(problem, toy::starts(problem.parameters), &slopes);
         const auto kappa_at =
             std::ranges::find(problem.parameters, "kappa", &Parameter::name) - problem.parameters.begin();
         return std::pair(r, Eigen::VectorXd(slopes.col(kappa_at)));
@@ -168,7 +164,7 @@ TEST_CASE("rods whose noise is left out are not described") {
     const auto speaks = [&](double held) {
         auto values = truth;
         values["D_r"] = held;
-        const Problem problem = trajectory_problem({}, {data}, parameters(values, {"kappa"}));
+        const Problem problem = trajectory_problem({}, {data}, noisy_parameters(values, {"kappa"}));
         const Fit found = fit(problem, {});
         CHECK(found.objective > found.chi2 + 95.0); // 96 scales, each 1 or more
         return misfit(problem, found, 1).probability.value();
@@ -181,13 +177,106 @@ TEST_CASE("what a filter cannot use is refused") {
     const auto refuses = [](auto change, const char* text) {
         Trajectory data = wandering_pair(1);
         change(data);
-        CHECK_THROWS_WITH(trajectory_problem({}, {data}, parameters(truth, {"kappa", "D_r"})),
+        CHECK_THROWS_WITH(trajectory_problem({}, {data}, noisy_parameters(truth, {"kappa", "D_r"})),
                           Catch::Matchers::Contains(text));
     };
     refuses([](Trajectory& t) { t.independent = 0.5; }, "independent_time");
     refuses([](Trajectory& t) { t.contact_distance = 0.1, t.contact_time = 5.0; }, "contact_time");
     refuses([](Trajectory& t) { t.times.resize(1), t.states.resize(1); }, "a single row");
-    const Problem problem = trajectory_problem({}, {wandering_pair(1)}, parameters(truth, {"kappa", "D_r"}));
+    const Problem problem =
+        trajectory_problem({}, {wandering_pair(1)}, noisy_parameters(truth, {"kappa", "D_r"}));
     const Density density(problem, {{PriorKind::uniform, -1.0, 1.0}, {PriorKind::uniform, 0.0, 1.0}});
     CHECK(std::isinf(density.log_likelihood(std::vector{-0.01, 1.0})));
+}
+
+// --- Rival mechanisms in fits of tracks: derivatives, and which of them made the data
+
+namespace {
+
+using Values = std::map<std::string, double>;
+
+/// Two rods that pass each other, with noise of `noise` (0: none), by a mechanism.
+Trajectory pair_by(const Values& made_with, double noise, std::uint64_t seed) {
+    Trajectory data;
+    data.name = "pair";
+    for (int i = 0; i <= 16; ++i)
+        data.times.push_back(0.5 * i);
+    data.states.assign(data.times.size(), {0.0, 2.0, 0.1, 1.0, -2.0, 0.4});
+    const std::vector<Parameter> all = parameters(made_with);
+    data.states = predict({}, data, 0, all, starts(all));
+    RandomStream random(seed);
+    for (auto& state : data.states)
+        for (double& number : state)
+            number += noise * toy::normal(random);
+    data.sigma_position = data.sigma_heading = noise > 0.0 ? noise : 1.0;
+    data.free_start = noise > 0.0;
+    return data;
+}
+
+const Values medium{{"eta", 1.3}, {"alpha", 0.8}};
+
+Values with(Values values, const Values& more) {
+    values.insert(more.begin(), more.end());
+    return values;
+}
+
+} // namespace
+
+TEST_CASE("tracks have the derivatives by the flow, the rows and the medium that the flow brings in") {
+    const Values values =
+        with(medium, {{"kappa", 0.3}, {"gamma_flow", 0.7}, {"gamma_rows", 0.2}, {"rows_direction", 0.1}});
+    const std::vector<Parameter> all =
+        parameters(values, {"eta", "alpha", "kappa", "gamma_flow", "gamma_rows", "rows_direction"});
+    const Problem problem = trajectory_problem({}, {pair_by(medium, 0.0, 1)}, all);
+    Eigen::MatrixXd jacobian;
+    toy::residuals(problem, starts(all), &jacobian);
+    for (std::size_t j = 0; j < all.size(); ++j) {
+        INFO(all[j].name);
+        CHECK(jacobian.col(static_cast<Eigen::Index>(j)).cwiseAbs().maxCoeff() > 1e-3);
+    }
+    CHECK(toy::jacobian_error(problem, starts(all)) < 1e-5); // rtol 1e-10 over steps of 3e-4 and more
+}
+
+TEST_CASE("the mechanism that made a track fits it, and comes back") {
+    const std::map<std::string, Values> mechanisms = {
+        {"strain", {{"kappa", 0.5}}},
+        {"flow", {{"gamma_flow", 1.0}}},
+        {"rows", {{"gamma_rows", 0.1}, {"rows_direction", 0.0}}},
+        {"none", {}}};
+    for (const auto& [made, strength] : mechanisms) {
+        const Trajectory data = pair_by(with(medium, strength), 0.01, 5);
+        std::map<std::string, double> criterion;
+        for (const auto& [tried, terms] : mechanisms) {
+            std::vector<std::string> free;
+            for (const auto& [name, value] : terms)
+                if (name != "rows_direction")
+                    free.push_back(name);
+            const Problem problem = trajectory_problem({}, {data}, parameters(with(medium, terms), free));
+            const Fit found = fit(problem, {});
+            criterion[tried] = found.chi2 + 2.0 * static_cast<double>(free.size());
+            if (tried == made && !free.empty()) {
+                const auto index = static_cast<std::size_t>(
+                    std::ranges::find(problem.parameters, free.front(), &Parameter::name) -
+                    problem.parameters.begin());
+                const Report told = report(problem, found);
+                const double error = told.estimates[index].standard_error;
+                CHECK(std::abs(found.values[index] - strength.at(free.front())) < 4.0 * error);
+            }
+        }
+        INFO(made);
+        for (const auto& [tried, aic] : criterion)
+            if (tried != made)
+                CHECK(criterion.at(made) < aic + 4.0); // a useless parameter wins 4 by chance in 1 of 40
+    }
+}
+
+TEST_CASE("what turns rods must have what it needs") {
+    const auto refuses = [](const Values& values, const std::vector<std::string>& free, const char* text) {
+        CHECK_THROWS_WITH(trajectory_problem({}, {pair_by(medium, 0.0, 1)}, parameters(values, free)),
+                          Catch::Matchers::Contains(text));
+    };
+    refuses({{"gamma_flow", 1.0}}, {"gamma_flow"}, "eta is missing");
+    refuses({{"eta", 1.0}, {"gamma_flow", 1.0}}, {"gamma_flow"}, "xi (or alpha) is missing");
+    refuses({{"rows_direction", 1.0}}, {"rows_direction"}, "rows_direction needs gamma_rows");
+    refuses(medium, {"eta"}, "nothing turns");
 }

@@ -173,8 +173,7 @@ TEST_CASE("the better of two minima is taken, however little better") {
     Problem problem;
     problem.parameters = {toy::bounded("x", 0.0, -10.0, 10.0)};
     problem.residuals = 3;
-    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                          Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [](auto p, auto r, Eigen::MatrixXd* jacobian) {
         const double d =
             p[0] - 0.5; // minima at d = -2, nearer the start, and 2, better by 4e-6 of the objective
         r << 3.0 * (d * d - 4.0), 0.005 * (d - 2.0), 10.0;

@@ -2,6 +2,7 @@
 // trajectories.
 
 #include "rod_data.hpp"
+#include "toy_problems.hpp"
 
 #include "rodwake/core/error.hpp"
 
@@ -17,61 +18,19 @@ using test::reference;
 using test::ReferenceCase;
 using test::tight;
 using test::trajectory_of;
+using toy::parameter;
+using toy::residuals;
 
 namespace {
-
-Parameter parameter(const std::string& name, double start, bool fixed = false) {
-    Parameter p;
-    p.name = name;
-    p.start = start;
-    p.fixed = fixed;
-    return p;
-}
 
 std::vector<Parameter> parameters(double kappa, double gamma1, double gamma2, double eta, double alpha) {
     return {parameter("kappa", kappa), parameter("gamma1", gamma1), parameter("gamma2", gamma2),
             parameter("eta", eta), parameter("alpha", alpha)};
 }
 
-std::vector<double> starts(const Problem& problem) {
-    std::vector<double> p;
-    for (const Parameter& one : problem.parameters)
-        p.push_back(one.start);
-    return p;
-}
+std::vector<double> starts(const Problem& problem) { return toy::starts(problem.parameters); }
 
-Eigen::VectorXd residuals(const Problem& problem, const std::vector<double>& p,
-                          Eigen::MatrixXd* jacobian = nullptr) {
-    Eigen::VectorXd r(static_cast<Eigen::Index>(problem.residuals));
-    problem.evaluate(p, r, jacobian);
-    return r;
-}
-
-/// Worst error of a column of the Jacobian against differences of order 8, over the column's largest entry.
-double gradient_error(const Problem& problem) {
-    constexpr double step = 1e-3;
-    const std::vector<double> p = starts(problem);
-    const auto rows = static_cast<Eigen::Index>(problem.residuals);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(p.size()));
-    residuals(problem, p, &jacobian);
-    double worst = 0.0;
-    for (std::size_t j = 0; j < p.size(); ++j) {
-        if (problem.parameters[j].fixed)
-            continue;
-        Eigen::VectorXd slope = Eigen::VectorXd::Zero(rows);
-        const double h = step * std::max(0.3, std::abs(p[j]));
-        constexpr double weights[] = {0.8, -0.2, 4.0 / 105.0, -1.0 / 280.0};
-        for (int k = 1; k <= 4; ++k)
-            for (const int sign : {1, -1}) {
-                std::vector<double> moved = p;
-                moved[j] += sign * k * h;
-                slope += sign * weights[k - 1] / h * residuals(problem, moved);
-            }
-        const auto column = jacobian.col(static_cast<Eigen::Index>(j));
-        worst = std::max(worst, (column - slope).cwiseAbs().maxCoeff() / slope.cwiseAbs().maxCoeff());
-    }
-    return worst;
-}
+double gradient_error(const Problem& problem) { return toy::jacobian_error(problem, starts(problem)); }
 
 /// Rounding of the differences: solves to 1e-10 over steps of 3e-4 and more of the parameter.
 constexpr double gradient_bound = 1e-5;
@@ -150,7 +109,7 @@ TEST_CASE("a contact that is not met by the end of the run still has a slope, an
         all[j].fixed = true;
     const Problem problem = trajectory_problem(tight(), {data}, all);
     CHECK(gradient_error(problem) < gradient_bound);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(1, 5);
+    Eigen::MatrixXd jacobian;
     CHECK(residuals(problem, starts(problem), &jacobian)[0] > 0.0); // too late
     CHECK(jacobian(0, 0) < 0.0);                                    // more kappa brings it sooner
 }
@@ -159,7 +118,7 @@ TEST_CASE("the comparison of gradients notices a wrong one") {
     Problem problem = trajectory_problem(tight(), {trajectory_of(reference("mixed couplings"))},
                                          parameters(2.7, -1.3, 0.9, 1.2, 1.8));
     const auto right = problem.evaluate;
-    problem.evaluate = [right](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* j) {
+    problem.evaluate = [right](auto p, auto r, Eigen::MatrixXd* j) {
         right(p, r, j);
         if (j)
             (*j)(4, 3) *= 1.01;
@@ -172,7 +131,7 @@ TEST_CASE("columns of fixed parameters are left out, of tied ones not") {
     all[3].fixed = true;
     all[2].tied_to = "gamma1";
     const Problem problem = trajectory_problem(tight(), {trajectory_of(reference("mixed couplings"))}, all);
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(18, 5);
+    Eigen::MatrixXd jacobian;
     residuals(problem, starts(problem), &jacobian);
     CHECK(jacobian.col(3).isZero(0.0));
     CHECK(!jacobian.col(2).isZero(1e-6));
@@ -213,12 +172,7 @@ TEST_CASE("malformed trajectories are refused with what is wrong and where") {
     refused([](auto& d, auto&) { d.times[3] = HUGE_VAL; }, "finite");
     refused([](auto& d, auto&) { d.sigma_heading = 0.0; }, "sigma_heading = 0");
     refused([](auto& d, auto&) { d.times.pop_back(); }, "3 times and 4 rows");
-    refused(
-        [](auto& d, auto&) {
-            d.states.clear();
-            d.times.clear();
-        },
-        "0 times");
+    refused([](auto& d, auto&) { d.states.clear(), d.times.clear(); }, "0 times");
     refused(
         [](auto& d, auto&) {
             for (auto& s : d.states)
@@ -236,14 +190,10 @@ TEST_CASE("malformed trajectories are refused with what is wrong and where") {
     refused([](auto&, auto& p) { p.pop_back(); }, "xi (or alpha) is missing");
     refused([](auto&, auto& p) { p.push_back(parameter("xi", 1.0)); }, "both given");
     refused([](auto&, auto& p) { p.erase(p.begin(), p.begin() + 3); }, "nothing turns");
-    refused(
-        [](auto& d, auto&) {
-            d.times = {0.0};
-            d.states.resize(1);
-            d.contact_distance = 0.1;
-            d.contact_time = 5.0;
-        },
-        "1 data cannot fix 5");
+    const auto one_datum = [](auto& d, auto&) {
+        d.times.resize(1), d.states.resize(1), d.contact_distance = 0.1, d.contact_time = 5.0;
+    };
+    refused(one_datum, "1 data cannot fix 5");
     CHECK_THROWS_WITH(trajectory_problem(tight(), {}, all), Contains("none"));
     CHECK_THROWS_WITH(trajectory_problem(tight(integrate::Method::erk), {good}, all), Contains("adams"));
     CHECK_NOTHROW(trajectory_problem(tight(), {good}, all));

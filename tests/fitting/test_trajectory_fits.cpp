@@ -2,11 +2,13 @@
 
 #include "rod_data.hpp"
 #include "swimming_pair.hpp"
+#include "toy_problems.hpp"
 
-#include "rodwake/core/rng.hpp"
 #include "rodwake/fitting/report.hpp"
+#include "rodwake/rods/simulate.hpp"
+#include "support/normal.hpp"
 
-#include "catch2/catch.hpp"
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +79,13 @@ void expect_found(const ReferenceCase& one, double factor) {
 
 } // namespace
 
-TEST_CASE("couplings are found again from every reference trajectory, contacts by their time") {
+TEST_CASE("couplings are found again from reference trajectories: a contact by its time, stiff, three rods") {
+    for (const char* name : {"side-by-side, contact at 0.1", "stiff, kappa 1e4", "three rods"})
+        for (const double factor : {2.0, 0.5})
+            expect_found(reference(name), factor);
+}
+
+TEST_CASE("couplings are found again from every reference trajectory", "[.long]") {
     double factor = 2.0;
     for (const ReferenceCase& one : test::reference_cases()) {
         expect_found(one, factor);
@@ -135,12 +143,6 @@ TEST_CASE("headings that are free are found again with the couplings") {
 TEST_CASE("errors of couplings from noisy trajectories are of the right size") {
     const ReferenceCase one = reference("three rods");
     RandomStream random(77);
-    const auto normal = [&] { // twelve uniform numbers: variance 1
-        double sum = -6.0;
-        for (int k = 0; k < 12; ++k)
-            sum += random.uniform();
-        return sum;
-    };
     double squares = 0.0;
     constexpr int runs = 40;
     const std::vector<Parameter> truth = parameters(one, 1.0, false);
@@ -148,7 +150,7 @@ TEST_CASE("errors of couplings from noisy trajectories are of the right size") {
         Trajectory data = trajectory_of(one);
         for (std::size_t row = 1; row < data.states.size(); ++row)
             for (double& value : data.states[row])
-                value += 1e-3 * normal();
+                value += 1e-3 * normal(random);
         TrajectoryModel model;
         model.ode.rtol = 1e-8;
         const Problem problem = trajectory_problem(model, {data}, truth);
@@ -162,13 +164,6 @@ TEST_CASE("errors of couplings from noisy trajectories are of the right size") {
 }
 
 namespace {
-
-double normal(RandomStream& random) { // twelve uniform numbers: variance 1
-    double sum = -6.0;
-    for (int k = 0; k < 12; ++k)
-        sum += random.uniform();
-    return sum;
-}
 
 /// In how many of 40 tracks with noise on every row the 95 % interval holds the kappa that made them.
 int held(bool free_start) {
@@ -197,7 +192,85 @@ int held(bool free_start) {
 } // namespace
 
 // Four standard deviations of a binomial count of 38 of 40 are 5.5; a row too exact by sqrt(2) would hold 33.
-TEST_CASE("intervals of kappa hold the truth with noise on all rows of the tracks, the first one too") {
+TEST_CASE("intervals of kappa hold the truth with noise on all rows of the tracks, the first one too",
+          "[.long]") {
     CHECK(held(true) >= 33);
     CHECK(held(false) < 25); // as the first row is taken for exact: the count above sees that
+}
+
+// --- Trajectories measured in a periodic box are fitted in it, and rows that share noise count for less
+
+namespace {
+
+constexpr double box = 5.0;
+
+/// Two rods that meet each other's images.
+Trajectory in_box() {
+    rods::RodProblem problem;
+    problem.medium = elastic::Medium{.eta = 1.5, .xi = 1.25};
+    problem.couplings = {.kappa = 2.0, .gamma1 = 0.5};
+    problem.rods = {{0.0, 1.0, 0.2}, {1.0, -1.0, 1.1}};
+    problem.box = box;
+    problem.t_end = 3.0;
+    for (int k = 0; k <= 6; ++k)
+        problem.output_times.push_back(0.5 * k);
+    rods::RodOptions options;
+    options.ode.method = integrate::Method::adams;
+    options.ode.rtol = 1e-11;
+    options.ode.atol = 1e-12;
+    const auto run = rods::simulate(problem, options);
+    Trajectory one;
+    one.name = "box";
+    one.times = run.solution.times;
+    one.states = run.solution.states;
+    one.box = box;
+    return one;
+}
+
+std::vector<Parameter> couplings_and_medium(double factor) {
+    Parameter alpha = toy::bounded("alpha", factor * 0.8, 1e-3, 1e3);
+    alpha.transform = Transform::log;
+    return {toy::parameter("kappa", factor * 2.0),
+            toy::parameter("gamma1", factor * 0.5),
+            {.name = "eta", .start = 1.5, .fixed = true},
+            alpha};
+}
+
+Fit fit_of(const Trajectory& one) {
+    return fit(trajectory_problem(test::tight(integrate::Method::adams), {one}, couplings_and_medium(1.3)),
+               {});
+}
+
+} // namespace
+
+TEST_CASE("couplings and medium are found again from a trajectory in its box, and only there", "[.long]") {
+    Trajectory one = in_box();
+    const Fit found = fit_of(one);
+    CHECK(found.termination == Termination::converged);
+    CHECK(found.values[0] == Approx(2.0).epsilon(1e-6)); // data to 1e-11, field in the box to 1e-10
+    CHECK(found.values[1] == Approx(0.5).epsilon(1e-6));
+    CHECK(found.values[3] == Approx(0.8).epsilon(1e-6));
+    one.box.reset();
+    const Fit on_plane = fit_of(one);
+    CHECK(std::abs(on_plane.values[0] - 2.0) > 1e-2);
+    CHECK(on_plane.chi2 > 1e6 * found.chi2);
+}
+
+TEST_CASE("rows that share noise count for less") {
+    Trajectory one = in_box();
+    const auto problem = [&] {
+        return trajectory_problem(test::tight(integrate::Method::adams), {one}, couplings_and_medium(1.3));
+    };
+    const auto residuals = [](const Problem& of) { return toy::residuals(of, {2.5, 0.5, 1.5, 0.8}); };
+    const Problem all = problem();
+    one.independent = 0.25;
+    const Problem quarter = problem();
+    CHECK(quarter.independent == Approx(0.25));
+    CHECK(residuals(quarter).norm() == Approx(0.5 * residuals(all).norm()));
+    CHECK(independent_values(quarter) == std::lround(0.25 * static_cast<double>(all.residuals)));
+    one.independent = 0.0;
+    CHECK_THROWS_WITH(problem(), Catch::Contains("independent = 0"));
+    one.independent = 1.0;
+    one.box = -1.0;
+    CHECK_THROWS_WITH(problem(), Catch::Contains("box = -1"));
 }

@@ -1,13 +1,13 @@
 #pragma once
 // Small least-squares problems with known answers.
 
-#include "rodwake/core/rng.hpp"
+#include "support/normal.hpp"
+
 #include "rodwake/fitting/report.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <stdexcept>
+#include <map>
 
 namespace toy {
 
@@ -17,30 +17,66 @@ using rodwake::fitting::Problem;
 using rodwake::fitting::Report;
 using rodwake::fitting::Transform;
 
-inline Parameter parameter(const std::string& name, double start) {
-    Parameter p;
-    p.name = name;
-    p.start = start;
-    return p;
-}
+using rodwake::normal;
+
+inline Parameter parameter(const std::string& name, double start) { return {.name = name, .start = start}; }
 
 inline Parameter positive(const std::string& name, double start) {
-    Parameter p = parameter(name, start);
-    p.transform = Transform::log;
-    return p;
+    return {.name = name, .start = start, .transform = Transform::log};
 }
 
 inline Parameter bounded(const std::string& name, double start, double lower, double upper) {
-    Parameter p = parameter(name, start);
-    p.lower = lower;
-    p.upper = upper;
-    return p;
+    return {.name = name, .start = start, .lower = lower, .upper = upper};
 }
 
-/// Standard normal deviate (Box and Muller).
-inline double normal(rodwake::RandomStream& random) {
-    const double radius = std::sqrt(-2.0 * std::log(random.uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * random.uniform());
+/// Parameters that start at these values; those that are not named are fixed.
+inline std::vector<Parameter> parameters(const std::map<std::string, double>& values,
+                                         const std::vector<std::string>& free = {}) {
+    std::vector<Parameter> all;
+    for (const auto& [name, value] : values)
+        all.push_back({.name = name, .start = value, .fixed = std::ranges::find(free, name) == free.end()});
+    return all;
+}
+
+inline std::vector<double> starts(const std::vector<Parameter>& parameters) {
+    std::vector<double> values;
+    for (const Parameter& p : parameters)
+        values.push_back(p.start);
+    return values;
+}
+
+/// Residuals of the problem at p and, if asked for, their derivatives.
+inline Eigen::VectorXd residuals(const Problem& problem, const std::vector<double>& p,
+                                 Eigen::MatrixXd* jacobian = nullptr) {
+    Eigen::VectorXd r(static_cast<Eigen::Index>(problem.residuals));
+    if (jacobian)
+        jacobian->setZero(r.size(), static_cast<Eigen::Index>(p.size()));
+    problem.evaluate(p, r, jacobian);
+    return r;
+}
+
+/// Worst error of a column of the Jacobian of a free parameter against differences of order 8, over the
+/// column's largest entry.
+inline double jacobian_error(const Problem& problem, const std::vector<double>& p) {
+    Eigen::MatrixXd jacobian;
+    residuals(problem, p, &jacobian);
+    double worst = 0.0;
+    for (std::size_t j = 0; j < p.size(); ++j) {
+        if (problem.parameters[j].fixed)
+            continue;
+        Eigen::VectorXd slope = Eigen::VectorXd::Zero(jacobian.rows());
+        const double h = 1e-3 * std::max(0.3, std::abs(p[j]));
+        constexpr double weights[] = {0.8, -0.2, 4.0 / 105.0, -1.0 / 280.0};
+        for (int k = 1; k <= 4; ++k)
+            for (const int sign : {1, -1}) {
+                std::vector<double> moved = p;
+                moved[j] += sign * k * h;
+                slope += sign * weights[k - 1] / h * residuals(problem, moved);
+            }
+        const auto column = jacobian.col(static_cast<Eigen::Index>(j));
+        worst = std::max(worst, (column - slope).cwiseAbs().maxCoeff() / slope.cwiseAbs().maxCoeff());
+    }
+    return worst;
 }
 
 /// Rosenbrock's valley: 10 (y - x^2), 1 - x; minimum 0 at (1, 1).
@@ -48,8 +84,7 @@ inline Problem rosenbrock(double x, double y) {
     Problem problem;
     problem.parameters = {parameter("x", x), parameter("y", y)};
     problem.residuals = 2;
-    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                          Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [](auto p, auto r, Eigen::MatrixXd* jacobian) {
         r << 10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0];
         if (jacobian)
             *jacobian << -20.0 * p[0], 10.0, -1.0, 0.0;
@@ -69,8 +104,7 @@ inline Problem decay(std::size_t points = 40, std::uint64_t seed = 0) {
         x.push_back(5.0 * static_cast<double>(i) / static_cast<double>(points - 1));
         y.push_back(2.0 * std::exp(-x[i] / 1.5) + 0.5 + (seed == 0 ? 0.0 : 0.1 * normal(random)));
     }
-    problem.evaluate = [x, y](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                              Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [x, y](auto p, auto r, Eigen::MatrixXd* jacobian) {
         for (std::size_t i = 0; i < x.size(); ++i) {
             const double e = std::exp(-x[i] / p[1]);
             r[static_cast<Eigen::Index>(i)] = (p[0] * e + p[2] - y[i]) / 0.1;
@@ -87,8 +121,7 @@ inline Problem line(const std::vector<double>& y) {
     Problem problem;
     problem.parameters = {parameter("a", 0.0), parameter("b", 0.0)};
     problem.residuals = y.size();
-    problem.evaluate = [y](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                           Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [y](auto p, auto r, Eigen::MatrixXd* jacobian) {
         for (std::size_t i = 0; i < y.size(); ++i) {
             const double x = static_cast<double>(i);
             r[static_cast<Eigen::Index>(i)] = p[0] + p[1] * x - y[i];
@@ -105,8 +138,7 @@ inline Problem waves(double start) {
     Problem problem;
     problem.parameters = {bounded("x", start, -10.0, 10.0), bounded("y", 0.5, -1.0, 1.0)};
     problem.residuals = 3;
-    problem.evaluate = [](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                          Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [](auto p, auto r, Eigen::MatrixXd* jacobian) {
         const double d = p[0] - 2.0;
         r << 0.25 * d, 1.0 - std::cos(3.0 * d), p[1] - 0.25;
         if (jacobian)
@@ -120,13 +152,23 @@ inline const std::vector<double> ys{1.2, 2.9, 5.1, 6.8, 9.3, 10.7};
 
 /// Residuals of the problem times a factor, as if sigma were smaller by it.
 inline Problem times(Problem problem, double factor) {
-    problem.evaluate = [factor, inner = problem.evaluate](std::span<const double> p,
-                                                          Eigen::Ref<Eigen::VectorXd> r,
-                                                          Eigen::MatrixXd* jacobian) {
+    problem.evaluate = [factor, inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {
         inner(p, r, jacobian);
         r *= factor;
         if (jacobian)
             *jacobian *= factor;
+    };
+    return problem;
+}
+
+/// The problem with one more parameter, on which the residuals do not depend.
+inline Problem with_idle(Problem problem, const Parameter& idle) {
+    problem.parameters.push_back(idle);
+    problem.evaluate = [inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {
+        Eigen::MatrixXd others = Eigen::MatrixXd::Zero(r.size(), static_cast<Eigen::Index>(p.size() - 1));
+        inner(p.first(p.size() - 1), r, jacobian ? &others : nullptr);
+        if (jacobian)
+            jacobian->leftCols(others.cols()) = others;
     };
     return problem;
 }

@@ -17,6 +17,7 @@ from rodwake import SOURCE, ProgramTest
 sys.path[:0] = [str(SOURCE / "plots"), str(SOURCE / "tests" / "plots")]
 from made_up_fit import write_fit  # noqa: E402
 from rodwake_plots import words  # noqa: E402
+from shorter import shorter  # noqa: E402
 
 THEORY = """schema = 1
 title = "A pair & its field"
@@ -133,10 +134,7 @@ class RealRunsTest(ReportCase):
 
     def test_the_quick_start(self):
         """The pipeline of tools/quickstart: bed, map, medium, rods in it; shorter, so its numbers mean nothing."""
-        shorter = [f"-s{key}={value}" for key, value in
-                   (("granular.duration", 2), ("granular.equilibrate", 0.1), ("granular.runs", 2), ("granular.output.frames", 1),
-                    ("measure.from", 0), ("measure.block", 0.5), ("measure.spacing", "2 a"))]
-        self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter)
+        self.expect(0, "run", rodwake.SCENES / "quickstart.toml", "-o", "out", "--quiet", "-j", "2", *shorter("quickstart"))
         page = self.page_of("out")
         self.assert_good(page, 8, "Granular bed", "Fit", "Solver", "Provenance")
         found = json.loads((self.folder / "out/fit.json").read_text())

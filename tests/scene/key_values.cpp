@@ -232,7 +232,7 @@ Placed placed(const KeyInfo& info, const std::string& value) {
             info.name.size() + 4};
 }
 
-bool says(const std::string& message, const std::string& said) {
+bool has_whole(const std::string& message, const std::string& said) {
     const auto at = message.find(said);
     if (at == std::string::npos)
         return false;
@@ -248,12 +248,12 @@ bool is_refused(const KeyInfo& info, const Refused& refused) {
         fmt::format("x.toml:{}:{}: {}", scene.line, scene.column + refused.at, message_path(info));
     return std::ranges::any_of(problems_of(scene.text), [&](const Problem& problem) {
         return problem.key == message_path(info) + refused.item && problem.text().starts_with(place) &&
-               says(problem.message, refused.said);
+               has_whole(problem.message, refused.said);
     });
 }
 
 bool is_told(const KeyInfo& info, const Problem& problem) {
-    const auto tells = [&](const Refused& refused) { return says(problem.message, refused.said); };
+    const auto tells = [&](const Refused& refused) { return has_whole(problem.message, refused.said); };
     return problem.key.starts_with(message_path(info)) && (std::ranges::any_of(refused_values(info), tells) ||
                                                            std::ranges::any_of(wrong_types(info), tells));
 }

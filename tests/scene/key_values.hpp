@@ -31,7 +31,7 @@ struct Placed {
 Placed placed(const KeyInfo& info, const std::string& value);
 
 /// Whether the message has the text and no more of it: a part of a list or of a number is not enough.
-bool says(const std::string& message, const std::string& said);
+bool has_whole(const std::string& message, const std::string& said);
 
 /// Whether the value is refused with its file, line and column, the key and what must be said.
 bool is_refused(const KeyInfo& info, const Refused& refused);

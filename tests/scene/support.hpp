@@ -6,6 +6,7 @@
 #include "rodwake/scene/read.hpp"
 
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <string>
 #include <vector>
 
@@ -199,6 +200,21 @@ inline std::string error_text(const std::string& text, const std::vector<std::st
         return error.what();
     }
     return "";
+}
+
+/// Checks that the error of the scene has this part.
+inline void says(const std::string& text, const std::string& part,
+                 const std::vector<std::string>& overrides = {}) {
+    CHECK_THAT(error_text(text, overrides), Catch::Contains(part));
+}
+
+/// Checks that the scene survives being written and read, and is written the same again.
+inline void check_round_trip(const Scene& scene) {
+    const std::string written = rodwake::scene::to_toml(scene);
+    INFO(written);
+    const Scene again = rodwake::scene::parse_scene(written, scene.path);
+    CHECK(again == scene);
+    CHECK(rodwake::scene::to_toml(again) == written);
 }
 
 /// Some problem at this key has this in its text.

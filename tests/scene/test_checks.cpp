@@ -10,13 +10,6 @@ using namespace scene_test;
 
 namespace {
 
-bool says(const std::string& text, const std::string& part) {
-    const std::string message = error_text(text);
-    INFO(message);
-    CHECK(message.find(part) != std::string::npos);
-    return message.find(part) != std::string::npos;
-}
-
 std::string with_figure(const std::string& lines) {
     return two_rods(
         "[medium]\neta = 1\nxi = 1\n[field]\nx = [-1, 1]\ny = [-1, 1]\n[[field.cuts]]\nfrom = 0\nto = 1\n"
@@ -120,7 +113,6 @@ TEST_CASE("a measured field needs its file, the unit of length and theory beyond
          "needs eta and xi of its own");
     says(two_rods(scales + medium(given) + "[medium.measured]\nsamples = 3\n"),
          "medium.measured needs the key file");
-    says(two_rods(scales + medium(given) + file + "core = 0.0\n"), "medium.measured.core = 0.0: must be > 0");
     CHECK(parse(two_rods("[medium]\neta = 1\nxi = 1\n" + file)).medium->measured->samples == 32);
 }
 
@@ -155,10 +147,8 @@ TEST_CASE("a dynamic medium needs modes for its force, rods apart and no other b
          "rods_run.form = \"director\": medium.field = \"dynamic\" takes \"angle\"");
     says(scene("", "turning_tolerance = 1e-4\n"),
          "rods_run.turning_tolerance needs the exact field on the plane");
-    says(scene("modes = 3\n"), "medium.dynamic.modes = 3: must be >= 4 and <= 2048");
     says(scene("inertia = 0.1\nevaluation = \"mesh\"\n"),
          "[medium.dynamic]: inertia = 0.1 with self_field = false is not available");
-    says(scene("start = \"still\"\n"), "medium.dynamic.start = \"still\": must be one of steady, rest");
     CHECK(parse(scene("closure = \"steady\"\n")).medium->memory().closure ==
           rodwake::medium::Closure::steady);
     says(scene("closure = \"steady\"\nstart = \"rest\"\n"),
@@ -174,9 +164,6 @@ TEST_CASE("a film needs a medium that is integrated, an interval and points enou
     };
     CHECK(error_text(scene("film_interval = 0.5\n", "medium_film")) == "");
     CHECK(parse(scene("film_interval = 0.5\nfilm_grid = 96\n")).medium->memory().film_grid == 96);
-    says(scene("film_interval = 0\n"), "medium.dynamic.film_interval = 0: must be > 0");
-    says(scene("film_interval = -1.0\n"), "medium.dynamic.film_interval = -1.0: must be > 0");
-    says(scene("film_interval = 0.5\nfilm_grid = 2\n"), "medium.dynamic.film_grid = 2: must be >= 4");
     says(scene("film_interval = 0.5\nfilm_grid = 64\n"), "film_grid = 64: its spacing box/film_grid = 0.625");
     says(scene("film_interval = 0.5\nclosure = \"steady\"\n"),
          "film_interval needs a medium that is integrated");
@@ -203,23 +190,8 @@ TEST_CASE("figures") {
     CHECK(error_text(with_figure("kind = \"cut\"\n")) == "");
     CHECK(error_text(with_figure("kind = \"trajectories\"\n")) == "");
     says(with_figure("kind = \"cut\"\ncut = 1\n"), "there is no cut 1: field.cuts has 1 (numbered from 0)");
-    says(two_rods("[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
-         "a figure of kind cut needs [[field.cuts]]");
-    says(two_rods("[[figures]]\nname = \"f\"\nkind = \"extensional_axis\"\n"),
-         "a figure of kind extensional_axis needs [field] with x and y");
     says(with_figure("kind = \"polar_streamlines\"\n"), "needs gammas = ");
-    says(with_figure("kind = \"cut\"\ngammas = [[1, 0]]\n"), "gammas belongs to kind polar_streamlines only");
-    says(with_figure("kind = \"cut\"\ngammas = [[1, 0], [1]]\n"),
-         "figures[0].gammas[1]: expected 2 numbers, found 1");
-    says(with_figure("kind = \"trajectories\"\nsqrt_scaled = true\n"),
-         "sqrt_scaled belongs to kinds profile and cut only");
-    says(with_figure("kind = \"trajectories\"\ncomponent = \"Uy\"\n"),
-         "component belongs to kinds displacement_map, profile and cut only");
-    says(with_figure("kind = \"trajectories\"\ncut = 3\n"), "cut belongs to kind cut only");
     says(with_figure("kind = \"cut\"\nx = [2, 1]\n"), "min = 2 must be below max = 1");
-    says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [0, 1]\ny = [0, 1]\n[[figures]]\nname = \"f\"\n"
-         "kind = \"trajectories\"\n",
-         "a figure of kind trajectories needs [[rods]]");
 }
 
 TEST_CASE("a form needs a method that can take it") {
@@ -250,17 +222,8 @@ TEST_CASE("a tolerance of the table and no noise are accepted, dotted or as tabl
     CHECK(parse(two_rods(medium + "table.tolerance = 1e-6\n")).medium->table->tolerance == 1e-6);
     CHECK(parse(two_rods(medium + "[medium.table]\ntolerance = 1e-6\n")).medium->table->tolerance == 1e-6);
     says(two_rods(medium + "table.tolerance = 0.2\n"), "x.toml:12:19: medium.table.tolerance = 0.2: must be");
-    says(two_rods(medium + "table.tolerence = 1e-8\n"), "did you mean \"tolerance\"?");
     CHECK(parse(two_rods("[noise]\nrotational_diffusion = 0.0\n")).noise->rotational_diffusion == 0.0);
     CHECK(parse(two_rods("[noise]\nrotational_diffusion = 0.01\nruns = 5\n")).noise->runs == 5);
-    says(two_rods("[noise]\nrotational_diffusion = -0.01\n"),
-         "noise.rotational_diffusion = -0.01: must be >= 0 and <= 1000000");
-    says(two_rods("[noise]\ntranslational_diffusion = -1.0\n"),
-         "noise.translational_diffusion = -1.0: must be >= 0 and <= 1000000");
-    says(two_rods("[noise]\nruns = 0\n"), "noise.runs = 0: must be >= 1 and <= 1e+07");
-    says(two_rods("[noise]\ntime_step = 0.0\n"), "noise.time_step = 0.0: must be > 0");
-    says(two_rods("[noise]\ncapture_error = 0.6\n"),
-         "noise.capture_error = 0.6: must be >= 0.0001 and <= 0.5");
 }
 
 TEST_CASE("noise has a method of its own") {
@@ -290,10 +253,7 @@ TEST_CASE("noise has a method of its own") {
 }
 
 TEST_CASE("places that an override gives have no line") {
-    const auto message = [](const std::vector<std::string>& overrides) {
-        return error_text(two_rods(), overrides);
-    };
-    CHECK(message({"rods.1.position=[0.0, 0.0]"}) ==
+    CHECK(error_text(two_rods(), {"rods.1.position=[0.0, 0.0]"}) ==
           "-s rods.1.position=[0.0, 0.0]: rods[0] (line 3) and rods[1] start at the same point");
 }
 
@@ -301,6 +261,8 @@ TEST_CASE("names are unique") {
     says(with_figure("kind = \"cut\"\n[[figures]]\nname = \"f\"\nkind = \"cut\"\n"),
          "the name \"f\" is taken by figures[0] (line 18)");
     // What the command line sets has no line.
+    CHECK(error_text(two_rods(), {"rods.1.position=[0.0, 0.0]"}) ==
+          "-s rods.1.position=[0.0, 0.0]: rods[0] (line 3) and rods[1] start at the same point");
     CHECK(error_text(with_figure("kind = \"cut\"\n[[figures]]\nname = \"g\"\nkind = \"cut\"\n"),
                      {"figures.0.name=g"})
               .ends_with(": the name \"g\" is taken by figures[0]"));

@@ -3,11 +3,11 @@
 #include "support.hpp"
 
 #include "rodwake/scene/read.hpp"
-
 #include "scene/figure_kinds.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
+
 #include <set>
 
 using namespace scene_test;
@@ -22,16 +22,6 @@ std::string figure_of(const std::string& kind, const std::string& more = "") {
 const std::string measured_bed = "schema = 1\n[granular]\nphi_b = 0.8\nbox = \"40 a\"\nduration = 4.0\n"
                                  "[[granular.rods]]\nposition = [0.0, 0.0]\n"
                                  "[measure]\ndisplacement = \"phase\"\n";
-
-void check_round_trip(const Scene& scene) {
-    CHECK(rodwake::scene::parse_scene(rodwake::scene::to_toml(scene), scene.path) == scene);
-}
-
-void says(const std::string& text, const std::string& part) {
-    const std::string error = error_text(text);
-    CAPTURE(error);
-    CHECK(error.find(part) != std::string::npos);
-}
 
 std::string component_of(const std::string& kind, const std::string& more = "") {
     return parse(measured_bed + figure_of(kind, more)).figures[0].component;
@@ -72,6 +62,24 @@ TEST_CASE("kinds and their keys are keys and choices of [[figures]]") {
     }
 }
 
+TEST_CASE("a key of figures is refused in every kind that has no use for it") {
+    for (const auto& info : rodwake::scene::scene_keys()) {
+        const auto has_key = [&](const auto& kind) { return std::ranges::count(kind.keys, info.name) > 0; };
+        if (info.table != "figures[]" || info.name == "x" || info.name == "y" ||
+            std::ranges::none_of(figure_kinds(), has_key))
+            continue; // windows are no mistake anywhere
+        // Examples of whole numbers are the defaults, which are no mistake either.
+        const bool whole = info.name == "cut" || info.name == "frame" || info.name == "fps";
+        const std::string value = whole ? "1" : info.example;
+        for (const auto& kind : figure_kinds())
+            if (!has_key(kind)) {
+                const std::string setting = "figures.0." + info.name + "=" + value;
+                says(two_rods(figure_of(kind.name)), "-s " + setting + ": " + info.name + " belongs to kind",
+                     {setting});
+            }
+    }
+}
+
 TEST_CASE("a map shows the size of U unless a component is asked for") {
     CHECK(component_of("displacement_map") == "U");
     CHECK(component_of("displacement_map", "component = \"Ux\"\n") == "Ux");
@@ -82,7 +90,7 @@ TEST_CASE("a map shows the size of U unless a component is asked for") {
             parse(measured_bed + figure_of("displacement_map", "component = \"" + component + "\"\n")));
     check_round_trip(parse(measured_bed + figure_of("displacement_map")));
     const Scene asked = parse(measured_bed + figure_of("displacement_map", "component = \"Ux\"\n"));
-    CHECK(rodwake::scene::to_toml(asked).find("component = \"Ux\"") != std::string::npos); // what plots read
+    CHECK_THAT(rodwake::scene::to_toml(asked), Catch::Contains("component = \"Ux\"")); // what plots read
     says(measured_bed + figure_of("profile", "component = \"U\"\n"),
          "U belongs to kind displacement_map only");
 }
@@ -105,4 +113,44 @@ TEST_CASE("schema.json lists the kinds") {
         CHECK(figures[i].at("needs").size() == figure_kinds()[i].needs.size());
         CHECK(figures[i].at("keys") == figure_kinds()[i].keys);
     }
+}
+
+// --- Figures of scans: their keys, what they need, how they are written
+
+namespace {
+
+/// A scan of two rods with a figure of the kind.
+std::string figure(const std::string& kind, const std::string& more = "") {
+    return two_rods("[medium]\neta = 1.0\nxi = 1.0\n[coupling]\nkappa = 1.0\n[scan]\ndesign = \"grid\"\n"
+                    "[[scan.axes]]\nkey = \"coupling.kappa\"\nfrom = 0.1\nto = 10.0\ncount = 3\n"
+                    "[[figures]]\nname = \"f\"\nkind = \"" +
+                    kind + "\"\n" + more);
+}
+
+} // namespace
+
+TEST_CASE("figures of scans have their own keys") {
+    const Scene plain = parse(figure("phase_diagram"));
+    CHECK(plain.figures[0].colour == "outcome");
+    CHECK(plain.figures[0].boundary);
+    CHECK_FALSE(plain.figures[0].cells);
+    check_round_trip(plain);
+    const Scene asked = parse(figure("phase_diagram", "colour = \"steps\"\ncells = true\nboundary = false\n"
+                                                      "slices = [1.0, -2.5]\nx = [0.1, 3.0]\n"));
+    CHECK(asked.figures[0].colour == "steps");
+    CHECK(asked.figures[0].slices == std::vector{1.0, -2.5});
+    check_round_trip(asked);
+    const Scene curve = parse(figure("scan_curve", "column = \"time\"\n"));
+    CHECK(curve.figures[0].column == "time");
+    check_round_trip(curve);
+}
+
+TEST_CASE("the window of a scan's figure is in the numbers of its axes, whatever the units") {
+    const std::string si = "units = \"si\"\n[scales]\nf_over_mu = \"0.88 mm\"\nv0 = \"2.8 mm/s\"\n";
+    const Scene scene = parse(replaced(replaced(figure("phase_diagram", "x = [0.1, 3.0]\ny = [-2.0, 2.0]\n"),
+                                                "schema = 1\n", "schema = 1\n" + si),
+                                       "[medium]\neta = 1.0\nxi = 1.0", "[medium]\neta = 1.0\nalpha = 1.0"));
+    CHECK(scene.figures[0].x == std::vector{0.1, 3.0});
+    CHECK(scene.figures[0].y == std::vector{-2.0, 2.0});
+    check_round_trip(scene);
 }

@@ -1,7 +1,8 @@
 // [fit]: units of its lengths, what its tables must agree on, what it needs of the data, the fitted medium.
 
-#include "rodwake/scene/read.hpp"
 #include "support.hpp"
+
+#include "rodwake/scene/read.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -20,19 +21,6 @@ const std::string medium = "[medium]\nfitted = true\n";
 std::string fitted(const std::string& keys, const std::string& data = ux,
                    const std::string& parameters = "\"f_over_mu\", \"eta\", \"xi\"") {
     return "schema = 1\n[fit]\nparameters = [" + parameters + "]\n" + keys + data;
-}
-
-void says(const std::string& text, const std::string& part) {
-    const std::string message = error_text(text);
-    INFO(message);
-    CHECK(message.find(part) != std::string::npos);
-}
-
-void survives(const std::string& text) {
-    const Scene scene = parse(text);
-    const std::string written = rodwake::scene::to_toml(scene);
-    INFO(written);
-    CHECK(parse(written) == scene);
 }
 
 } // namespace
@@ -61,7 +49,7 @@ TEST_CASE("fit.box is one side or two") {
     CHECK(fit.box->x == Approx(78.0));
     CHECK(fit.box->y == Approx(78.0));
     const std::string both = "box = [\"78 a\", \"77 a\"]\n";
-    survives(fitted(both));
+    check_round_trip(parse(fitted(both)));
     CHECK(*parse(bed("") + fitted(both).substr(11)).fit->box == rodwake::PeriodicBox(78.0, 77.0));
     says(fitted("box = [\"78 a\", \"-77 a\"]\n"), "fit.box");
     says(fitted("box = [\"78 a\"]\n"), "fit.box");
@@ -72,7 +60,7 @@ TEST_CASE("fit.box is one side or two") {
 TEST_CASE("a profile's range goes from low to high") {
     const auto fit = *parse(fitted("", uy + "range = [\"10 a\", 39.0]\n")).fit;
     CHECK(fit.profiles[0].range == std::vector{10.0, 39.0});
-    survives(fitted("", uy + "range = [10.0, 39.0]\n"));
+    check_round_trip(parse(fitted("", uy + "range = [10.0, 39.0]\n")));
     says(fitted("", uy + "range = [39.0, 10.0]\n"), "from a lower to a higher place");
 }
 
@@ -91,30 +79,29 @@ TEST_CASE("parameters have the defaults of the reference") {
 }
 
 TEST_CASE("a fit survives writing and reading") {
-    survives(
+    check_round_trip(parse(
         fitted("start = { eta = 2.0, f_over_mu = -1.5 }\nbounds = { eta = [0.1, 1e3] }\nlog = [\"eta\"]\n"
                "fixed = { offset = 0.25 }\ntied = { f2d_over_mu = [\"f_over_mu\", -0.5] }\nstarts = 7\n"
                "method = \"bobyqa\"\nloss = \"huber\"\nloss_width = 2.0\nlikelihood = [\"xi\"]\n",
                ux + "role = \"predict\"\n" + ux + "name = \"N\"\n" +
-                   "[[fit.compare]]\nname = \"c\"\nvalues = { alpha = 0.1 }\n"));
-    survives("schema = 1\n" + medium + "periodic = 40.0\n" + fitted("").substr(11));
-    survives(fitted("", tracks + "sigma_position = 0.1\nsigma_heading = 0.2\ncontact_distance = 0.3\n",
-                    "\"kappa\", \"eta\", \"alpha\""));
-    survives(fitted(
+                   "[[fit.compare]]\nname = \"c\"\nvalues = { alpha = 0.1 }\n")));
+    check_round_trip(parse("schema = 1\n" + medium + "periodic = 40.0\n" + fitted("").substr(11)));
+    check_round_trip(
+        parse(fitted("", tracks + "sigma_position = 0.1\nsigma_heading = 0.2\ncontact_distance = 0.3\n",
+                     "\"kappa\", \"eta\", \"alpha\"")));
+    check_round_trip(parse(fitted(
         "likelihood = [\"eta\"]\nstarts = 2\n",
         ux +
             "[[figures]]\nname = \"f\"\nkind = \"fit\"\nprofiles = [0]\nresiduals = false\nx = [1, \"2 a\"]\n"
-            "[[figures]]\nname = \"g\"\nkind = \"fit_likelihood\"\nparameter = \"eta\"\n"));
+            "[[figures]]\nname = \"g\"\nkind = \"fit_likelihood\"\nparameter = \"eta\"\n")));
 }
 
 TEST_CASE("unknown parameters are named with the nearest known one, where they stand") {
-    CHECK(
-        error_text(fitted("start = { etta = 2.0 }\n")) ==
-        "x.toml:4:11: fit.start.etta: unknown parameter \"etta\" (did you mean \"eta\"?). Known parameters: "
-        "f_over_mu, "
-        "f2d_over_mu, eta, xi, alpha, drag_area, x0, amplitude, force, p_xx, p_yy, q_xxx, q_xyy, q_yxy, "
-        "t_xxxx, t_xxyy, h_xxxxx, h_xxxyy, c11, c22, c12, c66, zeta, rho, eta_s, offset, offset_y, kappa, "
-        "gamma1, gamma2, gamma_flow, gamma_rows, rows_direction, D_r, D_t");
+    CHECK(error_text(fitted("start = { etta = 2.0 }\n")) ==
+          "x.toml:4:11: fit.start.etta: unknown parameter \"etta\" (did you mean \"eta\"?). Known "
+          "parameters: f_over_mu, f2d_over_mu, eta, xi, alpha, drag_area, x0, amplitude, force, p_xx, p_yy, "
+          "q_xxx, q_xyy, q_yxy, t_xxxx, t_xxyy, h_xxxxx, h_xxxyy, c11, c22, c12, c66, zeta, rho, eta_s, "
+          "offset, offset_y, kappa, gamma1, gamma2, gamma_flow, gamma_rows, rows_direction, D_r, D_t");
     says(fitted("tied = { x0 = [\"f_over_my\", 1.0] }\n"), "did you mean \"f_over_mu\"?");
     says(fitted("", ux, "\"f_over_mu\", \"etta\", \"xi\""), "did you mean \"eta\"?");
 }
@@ -207,9 +194,9 @@ TEST_CASE("a fitted medium takes eta and xi from the fit") {
          "medium.fitted = true needs f_over_mu, eta and xi or alpha in [fit]");
     says("schema = 1\n" + medium + "[field]\nx = [0, 1]\ny = [0, 1]\n", "medium.fitted = true needs [fit]");
     const auto written = rodwake::scene::to_toml(parse(with("fitted = true\nperiodic = 40.0\n", fitted(""))));
-    CHECK(written.find("fitted = true") != std::string::npos);
-    CHECK(written.find("periodic = 40.0") != std::string::npos);
-    CHECK(written.find("xi = ") == std::string::npos);
+    CHECK_THAT(written, Catch::Contains("fitted = true"));
+    CHECK_THAT(written, Catch::Contains("periodic = 40.0"));
+    CHECK_THAT(written, !Catch::Contains("xi = "));
 }
 
 TEST_CASE("figures of the fit need what they show") {
@@ -225,9 +212,91 @@ TEST_CASE("figures of the fit need what they show") {
     says(drawn("fit_likelihood", "parameter = \"xi\"\n", "likelihood = [\"eta\"]\n"),
          "xi is not in fit.likelihood");
     says(drawn("fit_trajectories"), "a figure of kind fit_trajectories needs [[fit.trajectories]]");
-    says(drawn("fit_correlation", "profiles = [0]\n"),
-         "profiles belongs to kinds fit and posterior_predictive only");
-    says(drawn("fit_correlation", "residuals = false\n"), "residuals belongs to kind fit only");
-    says(drawn("fit", "parameter = \"eta\"\n"), "parameter belongs to kind fit_likelihood only");
-    says(two_rods("[[figures]]\nname = \"f\"\nkind = \"fit\"\n"), "a figure of kind fit needs [fit]");
+}
+
+// --- [[fit.maps]]: units, what its tables must agree on, what it needs of the parameters
+
+namespace {
+
+const std::string constants = "c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = 1.0";
+const std::string maps = "[[fit.maps]]\nfiles = [\"measure.h5\"]\n";
+
+std::string with_maps(const std::string& keys = "", const std::string& data = maps,
+                      const std::string& parameters = "\"force\", \"p_yy\"",
+                      const std::string& fixed = constants) {
+    return "schema = 1\n[fit]\nparameters = [" + parameters + "]\nfixed = { " + fixed + " }\n" + keys + data;
+}
+
+} // namespace
+
+TEST_CASE("lengths of maps and masks are bead radii, angles radians") {
+    const Scene scene =
+        parse(with_maps("rod_length = \"4.5 mm\"\nsource_width = \"1 a\"\nfixed_errors = { c66 = 0.1 }\n",
+                        maps + "box = [\"78 a\", 77.0]\nspeed = -2.5\n[[fit.masks]]\nstrip = \"8 a\"\n"
+                               "sector = [0.0, \"90 deg\"]\n[[fit.masks]]\nradius = 10.0\n"));
+    CHECK(scene.fit->rod_length == Approx(11.25));
+    CHECK(scene.fit->maps[0].box == std::vector{78.0, 77.0});
+    CHECK(*scene.fit->maps[0].speed == -2.5);
+    CHECK(scene.fit->masks[0].strip == Approx(8.0));
+    CHECK(scene.fit->masks[0].sector[1] == Approx(1.5707963267948966));
+    CHECK(scene.fit->fixed_errors.at("c66") == 0.1);
+    check_round_trip(scene);
+}
+
+TEST_CASE("maps need a source and all four constants") {
+    says(with_maps("", maps, "\"p_yy\"", "c11 = 3.0, c22 = 3.0, c66 = 1.0"), "maps need c12");
+    says(with_maps("", maps, "\"offset\""), "maps need force, p_xx, p_yy, q_xxx, q_xyy or q_yxy");
+    CHECK_NOTHROW(parse(with_maps("", maps, "\"q_xyy\"")));
+    says(with_maps("", maps, "\"amplitude\", \"p_yy\""), "amplitude scales the predicted monopole force");
+    says(with_maps("", maps, "\"force\"", "c11 = 3.0, c22 = 3.0, c12 = 1.0, c66 = -1.0"),
+         "c66 must be above 0");
+    says(with_maps("", maps, "\"force\", \"kappa\""), "no data depend on kappa");
+}
+
+TEST_CASE("keys of maps without maps are refused") {
+    const std::string profile = "[[fit.profiles]]\nfile = \"ux.csv\"\n";
+    const std::string isotropic = "\"f_over_mu\", \"eta\", \"xi\"";
+    says(with_maps("", profile, isotropic), "no data depend on c11: it needs [[fit.maps]]");
+    says(with_maps("rod_length = 4.0\n", profile, isotropic, ""), "rod_length belongs to [[fit.maps]]");
+    says(with_maps("", profile + "[[fit.masks]]\nstrip = 8.0\n", isotropic, ""),
+         "masks belongs to [[fit.maps]]");
+}
+
+TEST_CASE("errors belong to values that are held, and sectors go upwards") {
+    says(with_maps("fixed_errors = { p_yy = 1.0 }\n"), "p_yy is not in fit.fixed");
+    says(with_maps("fixed_errors = { c66 = 0.0 }\n"), "a standard error must be above 0");
+    says(with_maps("", maps + "[[fit.masks]]\nsector = [\"90 deg\", \"10 deg\"]\n"),
+         "from a lower to a higher angle");
+    says(with_maps("", maps + "[[fit.masks]]\nsector = [\"90 deg\", \"270 deg\"]\n"), "within 0 and 180 deg");
+    says(with_maps("", maps + "box = [78.0, 0.0]\n"), "both must be above 0");
+}
+
+TEST_CASE("maps by the theory's own parameters are in units of the shear modulus") {
+    const std::string
+        theory = "\"f_over_mu\", \"eta\"",
+        bed = "[granular]\nphi_b = 0.8\nbox = \"fit\"\nduration = 9.0\n[[granular.rods]]\nkind = \"motile\"\n"
+              "position = [0.008, 0.016]\n[measure]\n";
+    const auto text = [&](const std::string& keys, const std::string& fixed = "drag_area = 860.0",
+                          const std::string& more = "") {
+        return with_maps(keys, maps + more, theory, fixed);
+    };
+    CHECK_NOTHROW(parse(text("")));
+    CHECK_NOTHROW(parse(text("", "xi = 500.0")));
+    says(text("", "xi = 500.0, drag_area = 860.0"), "give one of xi, alpha and drag_area");
+    says(text("", "c11 = 3.0"), "maps with f_over_mu and eta are in units of mu: leave out c11");
+    says(text("", "drag_area = -1.0"), "drag_area must be above 0");
+    says(text("measured_drag = true\n"), "drag_area is measured and also fitted, fixed or tied");
+    says(text("measured_drag = true\n", ""), "measured by measure.mechanics");
+    says(text("", "drag_area = 860.0", "[[fit.profiles]]\nfile = \"ux.csv\"\n"),
+         "cannot be combined with other fitted data");
+    const std::string line =
+        "[[fit.profiles]]\nfile = \"ux.csv\"\nrole = \"predict\"\n[[fit.compare]]\nname = \"line\"\n";
+    CHECK_NOTHROW(parse(text("", "drag_area = 860.0", line + "line = 0\n")));
+    says(text("", "drag_area = 860.0", line), "give values, or line");
+    says(text("", "drag_area = 860.0", line + "line = 1\n"),
+         "there is no profile 1: fit.profiles has 1 (numbered from 0)");
+    const Scene measured = parse(text("measured_drag = true\n", "",
+                                      bed + "displacement = \"phase\"\nmechanics = true\nrun_maps = true\n"));
+    CHECK(rodwake::scene::fit_is_isotropic(*measured.fit));
+    check_round_trip(measured);
 }

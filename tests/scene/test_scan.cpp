@@ -8,12 +8,7 @@
 #include <catch2/catch.hpp>
 
 using namespace scene_test;
-using rodwake::scene::parse_scene;
-using rodwake::scene::scan_subject;
-using rodwake::scene::ScanDesign;
-using rodwake::scene::ScanSpacing;
-using rodwake::scene::ScanSubject;
-using rodwake::scene::Value;
+using namespace rodwake::scene;
 
 namespace {
 
@@ -26,18 +21,12 @@ std::string scan(const std::string& lines) {
 
 std::string axis(const std::string& lines) { return "[[scan.axes]]\n" + lines + "\n"; }
 
-void says(const std::string& lines, const std::string& part) {
+/// Checks that one thing is wrong with these lines of [scan], and that it is told once.
+void refuses(const std::string& lines, const std::string& part) {
     const std::string message = error_text(scan(lines));
     CAPTURE(lines, message);
-    CHECK(message.find(part) != std::string::npos);
-    CHECK(std::ranges::count(message, '\n') == 0); // one thing is wrong, and told once
-}
-
-void check_round_trip(const Scene& scene) {
-    const std::string written = rodwake::scene::to_toml(scene);
-    INFO(written);
-    CHECK(rodwake::scene::parse_scene(written, scene.path) == scene);
-    CHECK(rodwake::scene::to_toml(rodwake::scene::parse_scene(written, scene.path)) == written);
+    CHECK_THAT(message, Catch::Contains(part));
+    CHECK(std::ranges::count(message, '\n') == 0);
 }
 
 } // namespace
@@ -103,72 +92,68 @@ TEST_CASE("scans that differ are not equal") {
 }
 
 TEST_CASE("a scan needs rods that can meet, and axes") {
-    CHECK(error_text("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [-1, 1]\ny = [-1, 1]\n[scan]\n" +
-                     kappa)
-              .find("[scan] needs [[rods]] with [rods_run], or [granular]") != std::string::npos);
-    CHECK(error_text("schema = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n[scan]\n" +
-                     axis("key = \"rods.0.heading\"\nfrom = 0\nto = 1"))
-              .find("[scan] of rods needs two or more [[rods]]") != std::string::npos);
-    CHECK(error_text("schema = 1\n[rods_random]\ncount = 101\nextent = 60\n[rods_run]\nt_end = 1\n[scan]\n" +
-                     axis("key = \"coupling.kappa\"\nfrom = 0\nto = 1"))
-              .find("of at most 100 rods, and this scene has 101") != std::string::npos);
-    says("", "x.toml:13:1: [scan] has no axes: give [[scan.axes]] with key, from and to");
-    CHECK(error_text(scan(kappa) + "[[variants]]\nname = \"v\"\nset = { \"medium.eta\" = 2 }\n")
-              .find("[scan] and [[variants]] do not go together: make the variants an axis") !=
-          std::string::npos);
-    CHECK(error_text(replaced(scan(kappa), "eta = 1\nxi = 1\n", "fitted = true\n") +
-                     "[fit]\nparameters = [\"eta\", \"xi\"]\n[[fit.profiles]]\nfile = \"u.csv\"\n")
-              .find("[scan] needs a medium of its own") != std::string::npos);
+    says("schema = 1\n[medium]\neta = 1\nxi = 1\n[field]\nx = [-1, 1]\ny = [-1, 1]\n[scan]\n" + kappa,
+         "[scan] needs [[rods]] with [rods_run], or [granular]");
+    says("schema = 1\n[[rods]]\nposition = [0, 0]\n[rods_run]\nt_end = 1\n[scan]\n" +
+             axis("key = \"rods.0.heading\"\nfrom = 0\nto = 1"),
+         "[scan] of rods needs two or more [[rods]]");
+    says("schema = 1\n[rods_random]\ncount = 101\nextent = 60\n[rods_run]\nt_end = 1\n[scan]\n" +
+             axis("key = \"coupling.kappa\"\nfrom = 0\nto = 1"),
+         "of at most 100 rods, and this scene has 101");
+    refuses("", "x.toml:13:1: [scan] has no axes: give [[scan.axes]] with key, from and to");
+    says(scan(kappa) + "[[variants]]\nname = \"v\"\nset = { \"medium.eta\" = 2 }\n",
+         "[scan] and [[variants]] do not go together: make the variants an axis");
+    says(replaced(scan(kappa), "eta = 1\nxi = 1\n", "fitted = true\n") +
+             "[fit]\nparameters = [\"eta\", \"xi\"]\n[[fit.profiles]]\nfile = \"u.csv\"\n",
+         "[scan] needs a medium of its own");
 }
 
 TEST_CASE("an axis names its keys in one way, and keys that points depend on") {
     const std::string range = "from = 0.1\nto = 1.0\n";
-    says(axis(range), "x.toml:13:1: scan.axes[0]: give key, or keys for several that vary together");
-    says(axis("key = \"coupling.kappa\"\nkeys = [\"coupling.gamma1\"]\n" + range),
-         "scan.axes[0]: give key, or keys");
-    says(axis("keys = [\"coupling.gamma1\", \"coupling.gamma2\"]\nfactor = [1.0]\n" + range),
-         "scan.axes[0].factor has 1 numbers for 2 keys");
-    says(axis("key = \"coupling.kappa\"\nfactor = [2.0]\n" + range),
-         "scan.axes[0].factor has 1 numbers for 0 keys");
+    refuses(axis(range), "x.toml:13:1: scan.axes[0]: give key, or keys for several that vary together");
+    refuses(axis("key = \"coupling.kappa\"\nkeys = [\"coupling.gamma1\"]\n" + range),
+            "scan.axes[0]: give key, or keys");
+    refuses(axis("keys = [\"coupling.gamma1\", \"coupling.gamma2\"]\nfactor = [1.0]\n" + range),
+            "scan.axes[0].factor has 1 numbers for 2 keys");
+    refuses(axis("key = \"coupling.kappa\"\nfactor = [2.0]\n" + range),
+            "scan.axes[0].factor has 1 numbers for 0 keys");
     for (const std::string key : {"scan.resolution", "figures.0.cut", "variants.0.name", "field.nx",
                                   "granular.phi_b", "measure.order", "fit.seed", "title", "schema"})
-        says(axis("key = \"" + key + "\"\n" + range),
-             "scan.axes[0]: " + key + " is not what a scan can vary");
-    says(kappa + axis("keys = [\"medium.eta\", \"scan.seed\"]\n" + range), "scan.axes[1]: scan.seed is not");
+        refuses(axis("key = \"" + key + "\"\n" + range),
+                "scan.axes[0]: " + key + " is not what a scan can vary");
+    refuses(kappa + axis("keys = [\"medium.eta\", \"scan.seed\"]\n" + range),
+            "scan.axes[1]: scan.seed is not");
 }
 
 TEST_CASE("an axis has two ends or values") {
     const std::string key = "key = \"coupling.kappa\"\n";
     for (const std::string lines : {"", "from = 1.0\n", "to = 1.0\n", "from = 1.0\nvalues = [1.0]\n",
                                     "from = 1.0\nto = 2.0\nvalues = [1.0]\n"})
-        says(axis(key + lines), "scan.axes[0]: give from and to, or values");
-    says(axis(key + "values = []\n"), "expected 1 to 1000000 numbers, quantities or words, found 0");
-    says(axis(key + "from = 2\nto = 2.0\n"), "scan.axes[0]: from and to are both 2: the axis is empty");
-    says(axis(key + "from = 0\nto = 2.0\nspacing = \"log\"\n"),
-         "scan.axes[0]: spacing \"log\" needs ends of one sign, found 0 and 2");
-    says(axis(key + "from = -1.0\nto = 2.0\nspacing = \"log\"\n"), "found -1 and 2");
+        refuses(axis(key + lines), "scan.axes[0]: give from and to, or values");
+    refuses(axis(key + "from = 2\nto = 2.0\n"), "scan.axes[0]: from and to are both 2: the axis is empty");
+    refuses(axis(key + "from = 0\nto = 2.0\nspacing = \"log\"\n"),
+            "scan.axes[0]: spacing \"log\" needs ends of one sign, found 0 and 2");
+    refuses(axis(key + "from = -1.0\nto = 2.0\nspacing = \"log\"\n"), "found -1 and 2");
     CHECK(error_text(scan(axis(key + "from = -1.0\nto = -100\nspacing = \"log\"\n"))) == "");
-    says(axis(key + "from = 1.0\nto = 2.0\ncount = 1\n"), "scan.axes[0].count = 1 would use only");
+    refuses(axis(key + "from = 1.0\nto = 2.0\ncount = 1\n"), "scan.axes[0].count = 1 would use only");
     CHECK(error_text(scan(axis(key + "values = [1.0]\n"))) == "");
-    says(axis(key + "from = 1.0\nto = nan\n"), "must be a finite number");
-    says(axis(key + "from = [1.0]\nto = 2.0\n"), "expected a number, quantity or word");
 }
 
 TEST_CASE("each design takes what is its own") {
     const std::string values = axis("key = \"coupling.kappa\"\nvalues = [1.0, 2.0]"),
                       refine = "[[scan.refine]]\nobservable = \"time\"\nstep = 1.0\n";
     for (const std::string design : {"lhs", "sobol", "adaptive"})
-        says("design = \"" + design + "\"\nresolution = 64\n" + values,
-             "only design = \"grid\" or \"critical\" takes listed values");
-    says("design = \"list\"\n", "design = \"list\" needs scan.file, a CSV whose header names the keys");
-    says("design = \"list\"\nfile = \"p.csv\"\n" + kappa, "with scan.file the axes are its columns");
-    says("file = \"p.csv\"\n" + kappa, "scan.file needs design = \"list\"");
-    says("boundary_tolerance = 1e-6\n" + kappa, "scan.boundary_tolerance needs design = \"adaptive\"");
-    says(kappa + refine, "[[scan.refine]] needs design = \"adaptive\"");
+        refuses("design = \"" + design + "\"\nresolution = 64\n" + values,
+                "only design = \"grid\" or \"critical\" takes listed values");
+    refuses("design = \"list\"\n", "design = \"list\" needs scan.file, a CSV whose header names the keys");
+    refuses("design = \"list\"\nfile = \"p.csv\"\n" + kappa, "with scan.file the axes are its columns");
+    refuses("file = \"p.csv\"\n" + kappa, "scan.file needs design = \"list\"");
+    refuses("boundary_tolerance = 1e-6\n" + kappa, "scan.boundary_tolerance needs design = \"adaptive\"");
+    refuses(kappa + refine, "[[scan.refine]] needs design = \"adaptive\"");
     CHECK(error_text(scan("design = \"list\"\nfile = \"p.csv\"\n")) == "");
     CHECK(error_text(scanned_critical) == "");
-    says("solve_for = \"medium.eta\"\n" + kappa, "scan.solve_for needs design = \"critical\"");
-    says("design = \"critical\"\n" + kappa, "design = \"critical\" needs solve_for");
+    refuses("solve_for = \"medium.eta\"\n" + kappa, "scan.solve_for needs design = \"critical\"");
+    refuses("design = \"critical\"\n" + kappa, "design = \"critical\" needs solve_for");
 }
 
 TEST_CASE("the resolution of an adaptive scan is the count of its axes, doubled some times") {
@@ -179,27 +164,20 @@ TEST_CASE("the resolution of an adaptive scan is the count of its axes, doubled 
     for (const auto& [count, resolution] : {std::pair{64L, 64L}, {64L, 1024L}, {48L, 96L}, {1L, 2L}})
         CHECK(error_text(scan(adaptive(count, resolution))) == "");
     for (const auto& [count, resolution] : {std::pair{64L, 32L}, {64L, 192L}, {64L, 100L}, {48L, 1024L}})
-        says(adaptive(count, resolution),
-             "scan.axes[0].count = " + std::to_string(count) + ": with design = \"adaptive\"");
-    says(adaptive(64, 1024, axis("key = \"medium.eta\"\nfrom = 1\nto = 2\ncount = 32")),
-         "scan.axes[1].count = 32: with design = \"adaptive\" all axes need the same count; the first has "
-         "64");
+        refuses(adaptive(count, resolution),
+                "scan.axes[0].count = " + std::to_string(count) + ": with design = \"adaptive\"");
+    refuses(adaptive(64, 1024, axis("key = \"medium.eta\"\nfrom = 1\nto = 2\ncount = 32")),
+            "scan.axes[1].count = 32: with design = \"adaptive\" all axes need the same count; the first has "
+            "64");
     std::string three;
     for (const char* key : {"medium.eta", "medium.alpha", "rods.1.heading"})
         three += axis("key = \"" + std::string(key) + "\"\nfrom = 1\nto = 2");
-    says(adaptive(64, 1024, three), "design = \"adaptive\" takes one, two or three axes");
-}
-
-TEST_CASE("figures of scans need a scan") {
-    const std::string figure = "[[figures]]\nname = \"f\"\nkind = \"phase_diagram\"\n";
-    CHECK(error_text(scan(kappa + figure)) == "");
-    CHECK(error_text(two_rods(figure)).find("a figure of kind phase_diagram needs [scan]") !=
-          std::string::npos);
+    refuses(adaptive(64, 1024, three), "design = \"adaptive\" takes one, two or three axes");
 }
 
 TEST_CASE("ends of an axis are set as they are written, and no nan") {
     Scene scene = parse(scanned);
-    const auto from = rodwake::scene::compile_setter(scene, "scan.axes.0.from");
+    const auto from = compile_setter(scene, "scan.axes.0.from");
     CHECK_FALSE(from.set(scene, Value("10 deg")));
     CHECK(scene.scan->axes[0].from == Value("10 deg"));
     CHECK(from.set(scene, Value(std::nan(""))));
@@ -209,10 +187,9 @@ TEST_CASE("ends of an axis are set as they are written, and no nan") {
 TEST_CASE("a scan of beds varies the bed, by designs that take random outcomes") {
     const std::string gamma = axis("key = \"granular.plates.gamma\"\nfrom = 1\nto = 7\ncount = 64");
     CHECK(error_text(bed("[scan]\n" + gamma)).empty());
-    CHECK(scan_subject(parse_scene(bed("[scan]\n" + gamma), "x.toml")) == ScanSubject::beds);
-    const auto refused = [&](const std::string& lines, const std::string& why) {
-        INFO(lines);
-        CHECK(error_text(bed("[scan]\n" + lines)).find(why) != std::string::npos);
+    CHECK(scan_subject(parse(bed("[scan]\n" + gamma))) == ScanSubject::beds);
+    const auto refused = [](const std::string& lines, const std::string& why) {
+        says(bed("[scan]\n" + lines), why);
     };
     refused(kappa, "scan.axes[0]: coupling.kappa is not what a scan of beds can vary");
     for (const std::string key : {"granular.output.frames", "granular.restart_from", "measure.order"})
