@@ -61,18 +61,18 @@ QUOTED = {
     "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
     "separation": {PAIRS, "app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
-    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
-    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
+    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},
     "turn0": {PAIRS},
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
-    "chi2": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
+    "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
              "include/rodwake/app/measure_report.hpp", "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
-    "dof": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp"},
+    "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp"},
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
-    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/posterior_files.cpp"},  # of posterior.json
+    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/write_posterior.cpp"},  # of posterior.json
     "log_evidence_stderr": {"app/fit/fit_models.cpp"},
-    "misfit": {"app/fit/fit_files.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
+    "misfit": {"app/fit/write_fit.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
 

@@ -82,16 +82,6 @@ struct FitResults {
 /// Everything but likelihood and systematics, which take searches of their own.
 FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
 
-/// What the report of the fit does not know of, in sentences: intervals by the profile likelihood, and the
-/// factors by which data exceed predictions.
-std::vector<std::string> findings(const FitPlan& plan, const FitResults& results);
-
-/// Point forces fitted to one line, a line of text for each.
-std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results);
-
-/// "; the model does not describe the data: ...", or empty.
-std::string misfit_text(const FitResults& results);
-
 /// Standard error of a parameter or a derived quantity with all its causes; of the curvature alone where no
 /// others were asked for.
 double whole_error(const FitResults& results, const std::string& name);

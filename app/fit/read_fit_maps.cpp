@@ -135,28 +135,14 @@ std::vector<fitting::Map> of_measure(const fs::path& file) {
     return maps;
 }
 
-/// A person may give the box that a scene asked for, from which that of box = "fit" differs by up to 1 %.
-bool is_of_box(const fitting::Map& map, std::span<const double> box) {
-    return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
-}
-
-/// Places of one column or row may differ in their last bits.
-double same_place(const Column& sorted) {
-    return sorted.empty() ? 0.0 : 1e-6 * (sorted.back() - sorted.front());
-}
-
-/// The different values, increasing.
+/// The different values, increasing. Places of a column or row may differ in their last bits.
 Column places_of(Column values) {
     std::ranges::sort(values);
-    const double apart = same_place(values);
+    const double apart = values.empty() ? 0.0 : 1e-6 * (values.back() - values.front());
     values.erase(
         std::unique(values.begin(), values.end(), [&](double a, double b) { return b - a <= apart; }),
         values.end());
     return values;
-}
-
-std::size_t slot(const Column& places, double at) {
-    return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
 }
 
 fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
@@ -175,6 +161,9 @@ fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
     for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
         values->assign(map.bins(), std::nan(""));
     for (std::size_t i = 0; i < table.rows(); ++i) {
+        const auto slot = [](const Column& places, double at) {
+            return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
+        };
         const std::size_t bin = slot(rows, y[i]) * map.x.size() + slot(columns, x[i]);
         if (map.known[bin])
             throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} appears twice", file.string(),
@@ -198,27 +187,6 @@ bool needs_speed(const scene::Fit& keys) {
     return scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
 }
 
-namespace {
-
-/// Of one map of a file: what the scene says of its box and speed.
-void settle(fitting::Map& map, const scene::FitMap& keys, const fs::path& file, bool table) {
-    map.speed = keys.speed.value_or(map.speed);
-    if (!table && !keys.box.empty() && !is_of_box(map, keys.box))
-        refuse(file,
-               fmt::format("it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
-                           map.lx, map.ly, keys.box[0], keys.box[1]));
-    if (table) {
-        map.lx = keys.box[0];
-        map.ly = keys.box[1];
-    }
-    if (const double across = map.x.back() - map.x.front(), up = map.y.back() - map.y.front();
-        across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
-        refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
-                                 map.lx, map.ly));
-}
-
-} // namespace
-
 std::string FitMapData::label() const {
     return run > 0 ? fmt::format("{}, run {}", file.filename().string(), run) : file.filename().string();
 }
@@ -241,16 +209,34 @@ std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path&
         refuse(file, "zeta, rho and eta_s depend on the rod's speed, which a table does not contain: give "
                      "fit.maps.speed");
     const std::string name = keys.name.empty() ? file.filename().string() : keys.name;
-    std::vector<FitMapData> found;
+    std::vector<FitMapData> out;
     for (const fitting::Map& map : maps) {
-        const std::size_t run = maps.size() > 1 ? found.size() + 1 : 0;
-        FitMapData one{run > 0 ? fmt::format("{}, run {}", name, run) : name, file, 0, map, 0, false, run};
-        one.data.name = one.label();
-        settle(one.data, keys, file, table);
-        settle_map(one, independent_spacing);
-        found.push_back(std::move(one));
+        const std::size_t run = maps.size() > 1 ? out.size() + 1 : 0;
+        FitMapData read{run > 0 ? fmt::format("{}, run {}", name, run) : name, file, 0, map, 0, false, run};
+        fitting::Map& data = read.data;
+        data.name = read.label();
+        data.speed = keys.speed.value_or(data.speed);
+
+        // A person may give the box of the scene, from which that of granular.box = "fit" differs by up to 1
+        // %.
+        if (!table && !keys.box.empty() &&
+            !(std::abs(keys.box[0] / data.lx - 1.0) < 1e-2 && std::abs(keys.box[1] / data.ly - 1.0) < 1e-2))
+            refuse(file,
+                   fmt::format(
+                       "it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
+                       data.lx, data.ly, keys.box[0], keys.box[1]));
+        if (table) {
+            data.lx = keys.box[0];
+            data.ly = keys.box[1];
+        }
+        const double across = data.x.back() - data.x.front(), up = data.y.back() - data.y.front();
+        if (across > data.lx * (1.0 + 1e-6) || up > data.ly * (1.0 + 1e-6))
+            refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across,
+                                     up, data.lx, data.ly));
+        settle_map(read, independent_spacing);
+        out.push_back(std::move(read));
     }
-    return found;
+    return out;
 }
 
 } // namespace rodwake::app
