@@ -186,7 +186,7 @@ void look_at(const Problem& problem, const Method& method, Fit& fit) {
         free.push_back(fit.values[i]);
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, {method.loss, method.loss_width});
-    const Point point = evaluator(space.coordinates(free), true);
+    const SearchPoint point = evaluator(space.coordinates(free), true);
     evaluator.require_memory();
     fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
     if (!point.finite())

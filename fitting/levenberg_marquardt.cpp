@@ -99,9 +99,9 @@ public:
     double lambda = 1e-3, growth = 2.0;
 };
 
-struct Run {
+struct LevenbergMarquardt {
     Evaluator& evaluator;
-    Point here;
+    SearchPoint here;
     Weighted model{};
     Damping damping{};
     long iterations = 0;
@@ -123,13 +123,13 @@ bool inside(const SearchSpace& space, const Eigen::VectorXd& u) {
 /// Geodesic acceleration (Transtrum and Sethna, arXiv:1201.5885): half the second-order correction of the
 /// step, from the residuals' second derivative along it. In long curved valleys it is worth its evaluation
 /// many times over, so it is tried once the search has proved to be long. Zero where it is not to be trusted.
-Eigen::VectorXd acceleration(Run& run, const Eigen::VectorXd& step) {
+Eigen::VectorXd acceleration(LevenbergMarquardt& run, const Eigen::VectorXd& step) {
     constexpr double h = 0.1;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(step.size()), &u = run.here.u;
     const SearchSpace& space = run.evaluator.space();
     if (run.iterations <= patience || !inside(space, u) || !inside(space, u + step))
         return none;
-    const Point ahead = run.evaluator(u + h * step, false);
+    const SearchPoint ahead = run.evaluator(u + h * step, false);
     if (!ahead.finite())
         return none;
     const Eigen::VectorXd bend = 2.0 / h * ((ahead.r - run.here.r) / h - run.here.jacobian * step);
@@ -142,7 +142,7 @@ Eigen::VectorXd acceleration(Run& run, const Eigen::VectorXd& step) {
 }
 
 /// Tries steps from `here`, ever shorter, until one is better. False: there is none.
-bool advance(Run& run, long max_iterations) {
+bool advance(LevenbergMarquardt& run, long max_iterations) {
     while (run.iterations < max_iterations) {
         ++run.iterations;
         const DampedStep step = damped_step(run.model, run.evaluator.space(), run.here.u,
@@ -152,7 +152,7 @@ bool advance(Run& run, long max_iterations) {
         if (!(step.predicted > 0.0) || tiny(to - run.here.u, run.here.u))
             return false;
         const bool measurable = step.predicted > 4.0 * eps * run.here.objective;
-        Point there = run.evaluator(to, true);
+        SearchPoint there = run.evaluator(to, true);
         if (run.evaluator.stopped())
             return false;
         if (there.objective < run.here.objective) {
@@ -169,15 +169,15 @@ bool advance(Run& run, long max_iterations) {
 
 /// The objective cannot tell the last steps apart; they are taken, hardly damped, as long as each leaves less
 /// than 0.8 of the improvement the linear model still promises and the objective is as good but for rounding.
-void refine(Run& run) {
+void refine(LevenbergMarquardt& run) {
     const double worst = run.here.objective * (1.0 + 4.0 * eps);
     const SearchSpace& space = run.evaluator.space();
-    const auto next = [&](const Run& at) {
+    const auto next = [&](const LevenbergMarquardt& at) {
         return damped_step(at.model, space, at.here.u, run.damping.weights(), 1e-15);
     };
     DampedStep step = next(run);
     for (int i = 0; i < 50 && step.predicted > 0.0; ++i) {
-        Run there{run.evaluator, run.evaluator(space.clamp(run.here.u + step.step), true)};
+        LevenbergMarquardt there{run.evaluator, run.evaluator(space.clamp(run.here.u + step.step), true)};
         if (!(there.here.objective <= worst))
             return;
         there.model = run.evaluator.weighted(there.here);
@@ -190,7 +190,7 @@ void refine(Run& run) {
     }
 }
 
-SearchResult verdict(const Run& run, long max_iterations) {
+SearchResult verdict(const LevenbergMarquardt& run, long max_iterations) {
     SearchResult end{run.here.u, run.here.objective, Termination::roundoff, {}};
     const Stationarity s = stationarity(run.evaluator, run.here);
     if (run.evaluator.best() < run.here.objective * (1.0 - 8.0 * eps)) { // a probe, just before a stop
@@ -215,7 +215,7 @@ SearchResult verdict(const Run& run, long max_iterations) {
 } // namespace
 
 SearchResult levenberg_marquardt(Evaluator& evaluator, const Eigen::VectorXd& start, long max_iterations) {
-    Run run{evaluator, evaluator(start, true)};
+    LevenbergMarquardt run{evaluator, evaluator(start, true)};
     if (!run.here.finite())
         return {start, run.here.objective,
                 evaluator.stopped() ? Termination::interrupted : Termination::failed,

@@ -282,7 +282,7 @@ namespace {
 
 using elastic::DisplacementMap, elastic::OrthotropicMedium, elastic::OrthotropicParameter, elastic::RodSource;
 
-enum Term : std::size_t {
+enum MomentTerm : std::size_t {
     amplitude,
     force,
     p_xx,
@@ -324,7 +324,7 @@ OrthotropicParameter constant(std::size_t term) {
                                        OrthotropicParameter::c12,  OrthotropicParameter::c66,
                                        OrthotropicParameter::zeta, OrthotropicParameter::rho,
                                        OrthotropicParameter::eta_s};
-    return all[term - Term::c11];
+    return all[term - MomentTerm::c11];
 }
 
 /// Of a rod at unit speed, d zeta/d(term) with `by`, else zeta itself: 1/xi, in one of its forms.

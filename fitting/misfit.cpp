@@ -33,7 +33,7 @@ double among(double probability, double count) {
 }
 
 /// Residuals of the scale that is known, or told by their scatter.
-struct Group {
+struct ResidualGroup {
     std::string name;
     std::vector<std::size_t> residuals;
     double dof = 0.0;
@@ -74,7 +74,7 @@ public:
         const double chi2 = residuals.squaredNorm();
         return problem_.sigma_known || !(chi2 > 0.0) ? 1.0 : independent_dof() / chi2;
     }
-    const std::vector<Group>& groups() const { return groups_; }
+    const std::vector<ResidualGroup>& groups() const { return groups_; }
 
 private:
     void find_basis(const Eigen::MatrixXd& by_coordinate);
@@ -85,7 +85,7 @@ private:
     std::vector<Series> series_;
     Eigen::MatrixXd basis_;  ///< Q
     Eigen::VectorXd remain_; ///< 1 - |Q_i|^2
-    std::vector<Group> groups_;
+    std::vector<ResidualGroup> groups_;
 };
 
 ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
@@ -131,11 +131,11 @@ void ResidualSet::find_groups() {
             const auto [at, fresh] = place.emplace(name, groups_.size());
             if (fresh)
                 groups_.push_back({name, {}, 0.0});
-            Group& group = groups_[at->second];
+            ResidualGroup& group = groups_[at->second];
             group.residuals.push_back(one.residuals[i]);
             group.dof += problem_.independent - (1.0 - remain_[static_cast<Index>(one.residuals[i])]);
         }
-    std::erase_if(groups_, [](const Group& group) { return group.dof < 1.0; });
+    std::erase_if(groups_, [](const ResidualGroup& group) { return group.dof < 1.0; });
 }
 
 /// Wald and Wolfowitz's runs of all series together, given how many of each sign there are.
@@ -252,7 +252,7 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
         out.tests.push_back({"largest", found.largest_value, 0.0, *found.largest,
                              fmt::format("{} is {:.3g} standard errors off",
                                          residual_text(problem, found.largest_at), found.largest_value)});
-    for (const Group& group : data.groups()) {
+    for (const ResidualGroup& group : data.groups()) {
         double chi2 = 0.0;
         for (const std::size_t i : group.residuals)
             chi2 += factor * data.r[static_cast<Index>(i)] * data.r[static_cast<Index>(i)];

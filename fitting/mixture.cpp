@@ -29,8 +29,9 @@ std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& 
 
 /// By the share that it has in each place; held to what it was by as many places as it has dimensions, so
 /// that a few do not make it flat.
-Mixture::Part moved(Mixture::Part part, const std::vector<const Eigen::VectorXd*>& places,
-                    const std::vector<double>& shares) {
+Mixture::MixtureComponent moved(Mixture::MixtureComponent part,
+                                const std::vector<const Eigen::VectorXd*>& places,
+                                const std::vector<double>& shares) {
     const auto hold = static_cast<double>(part.middle.size() + 1);
     const double count = std::accumulate(shares.begin(), shares.end(), 0.0);
     part.weight = count / static_cast<double>(places.size());
@@ -57,18 +58,18 @@ Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size) {
     return out;
 }
 
-Mixture::Mixture(std::vector<Part> parts) : parts_(std::move(parts)) { settle(); }
+Mixture::Mixture(std::vector<MixtureComponent> parts) : parts_(std::move(parts)) { settle(); }
 
 void Mixture::settle() {
     double all = 0.0;
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         all += part.weight;
-    for (Part& part : parts_)
+    for (MixtureComponent& part : parts_)
         part.weight /= all;
     wide_ = {0.1, 0.0 * parts_.front().middle, 0.0 * parts_.front().covariance};
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         wide_.middle += part.weight * part.middle;
-    for (const Part& part : parts_) {
+    for (const MixtureComponent& part : parts_) {
         const Eigen::VectorXd off = part.middle - wide_.middle;
         wide_.covariance += 3.0 * part.weight * (part.covariance + off * off.transpose());
     }
@@ -121,7 +122,7 @@ Eigen::VectorXd Mixture::draw(RandomStream& random) const {
 
 Eigen::MatrixXd Mixture::common_root() const {
     Eigen::MatrixXd mean = 0.0 * parts_.front().covariance;
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         mean += part.weight * part.covariance;
     return mean.llt().matrixL();
 }
@@ -150,7 +151,7 @@ Mixture Mixture::followed(const Places& places, int rounds) const {
         for (std::size_t k = 0; k < parts_.size(); ++k)
             shares[k][i] = std::exp(log_density(k, *places[i]) - all);
     }
-    std::vector<Part> parts;
+    std::vector<MixtureComponent> parts;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
         parts.push_back(moved(parts_[k], places, shares[k]));
         // one that is not seen for a while is not given up
@@ -163,15 +164,15 @@ Mixture Mixture::followed(const Places& places, int rounds) const {
 /// The heaviest part in two along its longest axis.
 Mixture Mixture::split() const {
     constexpr double apart = 0.8; // of its standard deviation there
-    std::vector<Part> parts = parts_;
-    Part& heavy = *std::ranges::max_element(parts, {}, &Part::weight);
+    std::vector<MixtureComponent> parts = parts_;
+    MixtureComponent& heavy = *std::ranges::max_element(parts, {}, &MixtureComponent::weight);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(heavy.covariance);
     const Eigen::Index last = heavy.middle.size() - 1;
     const Eigen::VectorXd step =
         apart * std::sqrt(std::max(0.0, axes.eigenvalues()[last])) * axes.eigenvectors().col(last);
     heavy.weight *= 0.5;
     heavy.covariance -= step * step.transpose();
-    Part other = heavy;
+    MixtureComponent other = heavy;
     heavy.middle -= step, other.middle += step;
     parts.push_back(std::move(other));
     return Mixture(std::move(parts));

@@ -36,7 +36,7 @@ struct Belief {
     Eigen::MatrixXd covariance;
 };
 
-struct Diffusion {
+struct DiffusionCoefficients {
     double rotational = 0.0, translational = 0.0;
 
     double of(Index component) const { return component % 3 == 2 ? rotational : translational; }
@@ -46,8 +46,8 @@ double sigma_at(const Trajectory& one, Index component) {
     return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
 }
 
-Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> values) {
-    Diffusion out;
+DiffusionCoefficients diffusion_of(std::span<const Role> roles, std::span<const double> values) {
+    DiffusionCoefficients out;
     for (std::size_t j = 0; j < roles.size(); ++j)
         if (roles[j].diffusion)
             (*roles[j].diffusion == Role::Diffusion::rotational ? out.rotational : out.translational) =
@@ -57,9 +57,10 @@ Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> valu
 
 /// The moments' equations between two rows in units of the data's errors, so that one tolerance serves all:
 /// how far the mean has moved, then the covariance's upper triangle, column by column.
-class Moments {
+class MomentEquations {
 public:
-    Moments(const rods::RodModel& model, const Diffusion& diffusion, const Trajectory& trajectory)
+    MomentEquations(const rods::RodModel& model, const DiffusionCoefficients& diffusion,
+                    const Trajectory& trajectory)
         : model_(model), box_(trajectory.box), n_(static_cast<Index>(3 * model.rods())), unit_(n_),
           driven_(n_), mean_(n_), rate_(n_), P_(n_, n_), J_(n_, n_), JP_transposed_(n_, n_) {
         for (Index i = 0; i < n_; ++i) {
@@ -174,7 +175,7 @@ public:
 
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
-        const Diffusion diffusion = diffusion_of(roles_, p);
+        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
         if (!(diffusion.rotational >= 0.0 && diffusion.translational >= 0.0))
             throw RunError("D_r and D_t must not be negative");
         fill(p, r);
@@ -227,12 +228,12 @@ public:
 
 private:
     void fill(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
-        const Diffusion diffusion = diffusion_of(roles_, p);
+        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
         Index at = 0;
         for (std::size_t k = 0; k < all_.size(); ++k) {
             const Trajectory& one = all_[k];
             const rods::RodModel model = rods::model_of(rod_problem(one, k, roles_, p));
-            Moments moments(model, diffusion, one);
+            MomentEquations moments(model, diffusion, one);
             Belief belief = at_start(one);
             for (std::size_t row = 1; row < one.times.size(); ++row) {
                 moments.foretell(one.times[row] - one.times[row - 1], one.name, belief);
@@ -336,7 +337,7 @@ std::vector<std::vector<double>> drawn_states(const TrajectoryModel& model, cons
     rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
     for (const double t : trajectory.times)
         problem.output_times.push_back(t - trajectory.times.front());
-    const Diffusion diffusion = diffusion_of(roles, values);
+    const DiffusionCoefficients diffusion = diffusion_of(roles, values);
     const auto found = rods::simulate(problem, {},
                                       {diffusion.rotational, diffusion.translational,
                                        rods::suitable_time_step(problem, diffusion.rotational), seed},
@@ -356,11 +357,11 @@ std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, st
         roles.push_back(role_of(p.name, {trajectory}));
     std::vector<std::vector<double>> out(trajectory.times.size(),
                                          std::vector<double>(trajectory.states.front().size()));
-    const Diffusion diffusion = diffusion_of(roles, values);
+    const DiffusionCoefficients diffusion = diffusion_of(roles, values);
     if (diffusion.rotational == 0.0 && diffusion.translational == 0.0)
         return out;
     const rods::RodModel model = rods::model_of(rod_problem(trajectory, index, roles, values));
-    Moments moments(model, diffusion, trajectory);
+    MomentEquations moments(model, diffusion, trajectory);
     Belief belief = at_start(trajectory);
     for (std::size_t row = 0; row < out.size(); ++row) {
         if (row > 0)

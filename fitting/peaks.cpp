@@ -117,7 +117,7 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
         if (peak.log_mass > most - negligible && kept.size() < most_peaks &&
             std::ranges::none_of(kept, [&](const Peak& other) { return same(peak, other); }))
             kept.push_back(peak);
-    std::vector<Mixture::Part> parts;
+    std::vector<Mixture::MixtureComponent> parts;
     for (const Peak& peak : kept)
         parts.push_back({std::exp(peak.log_mass - most), peak.z, peak.covariance});
     return Mixture(std::move(parts));

@@ -213,7 +213,7 @@ double mean_worth(std::span<const double> worth) {
 namespace {
 
 /// One of the problems, and which parameter of the whole each of its parameters is.
-struct Part {
+struct ProblemPart {
     Problem problem;
     std::vector<std::size_t> index;
     std::size_t first_residual = 0;
@@ -238,7 +238,7 @@ std::size_t slot_of(const Parameter& parameter, std::vector<Parameter>& all) {
     return static_cast<std::size_t>(found - all.begin());
 }
 
-void evaluate(const Part& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+void evaluate(const ProblemPart& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
               Eigen::MatrixXd* jacobian) {
     const auto rows = static_cast<Eigen::Index>(part.problem.residuals),
                first = static_cast<Eigen::Index>(part.first_residual);
@@ -254,9 +254,9 @@ void evaluate(const Part& part, std::span<const double> p, Eigen::Ref<Eigen::Vec
             slopes.col(static_cast<Eigen::Index>(j));
 }
 
-std::string name_of(const std::vector<Part>& parts, std::size_t i) {
-    const Part* of = &parts.front();
-    for (const Part& part : parts)
+std::string name_of(const std::vector<ProblemPart>& parts, std::size_t i) {
+    const ProblemPart* of = &parts.front();
+    for (const ProblemPart& part : parts)
         if (part.first_residual <= i)
             of = &part;
     const std::size_t own = i - of->first_residual;
@@ -271,13 +271,13 @@ Problem joined(const std::vector<Problem>& problems) {
     Problem whole;
     whole.sigma_known = problems.front().sigma_known;
     double values = 0.0;
-    const auto parts = std::make_shared<std::vector<Part>>();
+    const auto parts = std::make_shared<std::vector<ProblemPart>>();
     for (const Problem& problem : problems) {
         if (problem.sigma_known != whole.sigma_known)
             throw InputError(
                 "fit: standard errors are known for one kind of data and not for the other: their "
                 "weights cannot be compared; give all of them, or none");
-        Part part{problem, {}, whole.residuals};
+        ProblemPart part{problem, {}, whole.residuals};
         for (const Parameter& parameter : problem.parameters)
             part.index.push_back(slot_of(parameter, whole.parameters));
         whole.residuals += problem.residuals;
@@ -297,7 +297,7 @@ Problem joined(const std::vector<Problem>& problems) {
                              Eigen::MatrixXd* jacobian) {
         if (jacobian)
             jacobian->setZero();
-        for (const Part& part : *parts)
+        for (const ProblemPart& part : *parts)
             evaluate(part, p, r, jacobian);
     };
     whole.residual_name = [parts](std::size_t i) { return name_of(*parts, i); };

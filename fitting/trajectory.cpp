@@ -20,10 +20,10 @@ using Row = Eigen::Index;
 
 /// The residuals of a trajectory in order: what is free of the first row, x, y, heading of each rod in each
 /// row after it, the time of contact.
-struct Residuals {
+struct ResidualLayout {
     std::size_t start, rows, contact;
 
-    explicit Residuals(const Trajectory& one)
+    explicit ResidualLayout(const Trajectory& one)
         : start(one.states.front().size() / (one.free_start ? 1 : 3) * (is_free(one, 2) ? 1 : 0)),
           rows((one.times.size() - 1) * one.states.front().size()), contact(one.contact_time ? 1 : 0) {}
     std::size_t count() const { return start + rows + contact; }
@@ -37,7 +37,7 @@ double sigma_of(const Trajectory& one, std::size_t component) {
 double mean_independent(const std::vector<Trajectory>& all) {
     double values = 0.0, residuals = 0.0;
     for (const Trajectory& one : all) {
-        const Residuals size(one);
+        const ResidualLayout size(one);
         residuals += static_cast<double>(size.count());
         values += static_cast<double>(size.contact) +
                   one.independent * static_cast<double>(size.count() - size.contact);
@@ -47,7 +47,7 @@ double mean_independent(const std::vector<Trajectory>& all) {
 
 std::string residual_name(const Trajectory& one, std::size_t i) {
     static constexpr const char* names[] = {"x", "y", "theta"};
-    const Residuals size(one);
+    const ResidualLayout size(one);
     const std::size_t n = one.states.front().size();
     if (i < size.start) {
         const std::size_t of_row = one.free_start ? i : 3 * i + 2;
@@ -61,7 +61,7 @@ std::string residual_name(const Trajectory& one, std::size_t i) {
 
 /// Of x, y and heading of each rod, from residual `first` on; a time of contact stands alone.
 void add_series(const Trajectory& one, std::size_t first, std::vector<Series>& all) {
-    const Residuals size(one);
+    const ResidualLayout size(one);
     const std::size_t n = one.states.front().size();
     for (std::size_t component = 0; component < n; ++component) {
         Series series{one.name, component % 3 == 2 ? "headings" : "places", {}};
@@ -89,7 +89,7 @@ public:
     std::size_t residuals() const {
         std::size_t count = 0;
         for (const Trajectory& one : all_)
-            count += Residuals(one).count();
+            count += ResidualLayout(one).count();
         return count;
     }
 
@@ -116,9 +116,9 @@ public:
 
     std::string name(std::size_t i) const {
         for (const Trajectory& one : all_) {
-            if (i < Residuals(one).count())
+            if (i < ResidualLayout(one).count())
                 return residual_name(one, i);
-            i -= Residuals(one).count();
+            i -= ResidualLayout(one).count();
         }
         return fmt::format("residual {} beyond the last", i);
     }
@@ -220,7 +220,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     std::size_t first = 0;
     for (const Trajectory& one : trajectories) {
         add_series(one, first, problem.series);
-        first += Residuals(one).count();
+        first += ResidualLayout(one).count();
     }
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,

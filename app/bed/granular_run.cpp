@@ -53,10 +53,10 @@ struct LastPeriod {
     }
 };
 
-class Run {
+class BedRun {
 public:
-    Run(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
-        std::size_t threads, bool is_over = false)
+    BedRun(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
+           std::size_t threads, bool is_over = false)
         : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
           checkpoint_file_(task.folder / (is_over ? "final.rwc" : "checkpoint.rwc")),
           meter_(plan.bed.problem), one_thread_(threads == 1), loaded_(load()),
@@ -403,7 +403,7 @@ GranularResult
 run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
              std::size_t threads,
              const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
-    return Run(plan, task, context, log, threads).go(on_progress);
+    return BedRun(plan, task, context, log, threads).go(on_progress);
 }
 
 GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task) {
@@ -411,7 +411,7 @@ GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& ta
     bare.bed.measures.reset(); // the keys may be others by now
     const RunContext context;
     const Logger log = make_silent_logger();
-    return Run(bare, task, context, log, 1, true).restore_summary();
+    return BedRun(bare, task, context, log, 1, true).restore_summary();
 }
 
 } // namespace rodwake::app

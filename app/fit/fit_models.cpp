@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 struct WeighedModel {
     std::string name, folder; ///< folder: from the run's on, "." for the fit as written
     std::string failure;
-    std::vector<fitting::Estimate> estimates; ///< of the free parameters
+    std::vector<fitting::ParameterEstimate> estimates; ///< of the free parameters
     fitting::Misfit misfit;
     std::optional<fitting::CrossValidation> foretold;
     FitModelRow row;
@@ -173,7 +173,7 @@ ordered_json model_json(const WeighedModel& m) {
     out.update(record_json(m.row));
     out["stderr"] = out["log_evidence_stderr"];
     out["parameters"] = ordered_json::object();
-    for (const fitting::Estimate& e : m.estimates)
+    for (const fitting::ParameterEstimate& e : m.estimates)
         out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
                                      {"stderr", finite_or_null(e.standard_error)}};
     out["free"] = m.estimates.size();

@@ -179,7 +179,7 @@ FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& ke
     FitCompareResult out{.line = line_fit(plan, keys)};
     scene::FitCompare named = keys;
     if (out.line)
-        for (const fitting::Estimate& e : out.line->estimates)
+        for (const fitting::ParameterEstimate& e : out.line->estimates)
             named.values[e.name] = e.value;
     out.values = compared_values(plan, named, fitted);
     if (scene::fit_is_isotropic(plan.keys))
@@ -324,7 +324,7 @@ std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting
                 fmt::format("with the mask |y| >= {:g}, r >= {:g}", other.mask.strip, other.mask.radius));
             s.masks.push_back({other.mask, problem.residuals, fitting::report(problem, fit)});
             std::vector<double> estimates;
-            for (const fitting::Estimate& e : s.masks.back().report.estimates)
+            for (const fitting::ParameterEstimate& e : s.masks.back().report.estimates)
                 estimates.push_back(e.value);
             values.push_back(with_derived(results, std::move(estimates)));
         }
@@ -361,7 +361,7 @@ std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting
         s.total.push_back(
             std::hypot(std::max(curvature, part(s.jackknife)), part(s.held_error), part(s.mask_spread)));
     };
-    for (const fitting::Estimate& e : results.report.estimates)
+    for (const fitting::ParameterEstimate& e : results.report.estimates)
         add(has_error(results.report, e) ? e.standard_error : 0.0);
     for (const auto& [name, derived] : results.derived)
         add(derived.known() ? derived.error : 0.0);
@@ -370,7 +370,7 @@ std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting
 
 double whole_error(const FitResults& results, const std::string& name) {
     const auto& all = results.report.estimates;
-    const auto at = std::ranges::find(all, name, &fitting::Estimate::name);
+    const auto at = std::ranges::find(all, name, &fitting::ParameterEstimate::name);
     const auto derived = results.derived.find(name);
     const auto& total = results.systematics.total;
     if (at != all.end())

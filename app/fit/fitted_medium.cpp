@@ -85,7 +85,7 @@ void take_fitted_medium(Session& session, const FitResults& results, const FitPl
     session.log->debug("fitted medium: {}, {} f/mu, {}", with_error("eta", m.eta), with_error("xi", m.xi),
                        with_error("alpha", m.alpha));
     for (const char* name : {"f_over_mu", "eta", "xi", "alpha"}) {
-        const auto e = std::ranges::find(report.estimates, name, &fitting::Estimate::name);
+        const auto e = std::ranges::find(report.estimates, name, &fitting::ParameterEstimate::name);
         if (e != report.estimates.end() && at_bound(report, *e))
             session.log->warn(
                 "fitted medium: {0} = {1:.4g} lies at a bound of fit.bounds, so the data do not determine "

@@ -27,7 +27,7 @@ std::vector<std::string> value_lines(const FitPlan& plan, const FitResults& resu
     };
     std::vector<std::string> lines;
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
-        const fitting::Estimate& e = report.estimates[i];
+        const fitting::ParameterEstimate& e = report.estimates[i];
         const std::string value = fmt::format("{} = {:.6g}", e.name, e.value), unit = unit_of(e.name);
         if (plan.problem.parameters[i].fixed)
             lines.push_back(value + unit + " (fixed)");
@@ -54,7 +54,7 @@ std::vector<std::string> value_lines(const FitPlan& plan, const FitResults& resu
 /// standard deviation D_r t^2/sqrt(3) is then no longer small beside sigma_position.
 void log_turning(const FitPlan& plan, const FitResults& results, const Logger& log) {
     constexpr double limit = 0.2; // up to there ranks are uniform: studies/reports/fitting.md
-    const auto e = std::ranges::find(results.report.estimates, "D_r", &fitting::Estimate::name);
+    const auto e = std::ranges::find(results.report.estimates, "D_r", &fitting::ParameterEstimate::name);
     if (e == results.report.estimates.end())
         return;
     for (const FitTrackData& track : plan.tracks) {
@@ -180,7 +180,7 @@ void log_fit_results(const FitPlan& plan, const FitResults& results, const Logge
     for (std::size_t k = 0; k < results.compare.size(); ++k)
         if (const auto& line = results.compare[k].line) {
             std::vector<std::string> estimates;
-            for (const fitting::Estimate& e : line->estimates)
+            for (const fitting::ParameterEstimate& e : line->estimates)
                 estimates.push_back(fmt::format("{} = {:.4g}{}", e.name, e.value,
                                                 e.at_lower || e.at_upper
                                                     ? " (at its bound)"

@@ -46,14 +46,14 @@ ordered_json free_by_name(const fitting::Report& report, const std::vector<doubl
 }
 
 /// A parameter that is fixed or held by a bound has no error.
-ordered_json error_json(const fitting::Report& report, const fitting::Estimate& e) {
+ordered_json error_json(const fitting::Report& report, const fitting::ParameterEstimate& e) {
     return has_error(report, e) ? finite_or_null(e.standard_error) : ordered_json(nullptr);
 }
 
 ordered_json estimates_json(const fitting::Report& report) {
     ordered_json out = ordered_json::object();
     for (const std::size_t i : report.free) {
-        const fitting::Estimate& e = report.estimates[i];
+        const fitting::ParameterEstimate& e = report.estimates[i];
         out[e.name] = {{"value", finite_or_null(e.value)}, {"stderr", error_json(report, e)}};
     }
     return out;
@@ -78,7 +78,7 @@ void add_parameters(ordered_json& out, const FitPlan& plan, const FitResults& re
     const ordered_json none = nullptr;
     out["parameters"] = ordered_json::object();
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
-        const fitting::Estimate& e = report.estimates[i];
+        const fitting::ParameterEstimate& e = report.estimates[i];
         const fitting::Parameter& p = plan.problem.parameters[i];
         out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
                                      {"stderr", error_json(report, e)},
@@ -106,7 +106,7 @@ void add_parameters(ordered_json& out, const FitPlan& plan, const FitResults& re
 
     // A correlation is unknown if one of the two has no error, or an infinite one.
     const auto known = [&](Eigen::Index k) {
-        const fitting::Estimate& e = report.estimates[report.free[static_cast<std::size_t>(k)]];
+        const fitting::ParameterEstimate& e = report.estimates[report.free[static_cast<std::size_t>(k)]];
         return has_error(report, e) && std::isfinite(e.standard_error);
     };
     const Eigen::MatrixXd& m = report.correlation;

@@ -180,7 +180,7 @@ PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int
     : h5_(h5), plan_(plan), columns_(columns_of(plan)), rows_(static_cast<std::size_t>(rows)) {}
 
 std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan) {
-    std::vector<Column> columns;
+    std::vector<PointColumn> columns;
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
         columns.push_back({plan.design.axes[k].name,
                            [&, k](const scan::Result& r) { return values_of(plan.design, r.point)[k]; }});
@@ -194,7 +194,7 @@ std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan)
 
 void PointColumns::add(std::span<const scan::Result> results) {
     std::vector<double> block(results.size());
-    for (const Column& column : columns_) {
+    for (const PointColumn& column : columns_) {
         std::ranges::transform(results, block.begin(), column.value);
         h5_.part("/points/" + column.name, block, written_, {rows_});
     }

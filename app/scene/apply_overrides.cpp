@@ -1,6 +1,6 @@
 #include "apply_overrides.hpp"
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ bool is_path(const std::string& path) {
 /// Goes through the document one path segment at a time.
 class Walker {
 public:
-    Walker(Node& root, const Override& item, Problems& problems)
+    Walker(Node& root, const Override& item, Diagnostics& problems)
         : at_(&root), item_(item), problems_(problems) {}
 
     void apply() {
@@ -131,13 +131,13 @@ private:
     Node* at_;
     std::string walked_;
     const Override& item_;
-    Problems& problems_;
+    Diagnostics& problems_;
 };
 
 } // namespace
 
-std::optional<Override> parse_override(const std::string& text, Problems& problems) {
-    const Place place{std::make_shared<const std::string>("-s " + text), 0, 0, true};
+std::optional<Override> parse_override(const std::string& text, Diagnostics& problems) {
+    const SourcePosition place{std::make_shared<const std::string>("-s " + text), 0, 0, true};
     const auto equals = text.find('=');
     const std::string path = trimmed(text.substr(0, equals));
     if (equals == std::string::npos || !is_path(path)) {
@@ -162,7 +162,7 @@ std::optional<Override> parse_override(const std::string& text, Problems& proble
     return std::nullopt;
 }
 
-void apply_override(Node& root, const Override& item, Problems& problems) {
+void apply_override(Node& root, const Override& item, Diagnostics& problems) {
     Walker(root, item, problems).apply();
 }
 
@@ -176,14 +176,14 @@ void flatten(const std::string& prefix, const Node::Table& table, std::vector<Ov
             flatten(path + ".", *inner, out);
             continue;
         }
-        Place place = entry.key_place;
+        SourcePosition place = entry.key_place;
         place.overriding = true;
         out.push_back({path, entry.value, place});
     }
 }
 
 /// The override's nodes stand where the setting stands, and win over alternatives.
-void move_to(Node& node, const Place& place) {
+void move_to(Node& node, const SourcePosition& place) {
     node.place = place;
     if (auto* list = node.as<Node::List>())
         for (auto& item : *list)
@@ -207,7 +207,7 @@ std::vector<Override> variant_overrides(const Node& set) {
 
 std::string settings_text(const std::vector<std::string>& settings) {
     std::string text;
-    Problems ignored; // settings that are not valid are written as they are and refused on reading
+    Diagnostics ignored; // settings that are not valid are written as they are and refused on reading
     for (const auto& setting : settings) {
         const auto parsed = parse_override(setting, ignored);
         text += text.empty() ? "" : ", ";

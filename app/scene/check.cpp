@@ -35,7 +35,7 @@ bool has_table(const Scene& scene, std::string_view name) {
 class Checker {
 public:
     /// Without a document (null) no places are given.
-    Checker(const Scene& scene, const Node* root, Problems& problems)
+    Checker(const Scene& scene, const Node* root, Diagnostics& problems)
         : scene_(scene), root_(root), problems_(problems) {}
 
     void tables() {
@@ -186,12 +186,12 @@ private:
 
     const Scene& scene_;
     const Node* root_;
-    Problems& problems_;
+    Diagnostics& problems_;
 };
 
 } // namespace
 
-void check(const Scene& scene, const Node& root, Problems& problems) {
+void check(const Scene& scene, const Node& root, Diagnostics& problems) {
     const bool values_hold = problems.empty();
     Checker checker(scene, &root, problems);
     checker.tables();
@@ -199,7 +199,7 @@ void check(const Scene& scene, const Node& root, Problems& problems) {
         checker.values();
 }
 
-void check(const Scene& scene, Problems& problems) {
+void check(const Scene& scene, Diagnostics& problems) {
     Checker checker(scene, nullptr, problems);
     checker.tables();
     checker.values();

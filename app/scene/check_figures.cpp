@@ -1,7 +1,7 @@
 #include "check.hpp"
 
+#include "diagnostics.hpp"
 #include "figure_kinds.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 

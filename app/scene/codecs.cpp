@@ -10,9 +10,9 @@
 
 namespace rodwake::scene {
 
-std::string path_text(std::span<const Segment> path) {
+std::string path_text(std::span<const PathSegment> path) {
     std::string text;
-    for (const Segment& segment : path)
+    for (const PathSegment& segment : path)
         text += segment.index >= 0 ? fmt::format("[{}]", segment.index)
                                    : fmt::format("{}{}", text.empty() ? "" : ".", segment.name);
     return text;

@@ -2,7 +2,7 @@
 
 #include "fit_parameters.hpp"
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/scene/fit.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "apply_overrides.hpp"
 #include "check.hpp"
+#include "diagnostics.hpp"
 #include "fields.hpp"
-#include "problems.hpp"
 #include "reader.hpp"
 #include "rodwake/scene/set.hpp"
 
@@ -16,7 +16,7 @@ namespace rodwake::scene {
 
 namespace {
 
-Scene resolve(const Node& root, Problems& problems) {
+Scene resolve(const Node& root, Diagnostics& problems) {
     Scene scene;
     Reader reader(root, problems);
     fields(reader, scene);
@@ -30,9 +30,9 @@ void remove_key(Node& root, const std::string& key) {
 }
 
 /// What is wrong beyond what is wrong already.
-void add_new(const Problems& own, const std::string& when, Problems& problems) {
-    const std::vector<Problem> known = problems.list();
-    for (Problem problem : own.list())
+void add_new(const Diagnostics& own, const std::string& when, Diagnostics& problems) {
+    const std::vector<Diagnostic> known = problems.list();
+    for (Diagnostic problem : own.list())
         if (std::find(known.begin(), known.end(), problem) == known.end()) {
             problem.message = when + problem.message;
             problems.add(problem);
@@ -40,18 +40,18 @@ void add_new(const Problems& own, const std::string& when, Problems& problems) {
 }
 
 /// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
-void check_variant(Node root, const Node& variant, const std::string& path, Problems& problems) {
+void check_variant(Node root, const Node& variant, const std::string& path, Diagnostics& problems) {
     const Entry* set = variant.find("set");
     if (!set)
         return;
-    Problems own;
+    Diagnostics own;
     for (const auto& item : variant_overrides(set->value))
         apply_override(root, item, own);
     resolve(root, own);
     add_new(own, "with " + path + " applied: ", problems);
 }
 
-void check_variants(const Node& root, const Scene& scene, Problems& problems) {
+void check_variants(const Node& root, const Scene& scene, Diagnostics& problems) {
     if (scene.variants.empty()) // none, or too many: reported
         return;
     const auto& listed = *root.find("variants")->value.as<Node::List>();
@@ -130,7 +130,7 @@ std::optional<std::pair<std::string, double>> held_by(const Override& item) {
 
 /// The document of a rival: its settings made, and [fit] without what it does not use. A number of the medium
 /// or a coupling that its fit does not name is held there.
-Node model_document(Node root, const std::vector<Override>& set, Problems& problems) {
+Node model_document(Node root, const std::vector<Override>& set, Diagnostics& problems) {
     remove_key(root, "variants");
     remove_key(root, "figures");
     if (Entry* fit = root.find("fit"))
@@ -183,7 +183,7 @@ Fit model_of(Fit fit) {
 }
 
 /// Each rival by itself, and against those before it.
-void check_models(const Node& root, const Scene& scene, Problems& problems) {
+void check_models(const Node& root, const Scene& scene, Diagnostics& problems) {
     if (!scene.fit || scene.fit->models.empty())
         return;
     const auto& listed = *root.find("fit")->value.find("models")->value.as<Node::List>();
@@ -192,7 +192,7 @@ void check_models(const Node& root, const Scene& scene, Problems& problems) {
         const Entry* set = listed[i].find("set");
         if (!set)
             continue;
-        Problems own;
+        Diagnostics own;
         const Scene rival = resolve(model_document(root, variant_overrides(set->value), own), own);
         const std::string path = fmt::format("fit.models[{}]", i);
         add_new(own, "with " + path + " applied: ", problems);
@@ -255,7 +255,7 @@ std::optional<Value> single_value(const Node& node) {
 std::optional<Scene> with_values(Scene scene, const std::vector<std::string>& settings) try {
     std::vector<std::string> keys;
     std::vector<Value> values;
-    Problems problems;
+    Diagnostics problems;
     for (const std::string& setting : settings) {
         const auto item = parse_override(setting, problems);
         const auto value = item ? single_value(item->value) : std::nullopt;
@@ -281,7 +281,7 @@ Scene read_scene(const std::filesystem::path& path, std::span<const std::string>
 
 Scene parse_scene(std::string_view text, std::string name, std::span<const std::string> overrides) {
     check_size(text.size(), name);
-    Problems problems;
+    Diagnostics problems;
     auto root = parse_toml(text, name, problems);
     for (const auto& override_text : overrides)
         if (const auto item = parse_override(override_text, problems); item && root)
@@ -297,7 +297,7 @@ Scene parse_scene(std::string_view text, std::string name, std::span<const std::
 }
 
 Scene apply_model(const Scene& scene, const FitModel& model) {
-    Problems problems;
+    Diagnostics problems;
     const auto root = parse_toml(to_toml(scene), scene.path, problems);
     std::vector<Override> set;
     for (const std::string& setting : model.set)

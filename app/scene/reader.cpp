@@ -1,7 +1,7 @@
 #include "reader.hpp"
 
+#include "diagnostics.hpp"
 #include "fields.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 
@@ -28,12 +28,12 @@ bool has_reduced_tables(const Node& root) {
 
 } // namespace
 
-Reader::Reader(const Node& root, Problems& problems) : problems_(problems) {
+Reader::Reader(const Node& root, Diagnostics& problems) : problems_(problems) {
     frames_.push_back({&root, "", "", {}});
 }
 
 const Entry* Reader::find(const Key& key) {
-    Frame& frame = frames_.back();
+    OpenTable& frame = frames_.back();
     if (!contains(frame.known, key.name))
         frame.known.push_back(key.name);
     const Entry* entry = frame.table->find(key.name);
@@ -95,14 +95,14 @@ bool Reader::enter_entry(const Key& key, std::size_t index) {
 }
 
 void Reader::leave() {
-    const Frame& frame = frames_.back();
+    const OpenTable& frame = frames_.back();
     for (const auto& entry : *frame.table->as<Node::Table>())
         if (!contains(frame.known, entry.key))
             unknown_key(frame, entry);
     frames_.pop_back();
 }
 
-void Reader::unknown_key(const Frame& frame, const Entry& entry) {
+void Reader::unknown_key(const OpenTable& frame, const Entry& entry) {
     problems_.add(entry.key_place, path_of(entry.key), unknown_key_text(frame.title, entry.key, frame.known));
 }
 
@@ -159,17 +159,18 @@ void Reader::visit(const Key& key, void* value, const Codec& codec) {
         codec.parse({key, entry->value, &units_, *this}, value);
 }
 
-void Reader::add(const Place& place, const std::string& below, const std::string& message) {
+void Reader::add(const SourcePosition& place, const std::string& below, const std::string& message) {
     const std::string path = path_of(current_) + below;
     problems_.add(place, path, path + message);
 }
 
-void Reader::add_missing_scales(const Place& place, const std::string& below, const std::string& message) {
+void Reader::add_missing_scales(const SourcePosition& place, const std::string& below,
+                                const std::string& message) {
     const std::string path = path_of(current_) + below;
     missing_scales(place, path, path + message);
 }
 
-void Reader::missing_scales(const Place& place, const std::string& path, const std::string& what) {
+void Reader::missing_scales(const SourcePosition& place, const std::string& path, const std::string& what) {
     if (scales_reported_)
         return;
     scales_reported_ = true;

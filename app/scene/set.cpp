@@ -76,8 +76,8 @@ Value ValueSetter::held(const Value& written, std::size_t which) const {
     return *found.value;
 }
 
-std::vector<Problem> validate(const Scene& scene) {
-    Problems problems;
+std::vector<Diagnostic> validate(const Scene& scene) {
+    Diagnostics problems;
     check(scene, problems);
     return problems.list();
 }

@@ -1,4 +1,4 @@
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <toml++/toml.h>
 
@@ -15,10 +15,10 @@ using Source = std::shared_ptr<const std::string>;
 /// Turns toml++ nodes into ours. With `fixed`, every node stands at that place.
 struct Converter {
     Source source;
-    const Place* fixed = nullptr;
+    const SourcePosition* fixed = nullptr;
 
-    Place place(const toml::source_region& region) const {
-        return fixed ? *fixed : Place{source, region.begin.line, region.begin.column, false};
+    SourcePosition place(const toml::source_region& region) const {
+        return fixed ? *fixed : SourcePosition{source, region.begin.line, region.begin.column, false};
     }
 
     Node convert(const toml::node& from) const {
@@ -70,7 +70,7 @@ bool is_too_large(const std::string& text) {
            std::isinf(std::strtod(text.c_str(), nullptr)); // not what is too small
 }
 
-std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems) {
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& problems) {
     const auto source = std::make_shared<const std::string>(name);
     if (const auto deep = find_deep_key(text)) {
         problems.add({source, deep->line, deep->column}, "", "key nested too deeply");
@@ -88,7 +88,7 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, P
     }
 }
 
-std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why) {
+std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& place, std::string& why) {
     if (text.find_first_of("\r\n") != std::string_view::npos) {
         why = "a value is one line";
         return std::nullopt;

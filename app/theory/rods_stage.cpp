@@ -122,13 +122,13 @@ void solve(const Session& session, Work& one, bool show_progress) {
 }
 
 /// In output units; the end of the run (contact, failure) is the last row.
-struct Trajectory {
+struct TrajectoryTables {
     std::vector<TimeRow> times;
     std::vector<std::vector<PoseRow>> rods; ///< [rod][time]
 };
 
-Trajectory trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
-    Trajectory path{{}, std::vector<std::vector<PoseRow>>(rods)};
+TrajectoryTables trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
+    TrajectoryTables path{{}, std::vector<std::vector<PoseRow>>(rods)};
     const auto add = [&](double time, const std::vector<double>& state) {
         path.times.push_back({time * units.time});
         for (std::size_t rod = 0; rod < rods; ++rod)
@@ -143,7 +143,7 @@ Trajectory trajectory(const rods::RodResult& result, std::size_t rods, const Out
     return path;
 }
 
-std::string rods_csv(const Trajectory& path) {
+std::string rods_csv(const TrajectoryTables& path) {
     RecordTable table;
     table.add(path.times);
     for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
@@ -152,7 +152,7 @@ std::string rods_csv(const Trajectory& path) {
 }
 
 /// Datasets t [T] and x, y, theta [T][N].
-void store_trajectory(Session& session, const std::string& group, const Trajectory& path) {
+void store_trajectory(Session& session, const std::string& group, const TrajectoryTables& path) {
     const auto put = [&](const auto& field, const std::vector<double>& values,
                          const std::vector<std::size_t>& shape) {
         const std::string unit(field.info.unit);
@@ -200,7 +200,7 @@ void store_attributes(Session& session, const Work& one, const std::string& grou
 
 void store(Session& session, Work& one, std::int64_t order) {
     const std::size_t rods = one.of().scene.rods.size();
-    const Trajectory path = trajectory(one.result, rods, session.units);
+    const TrajectoryTables path = trajectory(one.result, rods, session.units);
     const std::string group = "/rods/" + one.of().name;
     store_trajectory(session, group, path);
     store_attributes(session, one, group, order);

@@ -23,7 +23,7 @@ constexpr double cutoff = 6.5;    // q w of the last mode
 constexpr double finest = 1000.0; // longer side over the least width
 
 /// The two components of a mode, or of what drives it.
-struct Mode {
+struct ModeAmplitude {
     Complex x, y;
 };
 
@@ -31,8 +31,8 @@ struct Mode {
 struct Stiffness {
     Complex xx, xy, yy;
 
-    Mode times(const Mode& u) const { return {xx * u.x + xy * u.y, xy * u.x + yy * u.y}; }
-    Mode solve(const Mode& s) const {
+    ModeAmplitude times(const ModeAmplitude& u) const { return {xx * u.x + xy * u.y, xy * u.x + yy * u.y}; }
+    ModeAmplitude solve(const ModeAmplitude& s) const {
         const Complex determinant = xx * yy - xy * xy;
         return {(yy * s.x - xy * s.y) / determinant, (xx * s.y - xy * s.x) / determinant};
     }
@@ -67,7 +67,7 @@ RodSource unit_source(OrthotropicParameter p) {
             one(q_yxy), one(t_xxxx), one(t_xxyy), one(h_xxxxx), one(h_xxxyy)};
 }
 
-Mode driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
+ModeAmplitude driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
     const double half = 0.5 * qx * frame.length, sinc = half == 0.0 ? 1.0 : std::sin(half) / half;
     const double smooth = std::exp(-0.5 * (qx * qx + qy * qy) * frame.width * frame.width);
     const double fourth = qx * qx * (source.h_xxxxx * qx * qx + 6.0 * source.h_xxxyy * qy * qy),
@@ -157,7 +157,7 @@ DisplacementMap AnisotropicField::Impl::sum(Solve solve) const {
     MatrixXd x(2 * modes, across.q.size()), y(2 * modes, across.q.size());
     for (Index n = 0; n < across.q.size(); ++n)
         for (Index m = 0; m < modes; ++m) {
-            const Mode u = m + n == 0 ? Mode{} : solve(along.q[m], across.q[n]);
+            const ModeAmplitude u = m + n == 0 ? ModeAmplitude{} : solve(along.q[m], across.q[n]);
             const double w = weight(m) * weight(n) / (frame.lx * frame.ly);
             x(m, n) = w * u.x.real();
             x(modes + m, n) = -w * u.x.imag();
@@ -200,9 +200,9 @@ DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, co
     validate(medium, frame.speed);
     return impl_->sum([&](double qx, double qy) {
         const Stiffness whole = stiffness(medium, frame.speed, qx, qy);
-        const Mode u = whole.solve(driving(source, frame, qx, qy)),
-                   less = whole.solve(stiffness(change, frame.speed, qx, qy).times(u));
-        return Mode{-less.x, -less.y};
+        const ModeAmplitude u = whole.solve(driving(source, frame, qx, qy)),
+                            less = whole.solve(stiffness(change, frame.speed, qx, qy).times(u));
+        return ModeAmplitude{-less.x, -less.y};
     });
 }
 

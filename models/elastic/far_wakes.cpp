@@ -205,7 +205,7 @@ FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
     const Crowd crowd{
         static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
         static_cast<double>(rods.size()) / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
-    Plan best{0, 0, 0.0, HUGE_VAL};
+    QuadraturePlan best{0, 0, 0.0, HUGE_VAL};
     if (crowd.diagonal > largest_crowd || crowd.density > densest)
         return best;
     for (std::size_t way = 0; way < nodes_.size(); ++way)
@@ -216,14 +216,14 @@ FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
     return best;
 }
 
-const NearHeat& FarWakes::near_heat(const Plan& plan) const {
+const NearHeat& FarWakes::near_heat(const QuadraturePlan& plan) const {
     const std::scoped_lock lock(mutex_);
     const std::pair key{plan.nodes, plan.first};
     const auto found = near_.find(key);
     return found != near_.end() ? found->second : near_.emplace(key, make_near_heat(plan)).first->second;
 }
 
-NearHeat FarWakes::make_near_heat(const Plan& plan) const {
+NearHeat FarWakes::make_near_heat(const QuadraturePlan& plan) const {
     const Nodes& nodes = nodes_[plan.nodes];
     std::vector<HeatNode> felt;
     for (std::size_t k = plan.first; k < nodes.last_for(plan.reach); ++k)
@@ -247,7 +247,7 @@ std::unique_ptr<HeatMesh> FarWakes::idle_mesh() const {
     return mesh;
 }
 
-void FarWakes::add(const Plan& plan, std::span<const KernelSource> rods, Team& team,
+void FarWakes::add(const QuadraturePlan& plan, std::span<const KernelSource> rods, Team& team,
                    std::span<double* const> sums) const {
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];

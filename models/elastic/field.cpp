@@ -53,9 +53,9 @@ private:
 };
 
 /// Columns of sums over rods, one after the other.
-class Columns {
+class SumColumns {
 public:
-    explicit Columns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
+    explicit SumColumns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
 
     StrainSums strain() { return {column(0), column(1), column(2)}; }
     PolarSums polar() { return {column(3), column(4), column(5), column(6)}; }
@@ -102,7 +102,7 @@ void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
         return WakeField::mutual(rods, request, sums);
     if (few)
         return strains(rods, sums);
-    Columns columns(rods.size());
+    SumColumns columns(rods.size());
     if (request.polar)
         kernels_.strain_and_polar(rods, columns.strain(), columns.polar());
     else

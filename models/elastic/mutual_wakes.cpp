@@ -47,7 +47,7 @@ struct Task {
     }
 };
 
-void add_block(const Task& task, std::size_t block, const BlockSums& sums) {
+void add_block(const Task& task, std::size_t block, const RodSums& sums) {
     for (int k = 0; k < task.parts(); ++k)
         for (std::size_t i = 0; i < task.block(block).size(); ++i)
             task.sum[k][block * block_rods + i] += sums.part[k][i];
@@ -56,7 +56,7 @@ void add_block(const Task& task, std::size_t block, const BlockSums& sums) {
 /// Two blocks and what their rods give each other.
 struct BlockWork {
     std::size_t a, b;
-    BlockSums sum_a, sum_b;
+    RodSums sum_a, sum_b;
 };
 
 /// All pairs. Blocks two by two on threads, some hundred at a time; their sums are added up in one order. Two
@@ -154,7 +154,7 @@ Circle circle_around(std::span<const KernelSource> rods) {
     return {x, y, radius};
 }
 
-struct Near {
+struct NearBlocks {
     const NearHeat& heat;
     double reach; ///< in the rods' unit
     std::vector<Circle> blocks;
@@ -166,11 +166,11 @@ bool within(const Circle& a, const Circle& b, double distance) {
 }
 
 /// Rods near to a block, to a group of it and to a rod.
-struct Around {
+struct SurroundingSources {
     NearSources block, group, rod;
 };
 
-void find_around(const Task& task, const Near& near, std::size_t block, Around& around) {
+void find_around(const Task& task, const NearBlocks& near, std::size_t block, SurroundingSources& around) {
     NearSources& all = around.group; // not yet in use
     const Circle& circle = near.blocks[block];
     all.count = 0;
@@ -198,7 +198,8 @@ void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std:
 }
 
 /// Puts the exact field of near rods in at a group, in place of their far wakes.
-std::size_t add_group(const Task& task, const Near& near, Around& around, std::size_t first) {
+std::size_t add_group(const Task& task, const NearBlocks& near, SurroundingSources& around,
+                      std::size_t first) {
     const auto group = task.rods.subspan(first, std::min(group_rods, task.rods.size() - first));
     const Circle circle = circle_around(group);
     find_near(around.block, circle.x, circle.y, near.reach + circle.radius, -1.0, around.group);
@@ -218,13 +219,13 @@ std::size_t add_group(const Task& task, const Near& near, Around& around, std::s
 }
 
 std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
-    Near near{heat, heat.reach * task.field.medium().xi, {}};
+    NearBlocks near{heat, heat.reach * task.field.medium().xi, {}};
     for (std::size_t k = 0; k < task.blocks(); ++k)
         near.blocks.push_back(circle_around(task.block(k)));
     std::atomic<std::size_t> done{0};
     parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::size_t end = block * block_rods + task.block(block).size();
-        thread_local Around around;
+        thread_local SurroundingSources around;
         find_around(task, near, block, around);
         for (std::size_t first = block * block_rods; first < end; first += group_rods)
             done += add_group(task, near, around, first);

@@ -26,7 +26,7 @@ struct WaveVector {
 };
 
 /// A potential and its derivative by its wave vector.
-struct Jets {
+struct WaveVectorJets {
     Jet g, by_c;
 };
 

@@ -94,13 +94,13 @@ void PeriodicTable::Impl::fill(const Pieces& pieces, std::size_t angle) {
             };
             const FieldValues f =
                 turned(PeriodicInternals::smooth_rest(exact, place(a), place(b), everything), cosine, sine);
-            const ChebyshevGrid::Node node{b / place_nodes, a / place_nodes, piece,
-                                           b % place_nodes, a % place_nodes, k};
+            const ChebyshevGrid::ChebyshevNode node{b / place_nodes, a / place_nodes, piece,
+                                                    b % place_nodes, a % place_nodes, k};
             store(node, f);
         }
 }
 
-void PeriodicTable::Impl::store(const ChebyshevGrid::Node& node, const FieldValues& f) {
+void PeriodicTable::Impl::store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f) {
     const auto set = [&](std::size_t group, std::initializer_list<double> v) {
         std::copy(v.begin(), v.end(), groups[group].values(node));
     };

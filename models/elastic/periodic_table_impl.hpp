@@ -38,7 +38,7 @@ struct PeriodicTable::Impl {
 
 private:
     void fill(const Pieces& pieces, std::size_t angle);
-    void store(const ChebyshevGrid::Node& node, const FieldValues& f);
+    void store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f);
     double error_at(const PeriodicField& exact, Vector lab) const;
     Rest in_first_eighth(double heading, double x, double y, FieldRequest request,
                          GridRequest derivatives) const;

@@ -62,7 +62,7 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
                                        found_[c].index.data());
     });
     inner_parts_.assign(1, 0);
-    for (const Found& found : found_)
+    for (const ThreadPairs& found : found_)
         inner_parts_.push_back(inner_parts_.back() + found.count);
     inner_.common = outer_.common;
     inner_.resize(inner_parts_.back());
@@ -184,7 +184,7 @@ std::span<const Pair> PairFinder::find(const Bodies& bodies, std::span<const dou
     if (!tested)
         team.run(parts(), [&](std::size_t part) { test(part, bodies); });
     overlapping_.clear();
-    for (const Found& found : found_)
+    for (const ThreadPairs& found : found_)
         for (std::size_t k = 0; k < found.count; ++k)
             overlapping_.push_back(inner_.pairs[found.index[k]]);
     return overlapping_;

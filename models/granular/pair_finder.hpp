@@ -71,11 +71,11 @@ private:
     Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn
     std::int64_t steps_since_rebuild_ = 0, steps_since_draw_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
-    struct Found {
+    struct ThreadPairs {
         std::vector<std::uint32_t> index;
         std::size_t count = 0;
     };
-    std::vector<Found> found_; ///< one a part
+    std::vector<ThreadPairs> found_; ///< one a part
     std::vector<Pair> overlapping_;
 };
 

@@ -144,7 +144,7 @@ CellMean CellWindow::around(std::size_t bin) const {
     if (to_fit_)
         fit.emplace(to_fit_->around(bin, LocalFit::reach), *smooth_);
     double beads = 0.0, x = 0.0, y = 0.0;
-    for (const Near& one : scattered_.around(bin, radius_)) {
+    for (const NearSample& one : scattered_.around(bin, radius_)) {
         const double weight = 1.0 - (one.x * one.x + one.y * one.y) / (radius_ * radius_);
         if (weight <= 0.0)
             continue;

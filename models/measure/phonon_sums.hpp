@@ -12,7 +12,7 @@ namespace rodwake::measure {
 
 /// What is summed over blocks.
 struct PhononSums {
-    PhononAccumulator::Block block;
+    PhononAccumulator::PhononBlock block;
     std::vector<double> squares; ///< [u_L, u_T][mode], variance of u N within a block, times displacements
     double displacements = 0.0;
 };

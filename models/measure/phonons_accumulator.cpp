@@ -140,10 +140,10 @@ void PhononAccumulator::take(double time, const Row& currents, double temperatur
     correlate(block_at(time), temperature);
 }
 
-PhononAccumulator::Block& PhononAccumulator::block_at(double time) {
+PhononAccumulator::PhononBlock& PhononAccumulator::block_at(double time) {
     const double number = std::floor((time - first_time_) / options_.block * (1.0 + 1e-9));
     if (blocks_.empty() || blocks_.back().number != number) {
-        Block block;
+        PhononBlock block;
         block.number = number;
         block.origins.assign(lags_, 0.0);
         block.currents.assign(lags_ * 3 * modes_.size(), 0.0);
@@ -154,7 +154,7 @@ PhononAccumulator::Block& PhononAccumulator::block_at(double time) {
 }
 
 /// The newest frame with those before it.
-void PhononAccumulator::correlate(Block& block, double temperature) const {
+void PhononAccumulator::correlate(PhononBlock& block, double temperature) const {
     const std::size_t count = modes_.size();
     const double* now = history_.back().data();
     block.frames += 1.0;
@@ -184,7 +184,7 @@ void PhononAccumulator::take_displacements(const Frame& frame) {
     dx = without_mean(std::move(dx));
     dy = without_mean(std::move(dy));
     const Row u = fourier(layout_, modes_, options_.shells, first_x_, first_y_, dx, dy);
-    Block& block = blocks_.back();
+    PhononBlock& block = blocks_.back();
     block.displacements += 1.0;
     block.travel += (sum_of_squares(dx) + sum_of_squares(dy)) / static_cast<double>(layout_.beads);
     for (std::size_t i = 0; i < u.size(); ++i)
@@ -207,7 +207,7 @@ void PhononAccumulator::save(StateWriter& out) const {
     for (const Row& currents : history_)
         out.put(currents);
     out.put(blocks_.size());
-    for (const Block& block : blocks_) {
+    for (const PhononBlock& block : blocks_) {
         for (const double value :
              {block.number, block.frames, block.temperature, block.displacements, block.travel})
             out.put(value);
@@ -230,7 +230,7 @@ void PhononAccumulator::load(StateReader& in) {
         history_.push_back(in.array(4 * count));
     blocks_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
-        Block block;
+        PhononBlock block;
         for (double* value :
              {&block.number, &block.frames, &block.temperature, &block.displacements, &block.travel})
             *value = in.get();
@@ -244,7 +244,7 @@ void PhononAccumulator::load(StateReader& in) {
 namespace {
 
 using Runs = std::span<const PhononAccumulator>;
-using PhononBlock = PhononAccumulator::Block;
+using PhononBlock = PhononAccumulator::PhononBlock;
 constexpr std::size_t most_blocks = 64;
 
 void add(PhononBlock& sum, const PhononBlock& other) {

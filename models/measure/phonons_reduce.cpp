@@ -143,32 +143,32 @@ Row errors_of(const std::vector<Row>& without) {
     return errors;
 }
 
-struct Named {
+struct ConstantPair {
     double ElasticNumbers::*number;
     Estimate PhononResult::*estimate;
 };
-constexpr Named constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_Lx},
-                               {&ElasticNumbers::c_Ly, &PhononResult::c_Ly},
-                               {&ElasticNumbers::c_Ld, &PhononResult::c_Ld},
-                               {&ElasticNumbers::c_Tx, &PhononResult::c_Tx},
-                               {&ElasticNumbers::c_Ty, &PhononResult::c_Ty},
-                               {&ElasticNumbers::c_Td, &PhononResult::c_Td},
-                               {&ElasticNumbers::C11, &PhononResult::C11},
-                               {&ElasticNumbers::C22, &PhononResult::C22},
-                               {&ElasticNumbers::C12, &PhononResult::C12},
-                               {&ElasticNumbers::C66, &PhononResult::C66},
-                               {&ElasticNumbers::bulk, &PhononResult::bulk},
-                               {&ElasticNumbers::mu, &PhononResult::mu},
-                               {&ElasticNumbers::eta, &PhononResult::eta},
-                               {&ElasticNumbers::spread_L, &PhononResult::spread_L},
-                               {&ElasticNumbers::spread_T, &PhononResult::spread_T},
-                               {&ElasticNumbers::drag, &PhononResult::drag},
-                               {&ElasticNumbers::viscosity_L, &PhononResult::viscosity_L},
-                               {&ElasticNumbers::viscosity_T, &PhononResult::viscosity_T}};
+constexpr ConstantPair constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_Lx},
+                                      {&ElasticNumbers::c_Ly, &PhononResult::c_Ly},
+                                      {&ElasticNumbers::c_Ld, &PhononResult::c_Ld},
+                                      {&ElasticNumbers::c_Tx, &PhononResult::c_Tx},
+                                      {&ElasticNumbers::c_Ty, &PhononResult::c_Ty},
+                                      {&ElasticNumbers::c_Td, &PhononResult::c_Td},
+                                      {&ElasticNumbers::C11, &PhononResult::C11},
+                                      {&ElasticNumbers::C22, &PhononResult::C22},
+                                      {&ElasticNumbers::C12, &PhononResult::C12},
+                                      {&ElasticNumbers::C66, &PhononResult::C66},
+                                      {&ElasticNumbers::bulk, &PhononResult::bulk},
+                                      {&ElasticNumbers::mu, &PhononResult::mu},
+                                      {&ElasticNumbers::eta, &PhononResult::eta},
+                                      {&ElasticNumbers::spread_L, &PhononResult::spread_L},
+                                      {&ElasticNumbers::spread_T, &PhononResult::spread_T},
+                                      {&ElasticNumbers::drag, &PhononResult::drag},
+                                      {&ElasticNumbers::viscosity_L, &PhononResult::viscosity_L},
+                                      {&ElasticNumbers::viscosity_T, &PhononResult::viscosity_T}};
 
 Row row_of(const ElasticNumbers& e) {
     Row row;
-    for (const Named& one : constants)
+    for (const ConstantPair& one : constants)
         row.push_back(e.*one.number);
     return row;
 }

@@ -73,7 +73,7 @@ bool deep_contact(const TwoRuns& runs, std::size_t a, std::size_t b, double turn
                        (2.0 * std::abs(runs.run.time - runs.tight.time) + place_difference(runs, a, b));
 }
 
-Interval widened(double value, double other, double floor) {
+Enclosure widened(double value, double other, double floor) {
     const double error = times_the_difference * std::max(std::abs(value - other), floor);
     return {value - error, value + error};
 }
@@ -131,7 +131,7 @@ double tighter(double rtol, double by) { return std::max(by * rtol, tightest); }
 /// A second run and its steps.
 struct FollowedRun {
     RodResult run;
-    PairTrack track;
+    StepTrack track;
 };
 
 FollowedRun follow(const RodProblem& problem, RodOptions options) {
@@ -162,7 +162,7 @@ FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double
     return follow(again, options);
 }
 
-bool proved(const PairProblem& pair, const PairTrack& track, Ending ending, const EndingCriteria& criteria,
+bool proved(const PairProblem& pair, const StepTrack& track, Ending ending, const EndingCriteria& criteria,
             ProofSpace& space) {
     const auto bounds = proved_bounds(pair, track, ending == Ending::contact, criteria, space);
     return bounds && certain_ending(*bounds, criteria,
@@ -294,9 +294,9 @@ std::optional<Certificate> certificate_at_once(const PairProblem& pair, const Pa
 }
 
 /// Runs the pairs and keeps their steps.
-std::vector<PairTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
+std::vector<StepTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
                               std::span<PairResult> results) {
-    std::vector<PairTrack> tracks(pairs.size());
+    std::vector<StepTrack> tracks(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
         tracks[i].add(0.0, to_state(pairs[i].rods));
     options.on_step = [&, told = options.on_step](std::size_t pair, const PairStep& step) {
@@ -325,7 +325,7 @@ void look_again(std::span<const PairProblem> pairs, const PairOptions& options, 
     for (const std::size_t i : rest)
         again.push_back(pairs[i]);
     std::vector<PairResult> ends(rest.size());
-    const std::vector<PairTrack> tracks = follow(again, tighter(options, by), ends);
+    const std::vector<StepTrack> tracks = follow(again, tighter(options, by), ends);
     std::vector<std::size_t> left;
     for (std::size_t k = 0; k < rest.size(); ++k) {
         PairResult& result = results[rest[k]];
@@ -363,7 +363,7 @@ RodResult simulate_certified(const RodProblem& problem, const RodOptions& option
 
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results) {
-    const std::vector<PairTrack> tracks = follow(pairs, options, results);
+    const std::vector<StepTrack> tracks = follow(pairs, options, results);
     std::vector<std::size_t> rest;
     ProofSpace space;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -391,21 +391,21 @@ struct PairBox {
 
 /// Of the numbers that `of` gives.
 template<class Number>
-Interval range_of(std::span<const PairProblem> pairs, const Number& of) {
-    Interval range{of(pairs[0]), of(pairs[0])};
+Enclosure range_of(std::span<const PairProblem> pairs, const Number& of) {
+    Enclosure range{of(pairs[0]), of(pairs[0])};
     for (const PairProblem& pair : pairs)
         range = {std::min(range.low, of(pair)), std::max(range.high, of(pair))};
     return range;
 }
 
-double middle_of(Interval range) { return 0.5 * (range.low + range.high); }
-double half_width(Interval range) { return 0.5 * (range.high - range.low); }
+double middle_of(Enclosure range) { return 0.5 * (range.low + range.high); }
+double half_width(Enclosure range) { return 0.5 * (range.high - range.low); }
 
 PairBox box_of(std::span<const PairProblem> pairs) {
     PairBox box{pairs[0], {}, {}, {}};
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const auto number = [&](double Pose::*one, double& spread) {
-            const Interval range =
+            const Enclosure range =
                 range_of(pairs, [&](const PairProblem& pair) { return pair.rods[rod].*one; });
             box.middle.rods[rod].*one = middle_of(range);
             spread += half_width(range);
@@ -415,7 +415,7 @@ PairBox box_of(std::span<const PairProblem> pairs) {
         number(&Pose::heading, box.spread.start[2 + rod]);
     }
     for (const Coupling& one : coupling_list) {
-        const Interval range =
+        const Enclosure range =
             range_of(pairs, [&](const PairProblem& pair) { return pair.couplings.*one.number; });
         const double middle = middle_of(range), half = half_width(range);
         box.middle.couplings.*one.number = middle;
@@ -438,7 +438,7 @@ bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOpti
         return false;
     const PairBox box = box_of(corners);
     std::vector<PairResult> result(1);
-    const std::vector<PairTrack> track =
+    const std::vector<StepTrack> track =
         follow(std::span(&box.middle, 1), tighter(options, for_proof), result);
     if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
         return false;

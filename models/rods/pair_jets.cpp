@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rodwake::rods::HWY_NAMESPACE {
 
 template<bool polar>
-bool FillAll(PairJets& jets, const Constants& c) {
+bool FillAll(PairJets& jets, const PairConstants& c) {
     const Lanes d;
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
     for (std::size_t at = 0; at < jets.states; at += lane_count) {
@@ -37,7 +37,7 @@ bool FillAll(PairJets& jets, const Constants& c) {
 }
 
 bool FillJets(const elastic::Medium& medium, const Couplings& couplings, PairJets& jets) {
-    const Constants c = ConstantsOf(medium, couplings);
+    const PairConstants c = ConstantsOf(medium, couplings);
     return couplings.polar() ? FillAll<true>(jets, c) : FillAll<false>(jets, c);
 }
 

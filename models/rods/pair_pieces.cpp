@@ -192,7 +192,7 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
 }
 
 void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, std::span<ProofPiece> pieces) {
-    const Constants c = ConstantsOf(medium, couplings.own);
+    const PairConstants c = ConstantsOf(medium, couplings.own);
     const BoundWeights largest = BoundWeightsOf(medium, couplings.largest),
                        change = BoundWeightsOf(medium, couplings.change);
     for (std::size_t at = 0; at < pieces.size(); at += lane_count) {
@@ -206,7 +206,7 @@ void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, s
 }
 
 /// What is expanded.
-enum Column {
+enum SampleColumn {
     defect_column,                    ///< of x, y, theta_0, theta_1
     by_column = defect_column + 4,    ///< rates by the same
     direction_column = by_column + 8, ///< cosine and sine of both headings
@@ -261,7 +261,7 @@ void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V lengt
 
 /// Samples at the nodes. False: out of the range of the kernels.
 template<bool polar>
-M SamplesOf(const LanePieces& piece, const Constants& c, V (&samples)[column_count][nodes]) {
+M SamplesOf(const LanePieces& piece, const PairConstants& c, V (&samples)[column_count][nodes]) {
     const Lanes d;
     const V speed = hn::Div(Number(2.0), piece.length);
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
@@ -298,9 +298,9 @@ M SamplesOf(const LanePieces& piece, const Constants& c, V (&samples)[column_cou
 
 /// Sizes of a Jacobian's or an error's parts, from its columns.
 template<class Part>
-HWY_INLINE Block BlockOf(const Expanded (&all)[column_count], const Part& part) {
+HWY_INLINE BoundMatrix BlockOf(const Expanded (&all)[column_count], const Part& part) {
     const auto both = [&](std::size_t k) HWY_ATTR { return LengthOf(part(all[k]), part(all[k + 1])); };
-    Block block;
+    BoundMatrix block;
     block.of[0][0] = hn::Zero(Lanes());
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const std::size_t by = by_column + 4 * rod;
@@ -312,13 +312,13 @@ HWY_INLINE Block BlockOf(const Expanded (&all)[column_count], const Part& part) 
     return block;
 }
 template<class Part>
-HWY_INLINE Errors ErrorsOf(const Expanded (&all)[4], const Part& part) {
+HWY_INLINE ErrorBounds ErrorsOf(const Expanded (&all)[4], const Part& part) {
     return {LengthOf(part(all[0]), part(all[1])), hn::Abs(part(all[2])), hn::Abs(part(all[3]))};
 }
 
-Block RestOf(const PieceReach<V>& reach) {
+BoundMatrix RestOf(const PieceReach<V>& reach) {
     const V by_place = hn::Div(Number(std::numbers::sqrt2), reach.distance);
-    Block rest;
+    BoundMatrix rest;
     rest.of[0][0] = hn::Zero(Lanes());
     for (std::size_t rod = 0; rod < 2; ++rod) {
         rest.of[0][1 + rod] = reach.direction_rest[rod];
@@ -354,14 +354,14 @@ void SecondOrder(const V (&samples)[column_count][nodes], V length, const Chebys
     }
 }
 
-void Store(const Errors& errors, V (&to)[3]) { std::copy_n(errors.of, 3, to); }
-void Store(const Block& block, V (&to)[3][3]) {
+void Store(const ErrorBounds& errors, V (&to)[3]) { std::copy_n(errors.of, 3, to); }
+void Store(const BoundMatrix& block, V (&to)[3][3]) {
     for (std::size_t i = 0; i < 3; ++i)
         std::copy_n(block.of[i], 3, to[i]);
 }
 
 /// The largest that comes of errors of 1, those of places over the scale.
-HWY_INLINE V NormOf(const Block& a, V scale) {
+HWY_INLINE V NormOf(const BoundMatrix& a, V scale) {
     const Lanes d;
     V norm = hn::Div(hn::Add(a.of[0][1], a.of[0][2]), scale);
     for (std::size_t i = 1; i < 3; ++i)
@@ -371,7 +371,8 @@ HWY_INLINE V NormOf(const Block& a, V scale) {
 
 /// Places count as much as headings if both take the other from as much: 2/scale = scale |d rate/d place|.
 /// The series of exp leave out n^7/5040 (1 + n/8 + ...), n = |h J|, which is to be below 4.
-M FindGrowth(const Block& mean, const Block& jacobian, const PieceReach<V>& reach, PieceExpansion<V>& e) {
+M FindGrowth(const BoundMatrix& mean, const BoundMatrix& jacobian, const PieceReach<V>& reach,
+             PieceExpansion<V>& e) {
     const V far = hn::Mul(Number(10.0), hn::Add(reach.distance, reach.length));
     e.scale = hn::Min(far, hn::Sqrt(hn::Div(Number(2.0), hn::Add(mean.of[1][0], mean.of[2][0]))));
     e.growth = hn::Mul(reach.length, NormOf(jacobian, e.scale));
@@ -391,27 +392,28 @@ void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], co
     const auto tail_of = [](const Expanded& of) HWY_ATTR { return of.tail; };
     Expanded first[4];
     std::copy_n(all + defect_column, 4, first);
-    const Block mean = BlockOf(all, mean_of), varies = BlockOf(all, varies_of), rest = RestOf(reach),
-                tail = BlockOf(all, tail_of);
+    const BoundMatrix mean = BlockOf(all, mean_of), varies = BlockOf(all, varies_of), rest = RestOf(reach),
+                      tail = BlockOf(all, tail_of);
     // T_k differs from its mean by 4/3 at most, and the integral of that stays below 1/2
-    const Block jacobian = Combined(Combined(mean, third4, varies), one, rest);
-    const Block zero = Combined(mean, Number(-1.0), mean), turned = Combined(zero, quarter, varies);
-    const Errors defect = ErrorsOf(first, varies_of), e1 = Times(quarter, defect),
-                 e2 = Times(quarter, ErrorsOf(second, varies_of));
-    const Errors mean_defect = ErrorsOf(first, mean_of), rests{reach.rest[0], reach.rest[1], reach.rest[2]};
+    const BoundMatrix jacobian = Combined(Combined(mean, third4, varies), one, rest);
+    const BoundMatrix zero = Combined(mean, Number(-1.0), mean), turned = Combined(zero, quarter, varies);
+    const ErrorBounds defect = ErrorsOf(first, varies_of), e1 = Times(quarter, defect),
+                      e2 = Times(quarter, ErrorsOf(second, varies_of));
+    const ErrorBounds mean_defect = ErrorsOf(first, mean_of),
+                      rests{reach.rest[0], reach.rest[1], reach.rest[2]};
     // the product of T_i and T_k counts once in what interpolation of J E misses if i + k is above the
     // degree: then i is 6 or more, or k above that, and orders above 6 in E come of those from 6 on in the
     // defect
-    const Errors e1_tail = Times(hn::Mul(Number(1.0 / 14.0), length), ErrorsOf(first, tail_of));
-    const Errors folded = Plus(Times(tail, e1), Times(jacobian, e1_tail));
-    const Errors mean_acts{LengthOf(acts[0], acts[1]), hn::Abs(acts[2]), hn::Abs(acts[3])};
+    const ErrorBounds e1_tail = Times(hn::Mul(Number(1.0 / 14.0), length), ErrorsOf(first, tail_of));
+    const ErrorBounds folded = Plus(Times(tail, e1), Times(jacobian, e1_tail));
+    const ErrorBounds mean_acts{LengthOf(acts[0], acts[1]), hn::Abs(acts[2]), hn::Abs(acts[3])};
     M good = hn::Eq(one, one);
-    const Block inverse = SumOfPowers(turned, good);
-    const Errors known =
+    const BoundMatrix inverse = SumOfPowers(turned, good);
+    const ErrorBounds known =
         Plus(Plus(Times(jacobian, e2), Times(turned, mean_acts)), Plus(Plus(folded, Times(rest, e1)), rests));
-    const Block wobble =
+    const BoundMatrix wobble =
         Times(inverse, Combined(Combined(Times(jacobian, turned), one, Times(turned, mean)), one, rest));
-    const Block grown = SumOfPowers(Combined(Combined(zero, length, mean), length, wobble), good);
+    const BoundMatrix grown = SumOfPowers(Combined(Combined(zero, length, mean), length, wobble), good);
     Store(mean_acts, e.mean);
     Store(Plus(e1, e2), e.swing);
     Store(turned, e.turned);
@@ -427,7 +429,7 @@ void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], co
 }
 
 template<bool polar>
-M ExpansionOf(const LanePieces& piece, const PieceReach<V>& reach, const Constants& c,
+M ExpansionOf(const LanePieces& piece, const PieceReach<V>& reach, const PairConstants& c,
               const ChebyshevRows& rows, PieceExpansion<V>& e) {
     V samples[column_count][nodes], product[4][nodes];
     const M in_range = SamplesOf<polar>(piece, c, samples);
@@ -449,7 +451,7 @@ bool Expand(const elastic::Medium& medium, const Couplings& couplings, std::span
             std::span<const std::size_t> which) {
     static const ChebyshevRows rows;
     const Lanes d;
-    const Constants c = ConstantsOf(medium, couplings);
+    const PairConstants c = ConstantsOf(medium, couplings);
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
     for (std::size_t at = 0; at < which.size(); at += lane_count) {
         const auto of = [&](std::size_t lane) -> const Piece& {

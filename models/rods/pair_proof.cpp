@@ -86,7 +86,7 @@ std::optional<double> share_of(const Couplings& couplings, const Couplings& spre
 
 class Prover {
 public:
-    Prover(const PairProblem& pair, const PairTrack& track, const EndingCriteria& criteria, ProofSpace& space,
+    Prover(const PairProblem& pair, const StepTrack& track, const EndingCriteria& criteria, ProofSpace& space,
            const PairSpread& spread)
         : pair_(pair), track_(track), couplings_{pair.couplings, largest(pair.couplings, spread.couplings),
                                                  spread.couplings},
@@ -132,7 +132,7 @@ private:
     void finish(bool contact);
 
     const PairProblem& pair_;
-    const PairTrack& track_;
+    const StepTrack& track_;
     PieceCouplings couplings_;
     std::optional<double> share_; ///< of the rate, where that is one
     ProofSpace& space_;
@@ -342,7 +342,8 @@ bool Prover::watch(const Piece& piece, const StepBounds& b) {
 void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::array<double, watched>& r,
                         double speed) {
     const double from = (late_from_ - piece.start) / (0.5 * piece.length) - 1.0, error = most_[0];
-    Interval &least = encounter_.late_least, &most = encounter_.late_most, &turning = encounter_.late_turning;
+    Enclosure &least = encounter_.late_least, &most = encounter_.late_most,
+              &turning = encounter_.late_turning;
     const auto seen = [&](double separation) {
         least.high = std::min(least.high, separation + error);
         most.low = std::max(most.low, separation - error);
@@ -416,14 +417,14 @@ void Prover::finish(bool contact) {
 
 } // namespace
 
-void PairTrack::add(double time, integrate::State y) {
+void StepTrack::add(double time, integrate::State y) {
     if (!times.empty() && !(time > times.back()))
         return;
     times.push_back(time);
     states.push_back({y[0], y[1], y[2], y[3], y[4], y[5]});
 }
 
-std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const PairTrack& track, bool contact,
+std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const StepTrack& track, bool contact,
                                              const EndingCriteria& criteria, ProofSpace& space,
                                              const PairSpread& spread) {
     return Prover(pair, track, criteria, space, spread).run(contact);

@@ -15,7 +15,7 @@
 namespace rodwake::rods {
 
 /// A solution at the ends of its steps.
-struct PairTrack {
+struct StepTrack {
     std::vector<double> times;
     std::vector<std::array<double, 6>> states; ///< as in model.hpp
 
@@ -37,7 +37,7 @@ struct PairSpread {
 };
 
 /// Of the exact solution, if the error can be bounded; `contact`: the track ends in contact.
-std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const PairTrack& track, bool contact,
+std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const StepTrack& track, bool contact,
                                              const EndingCriteria& criteria, ProofSpace& space,
                                              const PairSpread& spread = {});
 

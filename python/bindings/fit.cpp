@@ -177,7 +177,7 @@ FitResult fit_scene(const scene::Scene& scene, const std::filesystem::path& fold
 
 py::list estimates_of(const FitResult& result, const py::object& make) {
     py::list all;
-    for (const fitting::Estimate& e : result.results.report.estimates) {
+    for (const fitting::ParameterEstimate& e : result.results.report.estimates) {
         const py::object bound = e.at_lower   ? py::object(py::str("lower"))
                                  : e.at_upper ? py::object(py::str("upper"))
                                               : py::none();

@@ -109,7 +109,7 @@ ProblemCalls::Result ProblemCalls::linearise(double t, State y) {
     const auto n = static_cast<Eigen::Index>(y.size()),
                parameters = static_cast<Eigen::Index>(sensitivity_->parameters);
     linear_.by_state.resize(n, n);
-    if (const Result result = jacobian(t, y, linear_.by_state.data()); result != fine)
+    if (const CallbackResult result = jacobian(t, y, linear_.by_state.data()); result != fine)
         return result;
     linear_.by_parameter.setZero(n, parameters);
     sensitivity_->by_parameter(t, y, linear_.by_parameter);
@@ -127,7 +127,7 @@ ProblemCalls::Result ProblemCalls::sensitivity_rhs(double t, State y, const Eige
                                                    Eigen::MatrixXd& S_dot) noexcept try {
     if (rhs_threw_)
         return give_up;
-    const Result result = linearise(t, y);
+    const CallbackResult result = linearise(t, y);
     rhs_threw_ = result == give_up;
     if (result == fine)
         S_dot.noalias() = linear_.by_state * S + linear_.by_parameter;

@@ -25,7 +25,7 @@ using nlohmann::json;
 using Bytes = std::vector<std::byte>;
 
 /// Kinds of records, as the journal's layouts. Later records replace earlier ones.
-enum Record : std::uint32_t {
+enum LedgerRecord : std::uint32_t {
     points_record = 1,    ///< packed points that simply succeeded
     cause_record,         ///< one packed point that failed or was retried, its status, its cause
     crossings_record,     ///< brackets as they are
@@ -144,11 +144,11 @@ public:
         journal_->flush();
     }
 
-    void write(Record kind, const Bytes& content) {
+    void write(LedgerRecord kind, const Bytes& content) {
         append(kind, content);
         journal_->flush();
     }
-    void append(Record kind, const Bytes& content) {
+    void append(LedgerRecord kind, const Bytes& content) {
         journal_->append(kind, content);
         take(journal_->size() - 1, kind, content);
     }
@@ -172,7 +172,7 @@ public:
             else
                 failed.erase(id);
         } else if (kind == crossings_record) {
-            for (const Crossing& one : in.get_array<Crossing>())
+            for (const OutcomeChange& one : in.get_array<OutcomeChange>())
                 brackets[one.id] = one;
         } else if (kind == forgotten_record) {
             for (const std::int64_t id : in.get_array<std::int64_t>())
@@ -203,7 +203,7 @@ public:
         std::unordered_map<std::uint32_t, Bytes> records;
         std::size_t bytes = 0;
         for (const std::int64_t id : ids) {
-            const Place place = places.at(id);
+            const RecordNumber place = places.at(id);
             auto found = records.find(place.record);
             if (found == records.end()) {
                 if (bytes > most_bytes)
@@ -253,12 +253,12 @@ public:
 
     void sync() { journal_->sync(); }
 
-    struct Place {
+    struct RecordNumber {
         std::uint32_t record = 0, number = 0;
     };
-    std::unordered_map<std::int64_t, Place> places;
+    std::unordered_map<std::int64_t, RecordNumber> places;
     std::unordered_set<std::int64_t> failed;
-    std::map<std::int64_t, Crossing> brackets;
+    std::map<std::int64_t, OutcomeChange> brackets;
     std::int64_t damaged = 0;
 
     const LedgerHead& head() const { return head_; }
@@ -278,7 +278,7 @@ private:
     std::optional<store::Journal> journal_;
 };
 
-static_assert(sizeof(Crossing) == 32, "brackets are copied as they are, and have no padding");
+static_assert(sizeof(OutcomeChange) == 32, "brackets are copied as they are, and have no padding");
 
 Ledger::Ledger(const fs::path& file, LedgerHead head)
     : head_(std::move(head)), book_(std::make_unique<Book>(file, head_)) {}
@@ -287,7 +287,7 @@ Ledger::~Ledger() = default;
 
 void Ledger::add(std::span<const Result> results) { book_->add(results); }
 
-void Ledger::add(std::span<const Crossing> crossings) {
+void Ledger::add(std::span<const OutcomeChange> crossings) {
     store::ByteWriter out;
     out.put_array(crossings);
     book_->write(crossings_record, out.take());
@@ -352,8 +352,8 @@ std::optional<Result> Ledger::find(std::int64_t id) const {
     return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-std::vector<Crossing> Ledger::crossings() const {
-    std::vector<Crossing> all;
+std::vector<OutcomeChange> Ledger::crossings() const {
+    std::vector<OutcomeChange> all;
     for (const auto& [id, one] : book_->brackets)
         all.push_back(one);
     return all;

@@ -84,7 +84,7 @@ void check_layout(const FrameLayout& layout) {
         check_name(name);
         check_not_reserved(name);
     }
-    for (const Kind& kind : layout.kinds) {
+    for (const Species& kind : layout.kinds) {
         check_name(kind.name);
         check_name(kind.symbol);
     }

@@ -49,7 +49,7 @@ void write_parameters(Hdf5File& file, const FrameLayout& layout, const H5mdInfo&
     for (const auto& [name, value] : info.parameters)
         write_attribute(group.get(), name, value);
     std::int32_t number = 0;
-    for (const Kind& kind : layout.kinds) {
+    for (const Species& kind : layout.kinds) {
         write_attribute(kinds.get(), kind.name, H5T_NATIVE_INT32, &number);
         ++number;
     }

@@ -243,7 +243,7 @@ TEST_CASE("The measures of curves can fail") {
 
 TEST_CASE("Bisection keeps the half whose ends differ, of a third outcome the lower") {
     const auto halved = [](int at_middle) {
-        Crossing crossing{1, 0, 1, 0.25, 0.5};
+        OutcomeChange crossing{1, 0, 1, 0.25, 0.5};
         Result result;
         result.outcome = at_middle;
         result.status = at_middle < 0 ? Status::failed : Status::ok;

@@ -11,8 +11,8 @@
 
 namespace scene_test {
 
+using rodwake::scene::Diagnostic;
 using rodwake::scene::KeyInfo;
-using rodwake::scene::Problem;
 using rodwake::scene::Scene;
 
 inline const std::string complete = R"(schema = 1
@@ -181,8 +181,8 @@ inline Scene parse(const std::string& text, const std::vector<std::string>& over
 }
 
 /// What is wrong with the scene; empty if it is right.
-inline std::vector<Problem> problems_of(const std::string& text,
-                                        const std::vector<std::string>& overrides = {}) {
+inline std::vector<Diagnostic> problems_of(const std::string& text,
+                                           const std::vector<std::string>& overrides = {}) {
     try {
         parse(text, overrides);
     } catch (const rodwake::scene::SceneError& error) {
@@ -202,8 +202,9 @@ inline std::string error_text(const std::string& text, const std::vector<std::st
 }
 
 /// Some problem at this key has this in its text.
-inline bool mentions(const std::vector<Problem>& problems, const std::string& key, const std::string& part) {
-    return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) {
+inline bool mentions(const std::vector<Diagnostic>& problems, const std::string& key,
+                     const std::string& part) {
+    return std::any_of(problems.begin(), problems.end(), [&](const Diagnostic& p) {
         return p.key == key && p.text().find(part) != std::string::npos;
     });
 }

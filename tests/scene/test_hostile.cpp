@@ -1,7 +1,7 @@
 // Files nobody meant to write: never a crash, never anything but SceneError, never slow.
 
 #include "rodwake/scene/read.hpp"
-#include "scene/problems.hpp"
+#include "scene/diagnostics.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>

@@ -15,7 +15,7 @@ TEST_CASE("the complete scene is right and a wrong one is not") {
 }
 
 TEST_CASE("mentions needs the key and the text") {
-    const std::vector<Problem> problems{{"x.toml", 2, 3, "medium.eta", "must be > -1"}};
+    const std::vector<Diagnostic> problems{{"x.toml", 2, 3, "medium.eta", "must be > -1"}};
     CHECK(mentions(problems, "medium.eta", "must be"));
     CHECK(mentions(problems, "medium.eta", "x.toml:2:3"));
     CHECK_FALSE(mentions(problems, "medium.xi", "must be"));

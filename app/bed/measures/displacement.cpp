@@ -110,13 +110,13 @@ Value lattice_spacing(const DisplacementField& u, double a) {
     return spacing > 0.0 ? Value(spacing / a) : Value();
 }
 
-struct Found {
+struct DisplacementValues {
     const DisplacementField& r;
     double a; ///< m
 };
-using F = const Found&;
+using F = const DisplacementValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ToldValue<DisplacementValues> values[] = {
     {{.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
      [](F f) { return measure::to_string(f.r.method); }},
     {{.key = "reference",
@@ -159,7 +159,7 @@ MeasureReport report(const MeasuredCase& data) {
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
     const auto runs = measure::take<DisplacementAccumulator>(data.sums, "displacement");
     const DisplacementField u = measure::reduce(runs);
-    return {.values = values_of(values, Found{u, a}),
+    return {.values = values_of(values, DisplacementValues{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),

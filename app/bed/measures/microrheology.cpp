@@ -64,16 +64,16 @@ MicrorheologyResult reduced(const MeasuredCase& data, std::span<const Microrheol
     return r;
 }
 
-struct Found {
+struct MicrorheologyValues {
     const MicrorheologyResult& r;
     const MemoryKernel& kernel;
     std::optional<Estimate> drag;
     double a; ///< m
     double area = 1.0 / (a * a);
 };
-using F = const Found&;
+using F = const MicrorheologyValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ToldValue<MicrorheologyValues> values[] = {
     {{"stiffness", "Stiffness", "a^-2", R"($1/(s \tilde{\Delta}(s))$ for $s \to 0$)"},
      [](F f) { return f.r.stiffness_zero.scaled(f.a * f.a); }},
     {{"scatter", "", "a^-2", "part of the error of the stiffness: from noise"},
@@ -100,17 +100,17 @@ constexpr ToldValue<Found> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ToldColumn<Found> msd_columns[] = {
+constexpr ToldColumn<MicrorheologyValues> msd_columns[] = {
     {{"lag", "s", "time between two places of a bead"}, [](F f) { return f.r.lag; }},
     {{"msd", "a^2", "mean-square displacement, drift removed"}, [](F f) { return scaled(f.r.msd, f.area); }},
     {{"sigma", "a^2", "standard error; empty: unknown"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
     {{"origins", "1", "starting times behind the value"}, [](F f) { return f.r.origins; }}};
-constexpr ToldColumn<Found> stiffness_columns[] = {
+constexpr ToldColumn<MicrorheologyValues> stiffness_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.r.s; }},
     {{"value", "1/a^2", "1/(s MSD~(s))"}, [](F f) { return scaled(f.r.stiffness, f.a * f.a); }},
     {{"sigma", "1/a^2", "standard error; empty: unknown"},
      [](F f) { return scaled(f.r.stiffness_error, f.a * f.a); }}};
-constexpr ToldColumn<Found> kernel_columns[] = {
+constexpr ToldColumn<MicrorheologyValues> kernel_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.kernel.s; }},
     {{"total", "N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}, [](F f) { return f.kernel.total; }},
     {{"total_error", "N/m", "standard error, also that of with_drag; empty: unknown"},
@@ -161,7 +161,7 @@ MeasureReport report(const MeasuredCase& data) {
     const MemoryKernel kernel =
         warm ? measure::memory_kernel(r.spectrum, runs[0].layout().bead_mass, r.temperature, drag)
              : MemoryKernel{};
-    const Found f = {r, kernel, drag, a};
+    const MicrorheologyValues f = {r, kernel, drag, a};
     MeasureReport told = {
         .values = values_of(values, f),
         .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2", msd_infos,

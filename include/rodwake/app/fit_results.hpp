@@ -38,7 +38,7 @@ struct FitSystematics {
         double error = 0.0;         ///< of the constant
         std::vector<double> change; ///< of the parameters for one such error
     };
-    struct Choice {
+    struct MaskFit {
         fitting::MapMask mask;
         std::size_t residuals = 0;
         fitting::Report report;
@@ -48,8 +48,8 @@ struct FitSystematics {
         std::vector<double> values;
     };
     std::vector<Held> held;
-    std::vector<Choice> masks; ///< the first is that of the fit
-    std::vector<LeftOut> runs; ///< of the jackknife
+    std::vector<MaskFit> masks; ///< the first is that of the fit
+    std::vector<LeftOut> runs;  ///< of the jackknife
     /// Empty: not asked for. `total`: the larger of the jackknife's error and the curvature's, with the other
     /// two.
     std::vector<double> held_error, mask_spread, jackknife, total;

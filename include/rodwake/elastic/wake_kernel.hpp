@@ -66,12 +66,12 @@ public:
 private:
     friend struct KernelInternals; ///< models/elastic/wake_kernel.hpp
 
-    struct Constants {
+    struct KernelConstants {
         double c_shear, nu, delta, inverse_nu; ///< 1/(2 xi), 1/(1 + eta), 1 - nu, 1 + eta
     };
 
     Field field_;
-    Constants constants_;
+    KernelConstants constants_;
     Accuracy accuracy_;
 };
 

@@ -11,7 +11,7 @@
 namespace rodwake::store {
 
 /// How a species is called: its place in FrameLayout::kinds is its number.
-struct Kind {
+struct Species {
     std::string name;   ///< "bead"; no blanks
     std::string symbol; ///< chemical symbol, for readers that know only those
 };
@@ -20,7 +20,7 @@ struct Kind {
 struct FrameLayout {
     std::array<double, 3> box{}; ///< from 0 to box in x, y, z
     std::array<bool, 3> periodic{true, true, false};
-    std::vector<Kind> kinds = {{"bead", "Al"}, {"rod", "Cu"}};
+    std::vector<Species> kinds = {{"bead", "Al"}, {"rod", "Cu"}};
     std::vector<std::int32_t>
         species;                      ///< [N], < kinds.size(); 0 is a loose sphere, all others belong to rods
     std::vector<std::int32_t> id;     ///< [N], distinct

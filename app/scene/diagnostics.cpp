@@ -1,4 +1,4 @@
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include "node.hpp"
 #include "rodwake/scene/document.hpp"
@@ -12,15 +12,15 @@ namespace rodwake::scene {
 
 namespace {
 
-std::vector<Problem> in_order(std::vector<Problem> problems) {
-    const auto before = [](const Problem& a, const Problem& b) {
+std::vector<Diagnostic> in_order(std::vector<Diagnostic> problems) {
+    const auto before = [](const Diagnostic& a, const Diagnostic& b) {
         return std::tie(a.line, a.column) < std::tie(b.line, b.column);
     };
     std::stable_sort(problems.begin(), problems.end(), before);
     return problems;
 }
 
-std::string listing(const std::vector<Problem>& problems, std::size_t unstored) {
+std::string listing(const std::vector<Diagnostic>& problems, std::size_t unstored) {
     std::string text;
     const std::size_t listed = std::min(problems.size(), SceneError::listed_at_most);
     for (std::size_t i = 0; i < listed; ++i)
@@ -32,21 +32,21 @@ std::string listing(const std::vector<Problem>& problems, std::size_t unstored) 
 
 } // namespace
 
-std::string Problem::text() const {
+std::string Diagnostic::text() const {
     return line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, message)
                     : fmt::format("{}: {}", file, message);
 }
 
-SceneError::SceneError(std::vector<Problem> problems, std::size_t unstored)
+SceneError::SceneError(std::vector<Diagnostic> problems, std::size_t unstored)
     : InputError(listing(in_order(problems), unstored)), problems_(in_order(std::move(problems))) {}
 
-void Problems::add(const Place& place, std::string key, std::string message) {
-    add(Problem{place.source ? *place.source : "", place.line, place.column, std::move(key),
-                std::move(message)});
+void Diagnostics::add(const SourcePosition& place, std::string key, std::string message) {
+    add(Diagnostic{place.source ? *place.source : "", place.line, place.column, std::move(key),
+                   std::move(message)});
 }
 
-void Problems::add(Problem problem) {
-    const auto same = [&](const Problem& one) {
+void Diagnostics::add(Diagnostic problem) {
+    const auto same = [&](const Diagnostic& one) {
         return one.line == problem.line && one.column == problem.column && one.message == problem.message;
     };
     if (std::ranges::any_of(list_, same)) // of a key that is read twice
@@ -57,7 +57,7 @@ void Problems::add(Problem problem) {
         ++unstored_;
 }
 
-void Problems::throw_if_any() const {
+void Diagnostics::throw_if_any() const {
     if (!list_.empty())
         throw SceneError(list_, unstored_);
 }
