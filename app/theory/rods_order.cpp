@@ -138,7 +138,7 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
     RodOrderSeries series;
     series.times = columns[0];
     series.times.resize(rows_that_count(series.times, *scene.rods_run, keys.units.time));
-    std::vector<measure::RodPlace> places(scene.rods.size());
+    std::vector<measure::RodPosition> places(scene.rods.size());
     for (std::size_t i = 0; i < series.times.size(); ++i) {
         for (std::size_t rod = 0; rod < places.size(); ++rod)
             places[rod] = {columns[1 + 3 * rod][i], columns[2 + 3 * rod][i], columns[3 + 3 * rod][i]};
@@ -157,8 +157,9 @@ StageEnd order_of_theory(const Session& session) {
 }
 
 /// Apolar rods have no heading, and are left out.
-std::vector<measure::RodPlace> motile(const measure::Frame& frame, const granular::GranularProblem& problem) {
-    std::vector<measure::RodPlace> places;
+std::vector<measure::RodPosition> motile(const measure::Frame& frame,
+                                         const granular::GranularProblem& problem) {
+    std::vector<measure::RodPosition> places;
     for (std::size_t r = 0; r < frame.rods.size(); ++r)
         if (problem.rods[r].shape.kind == granular::RodKind::motile)
             places.push_back(frame.rods[r]);

@@ -117,7 +117,7 @@ struct DisplacementAccumulator::Impl {
     std::size_t frames = 0;
     double path = 0.0, duration = 0.0; ///< of the rod along its heading, m; s
     double last_time = 0.0;
-    RodPlace last; ///< of the rod
+    RodPosition last; ///< of the rod
 };
 
 struct DisplacementSums {

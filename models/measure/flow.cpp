@@ -158,7 +158,7 @@ std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
                                                   : nowhere;
 }
 
-RodPlace halfway(const RodPlace& before, const RodPlace& now) {
+RodPosition halfway(const RodPosition& before, const RodPosition& now) {
     return {(before.x + now.x) / 2.0, (before.y + now.y) / 2.0,
             before.heading + std::remainder(now.heading - before.heading, 2.0 * std::numbers::pi) / 2.0};
 }

@@ -53,7 +53,7 @@ PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
     return along_y ? PeriodicBox(layout.box.y, layout.box.x) : layout.box;
 }
 
-RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
+RodPosition place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
     if (!layout.force)
         return frame.rods[rod];
     const MovingForce& force = *layout.force;
@@ -102,7 +102,7 @@ void check_frame(const Layout& layout, const Frame& frame) {
     if (frame.rods.size() != layout.rods)
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));
-    for (const RodPlace& rod : frame.rods)
+    for (const RodPosition& rod : frame.rods)
         if (layout.velocities &&
             !(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
             throw RunError("measure: the place of a rod is not finite");
@@ -189,7 +189,7 @@ RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted) {
     return {{box.x + 2.0 * margin, box.y + 2.0 * margin}, wanted, margin};
 }
 
-Seen seen_from(const RodPlace& rod, double x, double y, const PeriodicBox& box) {
+Seen seen_from(const RodPosition& rod, double x, double y, const PeriodicBox& box) {
     const double dx = nearest_image(x - rod.x, box.x), dy = nearest_image(y - rod.y, box.y);
     const double c = std::cos(rod.heading), s = std::sin(rod.heading);
     return {c * dx + s * dy, -s * dx + c * dy};

@@ -24,7 +24,7 @@ LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const Displac
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
-    const RodPlace place = place_of(options_.rod, layout_, frame);
+    const RodPosition place = place_of(options_.rod, layout_, frame);
     const RodView rod(place, image_box(layout_));
     if (samples_.empty())
         start(frame, rod);

@@ -37,7 +37,7 @@ void Measures::add(const Frame& frame) {
 bool Measures::has_travelled(const Frame& frame) {
     if (travel_.distance == 0.0)
         return true;
-    const RodPlace& rod = frame.rods[travel_.rod];
+    const RodPosition& rod = frame.rods[travel_.rod];
     if (!rod.seen())
         return travelled_;
     if (!seen_) {

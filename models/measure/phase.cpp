@@ -241,7 +241,7 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
     const auto reference = far_phases(frame);
     if (!reference)
         return false;
-    const RodPlace place = place_of(options_.rod, layout_, frame);
+    const RodPosition place = place_of(options_.rod, layout_, frame);
     const RodView rod(place, image_box(layout_));
     BlockSums& block = blocks_.at(frame.time, place.heading);
     const auto turned = seen_along(peaks.G, block.first_heading);
@@ -298,7 +298,7 @@ void PhaseAccumulator::save(StateWriter& out) const {
         out.put(frame.time);
         out.put(frame.x);
         out.put(frame.y);
-        for (const RodPlace& rod : frame.rods)
+        for (const RodPosition& rod : frame.rods)
             for (const double value : {rod.x, rod.y, rod.heading})
                 out.put(value);
     }

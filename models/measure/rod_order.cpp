@@ -53,10 +53,10 @@ double side_of(std::span<const double> x, std::span<const double> y, double link
     return std::max(right - left, high - low) + 2.0 * link;
 }
 
-std::vector<std::size_t> cluster_sizes(std::span<const RodPlace> rods, double link,
+std::vector<std::size_t> cluster_sizes(std::span<const RodPosition> rods, double link,
                                        std::optional<PeriodicBox> box) {
     std::vector<double> x, y;
-    for (const RodPlace& rod : rods) {
+    for (const RodPosition& rod : rods) {
         x.push_back(rod.x);
         y.push_back(rod.y);
     }
@@ -72,9 +72,9 @@ std::vector<std::size_t> cluster_sizes(std::span<const RodPlace> rods, double li
 }
 
 /// |mean of exp(i k theta)|
-double alignment(std::span<const RodPlace> rods, double k) {
+double alignment(std::span<const RodPosition> rods, double k) {
     std::complex<double> sum = 0.0;
-    for (const RodPlace& rod : rods)
+    for (const RodPosition& rod : rods)
         sum += std::polar(1.0, k * rod.heading);
     return std::abs(sum) / static_cast<double>(rods.size());
 }
@@ -144,7 +144,7 @@ double RodOrder::weighted_size() const {
     return squares / rods;
 }
 
-RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box) {
+RodOrder rod_order(std::span<const RodPosition> rods, double link, std::optional<PeriodicBox> box) {
     return {alignment(rods, 1.0), alignment(rods, 2.0), cluster_sizes(rods, link, box)};
 }
 

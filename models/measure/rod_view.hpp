@@ -13,7 +13,7 @@ namespace rodwake::measure {
 
 class RodView {
 public:
-    RodView(const RodPlace& rod, const PeriodicBox& box)
+    RodView(const RodPosition& rod, const PeriodicBox& box)
         : box_(box), x_(into_box(rod.x, box.x)), y_(into_box(rod.y, box.y)), cosine_(std::cos(rod.heading)),
           sine_(std::sin(rod.heading)) {}
 
@@ -37,7 +37,7 @@ private:
 class FarField {
 public:
     FarField(const Frame& frame, const Layout& layout, double from) : from2_(from * from) {
-        for (const RodPlace& rod : frame.rods)
+        for (const RodPosition& rod : frame.rods)
             if (rod.seen())
                 rods_.emplace_back(rod, image_box(layout));
         if (layout.force)

@@ -161,7 +161,7 @@ std::optional<double> first_heading(const RodTrack& rod) {
     return found == rod.heading.end() ? std::nullopt : std::optional(*found);
 }
 
-void RodPlayer::play(std::size_t frame, std::vector<RodPlace>& places) {
+void RodPlayer::play(std::size_t frame, std::vector<RodPosition>& places) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     places.assign(next_.size(), {unknown, unknown, unknown});
     for (std::size_t k = 0; k < next_.size(); ++k) {

@@ -38,7 +38,7 @@ public:
         : tracks_(tracks), next_(tracks.rods.size(), 0), x_(next_.size()), y_(next_.size()) {}
 
     /// Of the next frame.
-    void play(std::size_t frame, std::vector<RodPlace>& places);
+    void play(std::size_t frame, std::vector<RodPosition>& places);
 
 private:
     const Tracks& tracks_;

@@ -25,7 +25,7 @@ using Field = std::function<Seen(double, double)>;
 
 struct Motion {
     double turn_rate = 0.0, drift = 0.0;
-    RodPlace rod = {70 * a, 75 * a, 0.4}; ///< so that it crosses both edges of the box
+    RodPosition rod = {70 * a, 75 * a, 0.4}; ///< so that it crosses both edges of the box
 };
 
 /// Beads that step as the field says where they are halfway. Those farther than 30 a move against it, evenly,
@@ -45,12 +45,12 @@ struct FlowBed {
         }
     }
     Frame frame() const {
-        RodPlace rod = motion.rod;
+        RodPosition rod = motion.rod;
         rod.heading = std::remainder(rod.heading, 2.0 * std::numbers::pi);
         return frame_of(layout, time, x, y, {rod});
     }
     void advance() {
-        RodPlace half = motion.rod, after = motion.rod;
+        RodPosition half = motion.rod, after = motion.rod;
         half.heading += motion.turn_rate * step / 2.0;
         after.heading += motion.turn_rate * step;
         after.x += speed * step * std::cos(half.heading) + motion.drift * step;

@@ -57,10 +57,10 @@ std::vector<Frame> walk(Layout& layout, const Places& first, bool turned) {
     layout.headings = {turned ? 0.5 * std::numbers::pi : 0.0};
     std::vector<Frame> frames;
     Places at = first;
-    RodPlace rod{0.3 * first.box.x, 0.9 * first.box.y, 0.0};
+    RodPosition rod{0.3 * first.box.x, 0.9 * first.box.y, 0.0};
     for (int k = 0; k < 12; ++k) {
         Row x = at.x, y = at.y;
-        RodPlace seen = rod;
+        RodPosition seen = rod;
         if (turned) {
             for (std::size_t i = 0; i < x.size(); ++i) {
                 x[i] = -at.y[i];

@@ -60,8 +60,8 @@ TEST_CASE("middles are in their bins, far edges belong to the image, and outside
 TEST_CASE("what a rod sees comes back to where it is", "[rod_grid]") {
     RandomStream random(4);
     for (int k = 0; k < 1000; ++k) {
-        const RodPlace rod = {random.uniform(-3.0 * box, 3.0 * box), random.uniform(-3.0 * box, 3.0 * box),
-                              random.uniform(-3.14, 3.14)};
+        const RodPosition rod = {random.uniform(-3.0 * box, 3.0 * box), random.uniform(-3.0 * box, 3.0 * box),
+                                 random.uniform(-3.14, 3.14)};
         const double x = random.uniform(0.0, box), y = random.uniform(0.0, box);
         const Seen seen = seen_from(rod, x, y, box);
         const double c = std::cos(rod.heading), s = std::sin(rod.heading);

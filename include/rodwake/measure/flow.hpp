@@ -65,7 +65,7 @@ private:
         double time = 0.0;
         std::size_t tick = 0;
         std::vector<double> x, y; ///< unwrapped
-        RodPlace rod;
+        RodPosition rod;
         std::vector<std::uint32_t> bead; ///< as Frame::bead, without those in no track
     };
     void start(const Past& now);
@@ -85,7 +85,7 @@ private:
     std::vector<double> first_x_, first_y_, last_x_, last_y_; ///< of the marked; last: drift removed
     double first_heading_ = 0.0, travel_ = 0.0;
     double drift_x_ = 0.0, drift_y_ = 0.0; ///< mean displacement of all beads since the first frame
-    RodPlace last_rod_;                    ///< where it was seen last
+    RodPosition last_rod_;                 ///< where it was seen last
     double since_x_ = 0.0, since_y_ = 0.0; ///< mean displacement of all beads since then
     bool started_ = false;                 ///< the rod has been seen
 };

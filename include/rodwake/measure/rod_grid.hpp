@@ -50,6 +50,6 @@ RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted);
 struct Seen {
     double x = 0.0, y = 0.0;
 };
-Seen seen_from(const RodPlace& rod, double x, double y, const PeriodicBox& box);
+Seen seen_from(const RodPosition& rod, double x, double y, const PeriodicBox& box);
 
 } // namespace rodwake::measure

@@ -32,7 +32,7 @@ struct RodOrder {
 /// `box`: the periodic one, distances are those of the nearest images; absent: infinite plane. At
 /// least one rod, finite places, link > 0 and at most half the box's shorter side. Cost: N, and the pairs in
 /// neighbouring cells of the size of link.
-RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box = {});
+RodOrder rod_order(std::span<const RodPosition> rods, double link, std::optional<PeriodicBox> box = {});
 
 /// Of one run: times grow, as many as orders, all of the same rods.
 struct RodOrderSeries {
