@@ -46,7 +46,7 @@ private:
     /// `G`: at the time of the frame.
     bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
     std::optional<Phases> far_phases(const Frame& frame) const;
-    void count(const Seen& now, const Phases& waves, BlockSums& block) const;
+    void count(const RelativePosition& now, const Phases& waves, BlockSums& block) const;
 
     Layout layout_;
     DisplacementOptions options_;
@@ -84,7 +84,7 @@ public:
 private:
     void start(const Frame& frame, const RodView& rod);
     void drift(const Frame& frame);
-    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now);
+    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const RelativePosition& now);
     double side() const { return grid_.box.x - 2.0 * grid_.margin; }
     void count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod, double* sums);
 

@@ -266,12 +266,12 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
     const RodView view(halfway(before.rod, now.rod), images);
     FlowBlock& block = block_at((before.time + now.time) / 2.0);
     for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
-        const Seen place = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
-                                   into_box((before.y[j] + now.y[i]) / 2.0, images.y));
+        const RelativePosition place = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
+                                               into_box((before.y[j] + now.y[i]) / 2.0, images.y));
         const auto bin = grid_.bin(place.x, place.y);
         if (!bin)
             return;
-        const Seen v =
+        const RelativePosition v =
             view.turned((now.x[i] - before.x[j] - step.x) / lag, (now.y[i] - before.y[j] - step.y) / lag);
         const double speed = std::sqrt(v.x * v.x + v.y * v.y);
         block.vx[*bin] += v.x;

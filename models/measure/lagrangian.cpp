@@ -68,7 +68,8 @@ void LagrangianAccumulator::drift(const Frame& frame) {
     last_ = std::move(now);
 }
 
-void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now) {
+void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame,
+                                      const RelativePosition& now) {
     const double ahead = now.x / side();
     if (!(ahead > zone_begin && ahead < zone_end)) {
         in_zone_[bead] = 0.0;
@@ -87,11 +88,12 @@ void LagrangianAccumulator::count(std::size_t bead, std::size_t at, const Frame&
     const double dx = frame.unwrapped_x[at] - drift_x_ - place_x_[bead] / samples_[bead];
     const double dy = frame.unwrapped_y[at] - drift_y_ - place_y_[bead] / samples_[bead];
     const PeriodicBox images = image_box(layout_);
-    const Seen before = rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
+    const RelativePosition before =
+        rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
     const auto bin = grid_.bin(before.x, before.y);
     if (!bin)
         return;
-    const Seen moved = rod.turned(dx, dy);
+    const RelativePosition moved = rod.turned(dx, dy);
     double* sum = sums + *bin * channels;
     sum[along] += moved.x;
     sum[across] += moved.y;

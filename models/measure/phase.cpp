@@ -246,7 +246,7 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
     BlockSums& block = blocks_.at(frame.time, place.heading);
     const auto turned = seen_along(peaks.G, block.first_heading);
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
-        const Seen now = rod.at(frame.x[i], frame.y[i]);
+        const RelativePosition now = rod.at(frame.x[i], frame.y[i]);
         if (options_.method == DisplacementMethod::density)
             count(now, plane_waves(turned, now.x, now.y), block);
         else
@@ -271,7 +271,7 @@ std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
     return sum;
 }
 
-void PhaseAccumulator::count(const Seen& now, const Phases& waves, BlockSums& block) const {
+void PhaseAccumulator::count(const RelativePosition& now, const Phases& waves, BlockSums& block) const {
     const auto bin = grid_.bin(now.x, now.y);
     if (!bin)
         return;

@@ -17,11 +17,13 @@ public:
         : box_(box), x_(into_box(rod.x, box.x)), y_(into_box(rod.y, box.y)), cosine_(std::cos(rod.heading)),
           sine_(std::sin(rod.heading)) {}
 
-    Seen at(double x, double y) const {
+    RelativePosition at(double x, double y) const {
         return turned(nearest_image_once(x - x_, box_.x), nearest_image_once(y - y_, box_.y));
     }
     /// A vector's components along and across the rod.
-    Seen turned(double x, double y) const { return {cosine_ * x + sine_ * y, -sine_ * x + cosine_ * y}; }
+    RelativePosition turned(double x, double y) const {
+        return {cosine_ * x + sine_ * y, -sine_ * x + cosine_ * y};
+    }
     double distance2(double x, double y) const {
         const double dx = nearest_image_once(x - x_, box_.x), dy = nearest_image_once(y - y_, box_.y);
         return dx * dx + dy * dy;
