@@ -189,7 +189,7 @@ RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted) {
     return {{box.x + 2.0 * margin, box.y + 2.0 * margin}, wanted, margin};
 }
 
-RelativePosition seen_from(const RodPosition& rod, double x, double y, const PeriodicBox& box) {
+RelativePosition relative_position(const RodPosition& rod, double x, double y, const PeriodicBox& box) {
     const double dx = nearest_image(x - rod.x, box.x), dy = nearest_image(y - rod.y, box.y);
     const double c = std::cos(rod.heading), s = std::sin(rod.heading);
     return {c * dx + s * dy, -s * dx + c * dy};

@@ -1,6 +1,6 @@
 #pragma once
-// Beads as a rod sees them, for inner loops: seen_from (rod_grid.hpp) with the rod's sine and cosine worked
-// out once, and only for places in the box.
+// Beads as a rod sees them, for inner loops: relative_position (rod_grid.hpp) with the rod's sine and cosine
+// worked out once, and only for places in the box.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"

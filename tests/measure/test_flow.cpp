@@ -62,15 +62,15 @@ struct FlowBed {
         std::vector<std::size_t> far;
         double sum_x = 0.0, sum_y = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            if (const RelativePosition now = seen_from(half, x[i], y[i], layout.box);
+            if (const RelativePosition now = relative_position(half, x[i], y[i], layout.box);
                 std::hypot(now.x, now.y) > 30 * a) {
                 far.push_back(i);
                 continue;
             }
             RelativePosition v = {};
             for (int iteration = 0; iteration < 12; ++iteration) { // halfway depends on the step
-                const RelativePosition at = seen_from(half, x[i] + sx[i] / 2.0 + motion.drift * step / 2.0,
-                                                      y[i] + sy[i] / 2.0, layout.box);
+                const RelativePosition at = relative_position(
+                    half, x[i] + sx[i] / 2.0 + motion.drift * step / 2.0, y[i] + sy[i] / 2.0, layout.box);
                 v = field(at.x, at.y);
                 sx[i] = step * (c * v.x - s * v.y);
                 sy[i] = step * (s * v.x + c * v.y);
@@ -259,7 +259,7 @@ TEST_CASE("marked beads are those near the rod at first, and are followed as far
     const FlowAccumulator accumulator = run_of(bed, marking, 60);
     std::size_t within = 0;
     for (std::size_t i = 0; i < bed.x.size(); ++i) {
-        const RelativePosition seen = seen_from(bed.motion.rod, bed.x[i], bed.y[i], bed.layout.box);
+        const RelativePosition seen = relative_position(bed.motion.rod, bed.x[i], bed.y[i], bed.layout.box);
         within += std::hypot(seen.x, seen.y) < 6.0 * a;
     }
     const std::vector<MarkedBead> beads = accumulator.marked();

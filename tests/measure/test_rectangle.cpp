@@ -71,7 +71,7 @@ std::vector<Frame> walk(Layout& layout, const Places& first, bool turned) {
         frames.push_back(frame_of(layout, 0.1 * k, x, y, {seen}));
         rod.x += 0.4 * a;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const RelativePosition from = seen_from(rod, at.x[i], at.y[i], first.box);
+            const RelativePosition from = relative_position(rod, at.x[i], at.y[i], first.box);
             const double g = std::exp(-(from.x * from.x + from.y * from.y) / (72.0 * a * a));
             at.x[i] += 0.2 * a * g;
             at.y[i] += 0.02 * a * g * from.y / a;

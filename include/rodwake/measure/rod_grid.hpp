@@ -51,6 +51,6 @@ struct RelativePosition {
     double x = 0.0, y = 0.0;
 };
 using Seen [[deprecated("it is RelativePosition")]] = RelativePosition;
-RelativePosition seen_from(const RodPosition& rod, double x, double y, const PeriodicBox& box);
+RelativePosition relative_position(const RodPosition& rod, double x, double y, const PeriodicBox& box);
 
 } // namespace rodwake::measure
