@@ -229,8 +229,8 @@ BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point) {
     return bed;
 }
 
-BedYield yield_of(const scene::Scene& scene, const RunTables& run) {
-    BedYield yield;
+BedObservables yield_of(const scene::Scene& scene, const RunTables& run) {
+    BedObservables yield;
     if (has_pair(scene)) {
         const PairNumbers pair = pair_numbers(scene, run);
         yield.outcome = static_cast<std::int32_t>(pair.outcome);
