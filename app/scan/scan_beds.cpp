@@ -70,7 +70,7 @@ private:
     }
 
     void store(const scene::Scene& scene, const fs::path& folder, scan::Result& result) const {
-        const BedObservables yield = yield_of(scene, run_tables(folder));
+        const BedObservables yield = observables_of(scene, run_tables(folder));
         result.status = scan::Status::ok;
         result.outcome = yield.outcome;
         std::ranges::copy(yield.values, result.values.begin());

@@ -229,7 +229,7 @@ BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point) {
     return bed;
 }
 
-BedObservables yield_of(const scene::Scene& scene, const RunTables& run) {
+BedObservables observables_of(const scene::Scene& scene, const RunTables& run) {
     BedObservables yield;
     if (has_pair(scene)) {
         const PairNumbers pair = pair_numbers(scene, run);

@@ -50,7 +50,7 @@ struct BedObservables {
 
 /// From what the run wrote: lengths in a, the rest SI. Throws InputError for files that are not of such a
 /// run.
-BedObservables yield_of(const scene::Scene& scene, const RunTables& run);
+BedObservables observables_of(const scene::Scene& scene, const RunTables& run);
 
 // Points of a scan evaluated by whoever a program hands them to: processes of a pool, nodes of a cluster.
 // There each makes the plan anew from the scene and evaluates the points that it is sent; in the process that
