@@ -53,7 +53,7 @@ bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const
         result.set_cause("a run with noise: " + sums.failure);
         return true;
     }
-    Leader leader(problem);
+    FrontRodTracker leader(problem);
     if (problem.rods.size() == 2)
         each.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
     const rods::RodResult first = rods::simulate(problem, each, noise.noise, 0);
@@ -125,7 +125,7 @@ rods::PairOptions pair_options(const integrate::OdeOptions& ode) {
 /// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
 /// the last solve ended.
 integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
-                         std::vector<double> state, Leader& leader, EncounterEnd& end) {
+                         std::vector<double> state, FrontRodTracker& leader, EncounterEnd& end) {
     const double steady_fraction = options.criteria.steady_fraction;
     if (start.rods.size() == 2)
         options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
@@ -249,7 +249,7 @@ private:
                 if (done) {
                     EncounterEnd end = end_of(batch.pairs[k], ends[k]);
                     if (plan_.decide && end.ending == Ending::undecided) {
-                        Leader leader(problem, ends[k]);
+                        FrontRodTracker leader(problem, ends[k]);
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
                         const integrate::Status status =
@@ -326,7 +326,7 @@ private:
 
     void attempt(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
                  Clock::time_point start) const {
-        Leader leader(problem);
+        FrontRodTracker leader(problem);
         if (problem.rods.size() == 2)
             options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
         const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)

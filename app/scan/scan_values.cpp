@@ -36,7 +36,7 @@ void put_pair(EncounterEnd& end, integrate::State y, const rods::Separation& pai
 
 } // namespace
 
-void Leader::add(integrate::State y) {
+void FrontRodTracker::add(integrate::State y) {
     const double turned = std::abs(y[2] - first_[2]) + std::abs(y[5] - first_[5]);
     if (turned <= most_)
         return;

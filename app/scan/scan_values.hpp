@@ -20,11 +20,11 @@ struct Ahead {
 
 /// Follows a pair step by step to find that: then the other rod is the rear one, as measure/pairs.hpp says
 /// for tracks.
-class Leader {
+class FrontRodTracker {
 public:
-    explicit Leader(const rods::RodProblem& problem) : first_(rods::to_state(problem.rods)) {}
+    explicit FrontRodTracker(const rods::RodProblem& problem) : first_(rods::to_state(problem.rods)) {}
     /// As a run of a batch left it.
-    Leader(const rods::RodProblem& problem, const rods::PairResult& run)
+    FrontRodTracker(const rods::RodProblem& problem, const rods::PairResult& run)
         : first_(rods::to_state(problem.rods)),
           most_(std::abs(run.turn[0]) + std::abs(run.turn[1])), ahead_{run.ahead_x, run.ahead_y} {}
 
