@@ -16,7 +16,7 @@ namespace {
 
 /// (|turn of the rear rod| - |turn of the front rod|)/(their sum); NaN without a common heading, or if nobody
 /// turned.
-double non_reciprocity(std::span<const double> first, const rods::Box& box, const Ahead& ahead,
+double non_reciprocity(std::span<const double> first, const rods::Box& box, const RelativeDisplacement& ahead,
                        std::span<const double> turn) {
     const rods::Offset d = rods::offset(first, 0, 1, box);
     const PairCourse course(first[2], first[5], d.x, d.y);
@@ -45,7 +45,8 @@ void FrontRodTracker::add(integrate::State y) {
     ahead_ = {y[0] - y[3] - first_[0] + first_[3], y[1] - y[4] - first_[1] + first_[4]};
 }
 
-EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead) {
+EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
+                    const RelativeDisplacement& ahead) {
     const rods::RodOutcome& outcome = run.outcome;
     EncounterEnd end{outcome.ending, outcome.time, outcome.min_separation, outcome.min_separation_time,
                      outcome.turn};
