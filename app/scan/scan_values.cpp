@@ -19,7 +19,7 @@ namespace {
 double non_reciprocity(std::span<const double> first, const rods::Box& box, const RelativeDisplacement& ahead,
                        std::span<const double> turn) {
     const rods::Offset d = rods::offset(first, 0, 1, box);
-    const PairCourse course(first[2], first[5], d.x, d.y);
+    const PairFrame course(first[2], first[5], d.x, d.y);
     if (!course.common())
         return std::nan("");
     const std::size_t front = course.ahead(d.x + ahead.x, d.y + ahead.y) >= 0.0 ? 0 : 1;

@@ -100,8 +100,8 @@ void Record::follow_pair(const Simulation& simulation) {
         return;
     const RodProgress &a = rods_[0], &b = rods_[1];
     const PeriodicBox& box = simulation.problem().box; // rods may stand beside each other across its edge
-    const PairCourse course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box.x),
-                            nearest_image_rounded(a.y0 - b.y0, box.y));
+    const PairFrame course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box.x),
+                           nearest_image_rounded(a.y0 - b.y0, box.y));
     if (!course.common())
         return;
     sums_.pair.change = course.change(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0);

@@ -91,20 +91,20 @@ double side_of_other(const PairTrack& track, PairOffset first, int i) {
 }
 
 /// How far the rods came along the mean first heading, mean of both.
-double advanced(const PairTrack& track, const PairCourse& course, std::size_t row) {
+double advanced(const PairTrack& track, const PairFrame& course, std::size_t row) {
     const auto sum = [&](const Row(&place)[2]) {
         return place[0][row] + place[1][row] - place[0][0] - place[1][0];
     };
     return course.ahead(sum(track.x), sum(track.y)) / 2.0;
 }
 
-double change(const PairTrack& track, const PairCourse& course, std::size_t row) {
+double change(const PairTrack& track, const PairFrame& course, std::size_t row) {
     const PairOffset d = moved(track, 0, row);
     return course.change(d.x, d.y);
 }
 
 /// Straight between the rows on both sides of half a box along the course.
-std::optional<double> half_box_change(const PairTrack& track, const PairCourse& course,
+std::optional<double> half_box_change(const PairTrack& track, const PairFrame& course,
                                       const PeriodicBox& box) {
     const double half = course.side_along(box) / 2.0;
     for (std::size_t row = 1; row < track.t.size(); ++row) {
@@ -120,7 +120,7 @@ std::optional<double> half_box_change(const PairTrack& track, const PairCourse& 
 }
 
 /// Who was ahead when the pair had turned most.
-int leader(const PairTrack& track, const PairCourse& course, PairOffset first, const Row (&turn)[2]) {
+int leader(const PairTrack& track, const PairFrame& course, PairOffset first, const Row (&turn)[2]) {
     std::size_t most = 0;
     const auto turned = [&](std::size_t row) { return std::abs(turn[0][row]) + std::abs(turn[1][row]); };
     for (std::size_t row = 0; row < track.t.size(); ++row)
@@ -132,7 +132,7 @@ int leader(const PairTrack& track, const PairCourse& course, PairOffset first, c
 
 void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, PairOffset first,
                 const Row (&turn)[2]) {
-    const PairCourse course(track.heading[0][0], track.heading[1][0], first.x, first.y);
+    const PairFrame course(track.heading[0][0], track.heading[1][0], first.x, first.y);
     run.separation =
         course.common() && !run.perpendicular ? course.separation() : std::hypot(first.x, first.y);
     if (!course.common())

@@ -96,10 +96,10 @@ double angle_between(double heading, double other);
 Ending classify(const PairEnd& pair, const EndingCriteria& criteria);
 
 /// The frame of the mean first heading of two rods. Headings that are opposite have none.
-class PairCourse {
+class PairFrame {
 public:
     /// (x, y): first place of rod 0 seen from rod 1, of the nearest images.
-    PairCourse(double heading0, double heading1, double x, double y);
+    PairFrame(double heading0, double heading1, double x, double y);
 
     bool common() const { return common_; }
     /// Along the mean first heading and to its left; 0 without one.
@@ -119,5 +119,6 @@ private:
     double ahead_x_ = 0.0, ahead_y_ = 0.0; ///< unit vector
     double first_ = 0.0;                   ///< across
 };
+using PairCourse [[deprecated("it is PairFrame")]] = PairFrame;
 
 } // namespace rodwake

@@ -102,7 +102,7 @@ struct SampleSums {
     std::int64_t count;
 };
 
-/// Two rods: the change of their separation across their mean first heading (PairCourse), outwards positive.
+/// Two rods: the change of their separation across their mean first heading (PairFrame), outwards positive.
 struct PairProgress {
     double change;          ///< at the last sample, m
     double half_box_time;   ///< when they had come half the side along which they head; negative: not yet
