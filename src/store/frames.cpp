@@ -103,7 +103,7 @@ void check_frame(const FrameLayout& layout, const Frame& frame, std::int64_t aft
     want_values("observables", frame.observables, layout.observables.size());
 }
 
-Wrapped wrap(double x, double side) {
+PeriodicCoordinate wrap(double x, double side) {
     double image = std::floor(x / side);
     if (!(std::abs(image) <= 0x1p30))
         throw RunError(fmt::format("frames: position {} is no place near the box of side {}", x, side));
@@ -119,7 +119,7 @@ WrappedVectors wrap(std::span<const double> positions, const FrameLayout& layout
     WrappedVectors out{{positions.begin(), positions.end()}, std::vector<std::int32_t>(positions.size(), 0)};
     for (std::size_t i = 0; i < positions.size(); ++i)
         if (layout.periodic[i % 3]) {
-            const Wrapped one = wrap(positions[i], layout.box[i % 3]);
+            const PeriodicCoordinate one = wrap(positions[i], layout.box[i % 3]);
             out.place[i] = one.place;
             out.image[i] = one.image;
         }
