@@ -23,7 +23,7 @@ Refinement::Refinement(const Design& design)
 
 void Refinement::learn(const Result& result) {
     const auto row = static_cast<std::uint32_t>(drivers_.empty() ? 0 : rows_.size() / drivers_.size());
-    for (const Driver& driver : drivers_)
+    for (const RefinementCriterion& driver : drivers_)
         rows_.push_back(result.ok() ? result.values[driver.observable] : std::nan(""));
     const double side = side_ && result.ok() ? side_(result) : 0.0;
     known_[result.point.id] = {result.ok() ? result.outcome : -1, row, (side > 0.0) - (side < 0.0)};

@@ -68,7 +68,7 @@ private:
     void around(const Place& low, int level, Each each);
 
     Lattice lattice_;
-    std::vector<Driver> drivers_;
+    std::vector<RefinementCriterion> drivers_;
     std::function<double(const Result&)> side_;
     std::unordered_map<std::int64_t, Known> known_;
     std::vector<double> rows_;
