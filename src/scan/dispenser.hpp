@@ -39,9 +39,9 @@ private:
     double points_ = 0.0, seconds_ = 0.0;
 };
 
-class Dispenser {
+class WorkQueue {
 public:
-    Dispenser(std::span<const Point> points, const Take& take, std::size_t workers,
+    WorkQueue(std::span<const Point> points, const Take& take, std::size_t workers,
               const std::function<bool()>& stop)
         : points_(points), take_(take), stop_(stop), size_(workers) {}
 
@@ -89,6 +89,6 @@ private:
 };
 
 /// Evaluates chunks until there are none.
-void work(Dispenser& dispenser, const Evaluate& evaluate);
+void work(WorkQueue& dispenser, const Evaluate& evaluate);
 
 } // namespace rodwake::scan

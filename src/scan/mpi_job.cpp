@@ -61,7 +61,7 @@ struct MpiJob::Workers {
     std::string failure; ///< of the first rank that told of one
 
     /// Gives every idle rank a chunk, as long as there are any.
-    void hand_out(Dispenser& dispenser) {
+    void hand_out(WorkQueue& dispenser) {
         while (!idle.empty()) {
             const auto chunk = dispenser.next();
             if (chunk.empty())
@@ -126,7 +126,7 @@ MpiJob::~MpiJob() {
 Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
     return [this, evaluate = std::move(evaluate), stop = std::move(stop)](std::span<const Point> points,
                                                                           const Take& take) {
-        Dispenser dispenser(points, take, static_cast<std::size_t>(ranks_), stop);
+        WorkQueue dispenser(points, take, static_cast<std::size_t>(ranks_), stop);
         // this thread talks to the others, another one of this rank computes
         std::future<void> own = std::async(std::launch::async, [&] {
             try {

@@ -227,7 +227,7 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
     return summary;
 }
 
-void work(Dispenser& dispenser, const Evaluate& evaluate) {
+void work(WorkQueue& dispenser, const Evaluate& evaluate) {
     std::vector<Result> results;
     for (auto points = dispenser.next(); !points.empty(); points = dispenser.next()) {
         results.assign(points.size(), {});
@@ -244,7 +244,7 @@ void work(Dispenser& dispenser, const Evaluate& evaluate) {
 Execute on_threads(Evaluate evaluate, std::size_t threads, std::function<bool()> stop) {
     return [evaluate = std::move(evaluate), threads, stop = std::move(stop)](std::span<const Point> points,
                                                                              const Take& take) {
-        Dispenser dispenser(points, take, threads, stop);
+        WorkQueue dispenser(points, take, threads, stop);
         parallel_for(threads, threads, [&](std::size_t) { work(dispenser, evaluate); });
         return !dispenser.stopped();
     };
