@@ -184,7 +184,7 @@ private:
     granular::PairFinder finder_;
     granular::PairContacts contacts_;
     Team team_{1};
-    granular::Tallies tallies_;
+    granular::Counters tallies_;
     granular::PlateTally tally_;
     std::vector<std::uint32_t> hits_;
     std::int64_t step_ = 0;

@@ -154,7 +154,7 @@ private:
         return measures;
     }
 
-    granular::Tallies first_tallies() const { return loaded_ ? loaded_->tallies : granular::Tallies{}; }
+    granular::Counters first_tallies() const { return loaded_ ? loaded_->tallies : granular::Counters{}; }
 
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }

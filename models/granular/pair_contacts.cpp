@@ -156,7 +156,7 @@ void PairContacts::unequal_beads(Bodies& bodies, const TouchingPair& meeting, Pl
     add_virial(virial, meeting.length * n, impulse);
 }
 
-void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Tallies& tallies) const {
+void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const {
     const auto [bead, sphere] = meeting.pair;
     const std::uint32_t index = bodies.rod_of[sphere - bodies.beads];
     MovingRod& rod = bodies.rods[index];
@@ -182,7 +182,7 @@ void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Tallies
     fly_both(meeting.back);
 }
 
-void PairContacts::rod_rod(Bodies& bodies, const TouchingPair& meeting, Tallies& tallies) const {
+void PairContacts::rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const {
     const auto [sphere1, sphere2] = meeting.pair;
     const std::uint32_t first = bodies.rod_of[sphere1 - bodies.beads],
                         second = bodies.rod_of[sphere2 - bodies.beads];
@@ -245,7 +245,7 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
 
 template<bool equal>
 void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst,
-                              Tallies& tallies) {
+                              Counters& tallies) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const Pair pair = pairs[k];
         fetch_ahead(bodies, pairs, k);
@@ -306,14 +306,14 @@ double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) con
     return moved;
 }
 
-WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
+WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
                                    Team& team, bool settles) {
     return bodies.equal_beads ? resolve_as<true>(bodies, overlapping, tallies, team, settles)
                               : resolve_as<false>(bodies, overlapping, tallies, team, settles);
 }
 
 template<bool equal>
-WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
+WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
                                       Team& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);

@@ -41,7 +41,7 @@ public:
     /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
     /// first to touch. A bed that settles is not moved apart: what is jammed at its start gives way by
     /// itself.
-    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
+    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies, Team& team,
                          bool settles = false);
 
 private:
@@ -63,7 +63,7 @@ private:
     };
     // Compiled for beads that are all equal and for others; what they share differs in bits.
     template<bool equal>
-    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
+    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies, Team& team,
                             bool settles);
     template<bool equal>
     std::optional<TouchingPair> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
@@ -72,12 +72,12 @@ private:
     void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end,
                       ContactBlock& block) const;
     template<bool equal>
-    void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Tallies& tallies);
+    void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Counters& tallies);
     template<bool equal>
     void bead_bead(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const;
     void unequal_beads(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const;
-    void bead_rod(Bodies& bodies, const TouchingPair& meeting, Tallies& tallies) const;
-    void rod_rod(Bodies& bodies, const TouchingPair& meeting, Tallies& tallies) const;
+    void bead_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
+    void rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
     void keep_first(const Bodies& bodies, const TouchingPair& meeting);
     double move_apart(Bodies& bodies, std::span<const Pair> pairs) const;
 

@@ -137,7 +137,7 @@ void Record::sample(const Simulation& simulation) {
 }
 
 TableRow Record::row(const Simulation& simulation) {
-    const Tallies& tallies = simulation.tallies();
+    const Counters& tallies = simulation.tallies();
     const Energy energy = simulation.energy();
     const double samples = static_cast<double>(std::max<std::int64_t>(sums_.row.count, 1));
     const double steps = static_cast<double>(std::max<std::int64_t>(simulation.step() - sums_.row_step, 1));

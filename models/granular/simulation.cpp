@@ -105,7 +105,7 @@ struct Simulation::Impl {
     PairContacts contacts;
     std::optional<Wall> wall;
     Team team;
-    Tallies tallies;
+    Counters tallies;
     std::int64_t step;
     std::optional<Failure> failure;
     std::vector<BlockResult> blocks;
@@ -113,7 +113,7 @@ struct Simulation::Impl {
     std::vector<double> fastest;                    ///< of the blocks in this step
     double shifted = 0.0;                           ///< how far the step before moved spheres apart, m
 
-    Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
+    Impl(const GranularProblem& p, const State& state, const Counters& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
           blocks((bodies.beads + beads_per_block - 1) / beads_per_block), flights(blocks.size()) {
@@ -387,7 +387,7 @@ std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threa
     return threads_for(problem.beads, beads_per_thread, threads);
 }
 
-Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies,
+Simulation::Simulation(const GranularProblem& problem, const State& state, const Counters& tallies,
                        std::size_t threads) {
     validate(problem);
     check_fit(problem, state);
@@ -434,7 +434,7 @@ bool Simulation::finished() const {
 }
 const std::optional<Failure>& Simulation::failure() const { return impl_->failure; }
 const GranularProblem& Simulation::problem() const { return impl_->problem; }
-const Tallies& Simulation::tallies() const { return impl_->tallies; }
+const Counters& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
 Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
 

@@ -106,7 +106,7 @@ PairSetting setting(const GranularProblem& p) { return {p.contacts, p.box, p.tim
 
 struct Outcome {
     Motion before, after;
-    Tallies tallies;
+    Counters tallies;
 };
 
 Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
@@ -122,7 +122,7 @@ Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
     return o;
 }
 
-std::int64_t impulses(const Tallies& t) { return t.bead_bead + t.bead_rod + t.rod_rod; }
+std::int64_t impulses(const Counters& t) { return t.bead_bead + t.bead_rod + t.rod_rod; }
 
 } // namespace
 
@@ -176,7 +176,7 @@ TEST_CASE("what a rod gave to the beads is told") {
         Scene scene = random_scene(random, {0.1, 0.5});
         const Pair pair = bring_together(scene, Kind::bead_rod, random);
         Bodies b = make_bodies(scene.problem, scene.state);
-        Tallies tallies;
+        Counters tallies;
         tallies.impulse_on_beads.resize(2, Vector3::Zero());
         const Vector3 before = row(b.velocity, 0);
         Team team(1);
@@ -243,7 +243,7 @@ TEST_CASE("the worst overlap is told in radii, across the edge of the box too") 
     scene.state.beads.resize(2);
     scene.state.beads.x = {0.5 * a, 7.0 * box - a}; // 1.5 a apart, seven boxes on
     Bodies b = make_bodies(scene.problem, scene.state);
-    Tallies tallies;
+    Counters tallies;
     Team team(1);
     const WorstOverlap worst =
         PairContacts(setting(scene.problem)).resolve(b, std::vector<Pair>{{0, 1}}, tallies, team);
