@@ -161,7 +161,7 @@ struct Near {
     std::vector<std::uint32_t> found;
 
     explicit Near(double skin) {
-        rodwake::Team team(1);
+        rodwake::ThreadPool team(1);
         near_pairs(bodies, box, skin * bodies.bead_radius, team, list);
         found.resize(list.size() + 8);
     }

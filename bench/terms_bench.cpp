@@ -183,7 +183,7 @@ private:
     granular::PlateMotion plates_;
     granular::PairFinder finder_;
     granular::PairContacts contacts_;
-    Team team_{1};
+    ThreadPool team_{1};
     granular::Counters tallies_;
     granular::PlateTally tally_;
     std::vector<std::uint32_t> hits_;

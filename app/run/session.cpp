@@ -140,7 +140,7 @@ void Session::tell_lost() const {
 
 /// Loops go on with fewer of themselves.
 void Session::tell_threads() const {
-    const std::size_t wanted = context.thread_count(), started = Team(wanted).started();
+    const std::size_t wanted = context.thread_count(), started = ThreadPool(wanted).started();
     if (started < wanted)
         log->warn("only {} of {} threads can be started (a limit of the system's); continuing with these",
                   started, wanted);

@@ -247,7 +247,7 @@ std::unique_ptr<HeatMesh> FarWakes::idle_mesh() const {
     return mesh;
 }
 
-void FarWakes::add(const QuadraturePlan& plan, std::span<const KernelSource> rods, Team& team,
+void FarWakes::add(const QuadraturePlan& plan, std::span<const KernelSource> rods, ThreadPool& team,
                    std::span<double* const> sums) const {
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];

@@ -59,7 +59,7 @@ public:
     QuadraturePlan plan(std::span<const KernelSource> rods) const;
 
     /// Adds the far wakes to the sums (all_parts or strain_parts of them); rods and sums in xi.
-    void add(const QuadraturePlan& plan, std::span<const KernelSource> rods, Team& team,
+    void add(const QuadraturePlan& plan, std::span<const KernelSource> rods, ThreadPool& team,
              std::span<double* const> sums) const;
 
     /// What add() gave pairs nearer than the reach; lives as long as this.

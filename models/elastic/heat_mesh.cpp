@@ -64,7 +64,7 @@ MeshGrid::MeshGrid(double box, std::size_t half_modes, std::size_t kernel_width,
       fields(field_count), columns(whole(size + MeshKernel::widest + 1)), lines(size + width + 1),
       per_length(static_cast<double>(size) / box) {}
 
-void HeatMesh::begin(double x, double y, double box, std::size_t half, Team& team) {
+void HeatMesh::begin(double x, double y, double box, std::size_t half, ThreadPool& team) {
     team_ = &team;
     x_ = x;
     y_ = y;

@@ -35,7 +35,7 @@ struct Task {
     const KernelMedium& medium;
     const Field& field;
     const MutualWakesOptions& options;
-    Team& team;
+    ThreadPool& team;
     bool polar;
     std::span<const KernelSource> rods;
     std::array<double*, all_parts> sum; ///< one number a rod, zero to begin with
@@ -312,7 +312,7 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     return done;
 }
 
-std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
+std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, ThreadPool& team,
                 MutualWakes::Far& far, std::span<const Source> rods, const StrainSums& strain,
                 const PolarSums* polar) {
     require_lengths(rods.size(), strain);
@@ -345,8 +345,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
 } // namespace
 
 MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options)
-    : kernel_(medium, options.accuracy), options_(options), team_(std::make_shared<Team>(options.threads)),
-      far_(std::make_shared<Far>()) {
+    : kernel_(medium, options.accuracy), options_(options),
+      team_(std::make_shared<ThreadPool>(options.threads)), far_(std::make_shared<Far>()) {
     require(options.threads > 0, "threads = 0: give at least one");
     for (const double tolerance : {options.strain_tolerance, options.polar_tolerance})
         require(tolerance >= 0.0 && std::isfinite(tolerance),

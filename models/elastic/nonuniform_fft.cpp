@@ -96,7 +96,7 @@ std::size_t NonuniformFft::grid_of(std::size_t half) {
         std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * SpreadKernel::width + slab_rows));
 }
 
-NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
+NonuniformFft::NonuniformFft(double box, std::size_t half, ThreadPool& team)
     : half_(half), side_(2 * half + 1), fft_(grid_of(half)), team_(team), modes_(side_ * side_),
       between_(grid() * side_), places_{grid(), {}, {}, {}, {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {

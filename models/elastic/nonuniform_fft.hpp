@@ -100,7 +100,7 @@ struct SpreadPlaces {
 class NonuniformFft {
 public:
     /// `team` outlives it.
-    NonuniformFft(double box, std::size_t half, Team& team);
+    NonuniformFft(double box, std::size_t half, ThreadPool& team);
 
     std::size_t grid() const { return fft_.size(); } ///< points a side
     std::size_t side() const { return side_; }       ///< modes a side, 2 half + 1
@@ -133,7 +133,7 @@ private:
     std::size_t half_, side_;
     SpreadKernel kernel_;
     Fft fft_;
-    Team& team_;
+    ThreadPool& team_;
     std::vector<double> inverse_;  ///< 1/transform of the kernel at each mode of a side
     std::vector<Complex> modes_;   ///< side x side
     std::vector<Complex> between_; ///< grid x side: one direction transformed

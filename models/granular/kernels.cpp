@@ -317,7 +317,7 @@ void PairList::resize(std::size_t count) {
     reach.resize(common > 0.0 ? 0 : count);
 }
 
-std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, ThreadPool& team, PairList& list) {
     std::vector<std::size_t> begin(parts.size() + 1, 0);
     for (std::size_t c = 0; c < parts.size(); ++c)
         begin[c + 1] = begin[c] + parts[c].size();

@@ -102,7 +102,7 @@ struct PairList {
 };
 
 /// One list of all, in their order; where each begins, and the end.
-std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list);
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, ThreadPool& team, PairList& list);
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
 /// for end - begin + 8.

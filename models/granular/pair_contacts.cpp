@@ -307,14 +307,14 @@ double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) con
 }
 
 WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
-                                   Team& team, bool settles) {
+                                   ThreadPool& team, bool settles) {
     return bodies.equal_beads ? resolve_as<true>(bodies, overlapping, tallies, team, settles)
                               : resolve_as<false>(bodies, overlapping, tallies, team, settles);
 }
 
 template<bool equal>
 WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
-                                      Team& team, bool settles) {
+                                      ThreadPool& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
     const auto first_from = [&](std::size_t bead) {

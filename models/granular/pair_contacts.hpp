@@ -41,8 +41,8 @@ public:
     /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
     /// first to touch. A bed that settles is not moved apart: what is jammed at its start gives way by
     /// itself.
-    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies, Team& team,
-                         bool settles = false);
+    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                         ThreadPool& team, bool settles = false);
 
 private:
     /// Two spheres that overlap and approach.
@@ -63,8 +63,8 @@ private:
     };
     // Compiled for beads that are all equal and for others; what they share differs in bits.
     template<bool equal>
-    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies, Team& team,
-                            bool settles);
+    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                            ThreadPool& team, bool settles);
     template<bool equal>
     std::optional<TouchingPair> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
     Vector3 apart(const Bodies& bodies, const Pair& pair) const;

@@ -104,7 +104,7 @@ struct Simulation::Impl {
     PairFinder finder;
     PairContacts contacts;
     std::optional<Wall> wall;
-    Team team;
+    ThreadPool team;
     Counters tallies;
     std::int64_t step;
     std::optional<Failure> failure;

@@ -69,7 +69,7 @@ private:
     ModalField modes_;
     std::size_t rods_;
     bool steady_;
-    Team team_;
+    ThreadPool team_;
     SummedFields fields_;
     std::vector<double> decay_;         ///< e^(-lambda h/2) of l, of t, then e^(-lambda h)
     std::vector<StageWeights> weights_; ///< of rod, l or t, mode

@@ -9,7 +9,7 @@
 
 namespace rodwake::medium {
 
-ModeMesh::ModeMesh(const ModalField& modes, double box, Team& team)
+ModeMesh::ModeMesh(const ModalField& modes, double box, ThreadPool& team)
     : modes_(modes), team_(team), transform_(box, modes.rows() - 1, team) {}
 
 void ModeMesh::place(integrate::State poses) {

@@ -200,7 +200,7 @@ TEST_CASE("cells find all near pairs") {
             std::fill(rod_of.begin() + 10, rod_of.end(), 1);
             PairList list;
             const double skin = 0.5 * a;
-            Team team(1);
+            ThreadPool team(1);
             near_pairs(bodies, box, skin, team, list);
             std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted, found;
             for (std::uint32_t i = 0; i < count; ++i)

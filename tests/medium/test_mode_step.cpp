@@ -37,7 +37,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
     for (const rods::Couplings& c :
          {couplings, rods::Couplings{4.0, 0.0, 0.0}, rods::Couplings{0.0, 0.0, 2.0}}) {
         const ModalField modes(solid, medium);
-        Team team(1);
+        ThreadPool team(1);
         ModeMesh mesh(modes, medium.box, team);
         const std::vector<double> poses = tests::crowd(30, 12.0);
         std::vector<double> field(4 * modes.size()), forces(field.size()), sums(field.size()), rates(30),
