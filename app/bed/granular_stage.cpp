@@ -32,9 +32,9 @@ double simulated_seconds(const std::vector<GranularJob>& jobs) {
 }
 
 /// Progress of all runs together, in simulated seconds, and of a single one a table of twenty rows.
-class Telling {
+class ProgressPrinter {
 public:
-    Telling(const Session& session, const std::vector<GranularJob>& jobs)
+    ProgressPrinter(const Session& session, const std::vector<GranularJob>& jobs)
         : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
           progress_(session.context, "dem", jobs.size(), simulated_seconds(jobs), "s") {}
 
@@ -252,7 +252,7 @@ StageEnd run_granular(Session& session) {
     announce(session, all);
     if (session.context.executor && jobs.size() == 1)
         session.log->warn("dem: there is one run, so one rank computes it on one thread and the others wait");
-    Telling progress(session, jobs);
+    ProgressPrinter progress(session, jobs);
     execute_jobs(jobs, session.context, session.log,
                  [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {
                      if (s)
