@@ -40,7 +40,7 @@ Linear linear_of_block(const PhaseBlock& block, const std::vector<double>& sums,
         if (beads_of(sums, j) == 0.0 || distance(grid, j) < from)
             continue;
         ++bins;
-        const Phases back = plane_waves(block.g, -u[j].x, -u[j].y);
+        const PhaseFactors back = plane_waves(block.g, -u[j].x, -u[j].y);
         const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
         for (std::size_t k = 0; k < 3; ++k) {
             const auto z =
@@ -71,7 +71,7 @@ double take_off(const PhaseBlock& block, std::vector<double>& sums, const RodGri
             continue;
         const Vector2 v = linear.at(grid.x_of(j), grid.y_of(j));
         most = std::max(most, std::hypot(v.x, v.y));
-        const Phases back = plane_waves(block.g, -v.x, -v.y);
+        const PhaseFactors back = plane_waves(block.g, -v.x, -v.y);
         for (std::size_t k = 0; k < 3; ++k) {
             double* sum = &sums[j * strain_channels + 2 * k];
             const auto z = times({sum[0], sum[1]}, back[k]);

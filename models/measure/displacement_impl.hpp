@@ -45,8 +45,8 @@ private:
     bool wait(const Frame& frame);
     /// `G`: at the time of the frame.
     bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
-    std::optional<Phases> far_phases(const Frame& frame) const;
-    void count(const RelativePosition& now, const Phases& waves, BlockSums& block) const;
+    std::optional<PhaseFactors> far_phases(const Frame& frame) const;
+    void count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const;
 
     Layout layout_;
     DisplacementOptions options_;
@@ -55,7 +55,7 @@ private:
     std::vector<BraggPeaks> block_peaks_; ///< [blocks], in a window
     std::vector<Frame> waiting_;          ///< of one block of time, in a window
     Blocks blocks_;
-    std::vector<Phases> waves_; ///< of the frame at hand, in the box's frame; no state
+    std::vector<PhaseFactors> waves_; ///< of the frame at hand, in the box's frame; no state
 };
 
 void save(StateWriter& out, const std::optional<BraggPeaks>& peaks);

@@ -56,7 +56,7 @@ Winding winding(const FarBeads& beads, const std::array<Vector2, 3>& G) {
     Winding w;
     std::array<std::complex<double>, 3> by_x{}, by_y{};
     for (std::size_t i = 0; i < beads.x.size(); ++i) {
-        const Phases waves = plane_waves(G, beads.x[i], beads.y[i]);
+        const PhaseFactors waves = plane_waves(G, beads.x[i], beads.y[i]);
         for (std::size_t k = 0; k < 3; ++k) {
             w.sum[k] += waves[k];
             by_x[k] += beads.x[i] * waves[k];

@@ -186,7 +186,7 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
 
 namespace {
 
-Phases referenced(const Phases& waves, const Phases& reference) {
+PhaseFactors referenced(const PhaseFactors& waves, const PhaseFactors& reference) {
     return {times(waves[0], reference[0]), times(waves[1], reference[1]), times(waves[2], reference[2])};
 }
 
@@ -256,9 +256,9 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
 }
 
 /// Unit numbers to multiply by, so that the far field's mean phases become 0.
-std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
+std::optional<PhaseFactors> PhaseAccumulator::far_phases(const Frame& frame) const {
     const FarField far(frame, layout_, options_.far_from);
-    Phases sum{};
+    PhaseFactors sum{};
     for (std::size_t i = 0; i < frame.x.size(); ++i)
         if (far.has(frame.x[i], frame.y[i]))
             for (std::size_t k = 0; k < 3; ++k)
@@ -271,7 +271,7 @@ std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
     return sum;
 }
 
-void PhaseAccumulator::count(const RelativePosition& now, const Phases& waves, BlockSums& block) const {
+void PhaseAccumulator::count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const {
     const auto bin = grid_.bin(now.x, now.y);
     if (!bin)
         return;

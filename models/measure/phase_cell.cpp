@@ -28,8 +28,8 @@ void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
     if (from[PhaseAccumulator::beads] == 0.0)
         return;
     const bool moved = part.difference != Vector2{};
-    const Phases back =
-        moved ? plane_waves(block.g, -part.difference.x, -part.difference.y) : Phases{1.0, 1.0, 1.0};
+    const PhaseFactors back =
+        moved ? plane_waves(block.g, -part.difference.x, -part.difference.y) : PhaseFactors{1.0, 1.0, 1.0};
     for (std::size_t k = 0; k < 3; ++k) {
         const auto z = times({from[2 * k], from[2 * k + 1]}, back[k]);
         to[2 * k] += part.weight * z.real();
@@ -93,7 +93,7 @@ void PhaseCell::look(const Vector2& u) {
     for (std::size_t b = 0; b < sums_.size(); ++b) {
         if (sums_[b][PhaseAccumulator::beads] == 0.0)
             continue;
-        const Phases back = plane_waves(blocks_[b].g, -u.x, -u.y);
+        const PhaseFactors back = plane_waves(blocks_[b].g, -u.x, -u.y);
         for (std::size_t k = 0; k < 3; ++k)
             look(blocks_[b].g[k], times({sums_[b][2 * k], sums_[b][2 * k + 1]}, back[k]), slopes_[b]);
     }

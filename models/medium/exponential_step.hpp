@@ -51,11 +51,11 @@ private:
     /// What a rod does in a step: velocities at the stages, and the phases of what it is off its frame.
     struct RodStage {
         double nx, ny;
-        Phases x, y; ///< e^(-i q.(R - R(0) - V t)), factor by factor
+        PhaseFactors x, y; ///< e^(-i q.(R - R(0) - V t)), factor by factor
     };
     struct RodPath {
         std::vector<RodStage> stages;
-        Phases x, y; ///< e^(-i q.(R(0) + V t)) at the time that is worked out
+        PhaseFactors x, y; ///< e^(-i q.(R(0) + V t)) at the time that is worked out
     };
 
     void prepare(const Coupled& before, double h);

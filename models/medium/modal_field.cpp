@@ -73,7 +73,7 @@ struct Moments {
     std::array<double, 3> re{}, im{};
 };
 
-Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, const Phases& p) {
+Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, const PhaseFactors& p) {
     Moments sum;
     for (std::size_t i = 0; i < s.re.size(); ++i) {
         const double re = p.re[i] * s.re[i] - p.im[i] * s.im[i], im = p.re[i] * s.im[i] + p.im[i] * s.re[i];
@@ -88,8 +88,8 @@ Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, co
 
 } // namespace
 
-Phases phases(std::span<const double> q, double c) {
-    Phases p{std::vector<double>(q.size()), std::vector<double>(q.size())};
+PhaseFactors phases(std::span<const double> q, double c) {
+    PhaseFactors p{std::vector<double>(q.size()), std::vector<double>(q.size())};
     for (std::size_t i = 0; i < q.size(); ++i) {
         p.re[i] = std::cos(q[i] * c);
         p.im[i] = std::sin(q[i] * c);
@@ -121,13 +121,14 @@ ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medi
 }
 
 void ModalField::add_steady(const rods::Pose& rod, std::span<double> field) const {
-    const Phases px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
+    const PhaseFactors px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
     for (std::size_t row = 0; row < rows(); ++row)
         add_steady_row(row, 0, columns(), rod, px, py, field);
 }
 
 void ModalField::add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
-                                const Phases& px, const Phases& py, std::span<double> field) const {
+                                const PhaseFactors& px, const PhaseFactors& py,
+                                std::span<double> field) const {
     const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const auto add = [&](std::size_t i, std::size_t block, double along, double decay, double qn, double re,
                          double im) {
@@ -159,7 +160,7 @@ elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest re
         throw InputError(
             "a dynamic medium gives displacement, strain and polar vectors: no dipole, no gradients");
     const std::size_t powers = request.polar ? 3 : request.strain ? 2 : 1;
-    const Phases px = phases(qx_, x), py = phases(qy_, y);
+    const PhaseFactors px = phases(qx_, x), py = phases(qy_, y);
     ColumnSums sums(columns(), powers);
     FieldRow u(columns());
     for (std::size_t row = 0; row < rows(); ++row) {

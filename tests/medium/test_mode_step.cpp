@@ -45,7 +45,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
         for (std::size_t a = 0; a < 30; ++a) {
             const rods::Pose rod = rods::pose(poses, a);
             modes.add_steady(rod, field);
-            const Phases x = phases(modes.qx(), -rod.x), y = phases(modes.qy(), -rod.y);
+            const PhaseFactors x = phases(modes.qx(), -rod.x), y = phases(modes.qy(), -rod.y);
             const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
             for (std::size_t i = 0; i < modes.size(); ++i) {
                 const Complex phase = Complex{x.re[i / modes.columns()], x.im[i / modes.columns()]} *
