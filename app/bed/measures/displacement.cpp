@@ -30,7 +30,7 @@ void include(const Scene& scene, MeasurePlan& plan) {
                                           options_of(*scene.measure, scene::measured_radius(scene)));
 }
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     const Measure unset;
     m.profile_offset = unset.profile_offset;
     m.reference = unset.reference;
@@ -177,7 +177,7 @@ MeasureKind displacement() {
             .wanted = [](const Measure& m) { return m.displacement.has_value(); },
             .describe = describe,
             .include = include,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files};

@@ -88,7 +88,7 @@ MeasureKind force() {
                 [](const Scene& scene) {
                     return fmt::format("momentum that rod {} hands to the beads", scene.measure->rod);
                 },
-            .reset_late_keys = [](Measure& m) { m.force = false; },
+            .reset_postprocessing_keys = [](Measure& m) { m.force = false; },
             .report = report,
             .compare = force_lines,
             .values = value_infos,

@@ -22,7 +22,7 @@ constexpr double papers_f_over_mu = 2.2; // a; arXiv 2007.04860, its fit of the 
 constexpr SeriesInfo series[] = {{{"D_r", "rad^2/s", "heading diffusion of the rod"}},
                                  {{"diffusion_per_length", "rad^2/a", "heading diffusion over the speed"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.heading_diffusion = false;
     m.heading_lag_low = m.heading_lag_high = std::nullopt;
 }
@@ -147,7 +147,7 @@ MeasureKind heading_diffusion() {
             .order = 90,
             .wanted = [](const Measure& m) { return m.heading_diffusion; },
             .describe = describe,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

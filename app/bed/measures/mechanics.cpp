@@ -244,7 +244,7 @@ MeasureKind mechanics() {
                 return "drift of the bed, drag rate, inertia, screening length beside the box";
             },
             .include = include,
-            .reset_late_keys =
+            .reset_postprocessing_keys =
                 [](Measure& m) { m.shear_speed = m.inertia_factor = m.inertia_error = std::nullopt; },
             .report = report,
             .values = value_infos,

@@ -21,7 +21,7 @@ using scene::Measure, scene::Scene;
 
 constexpr SeriesInfo series[] = {{{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.s_low = m.s_high = std::nullopt;
     m.bead_drag = m.bead_drag_error = std::nullopt;
 }
@@ -188,7 +188,7 @@ MeasureKind microrheology() {
                 return "mean-square displacement, stiffness and memory kernel of the beads";
             },
             .include = include,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

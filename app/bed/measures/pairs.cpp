@@ -23,7 +23,7 @@ constexpr SeriesInfo series[] = {
     {{"delta_y", "a", "change of the separation over half a box"}, true, "half_box_change"},
     {{"non_reciprocity", "1", "mean over the runs"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.pairs = false;
     m.contact_distance = std::nullopt;
 }
@@ -166,7 +166,7 @@ MeasureKind pairs() {
             .describe = [](const Scene&) -> std::string {
                 return "separation over half the box, who turned, outcome";
             },
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

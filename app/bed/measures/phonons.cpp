@@ -234,16 +234,17 @@ MeasureReport report(const MeasuredCase& data) {
 } // namespace
 
 MeasureKind phonons() {
-    return {.name = "phonons",
-            .order = 70,
-            .wanted = [](const Measure& m) { return m.phonons; },
-            .describe = describe,
-            .include = include,
-            .reset_late_keys = [](Measure& m) { m.inertia_factor = m.inertia_error = std::nullopt; },
-            .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+    return {
+        .name = "phonons",
+        .order = 70,
+        .wanted = [](const Measure& m) { return m.phonons; },
+        .describe = describe,
+        .include = include,
+        .reset_postprocessing_keys = [](Measure& m) { m.inertia_factor = m.inertia_error = std::nullopt; },
+        .report = report,
+        .values = value_infos,
+        .files = files,
+        .series = series};
 }
 
 } // namespace rodwake::app::measures
