@@ -28,7 +28,7 @@ double largest(const std::vector<double>& values) {
 
 } // namespace
 
-EventSampler::EventSampler(ProblemCalls& calls)
+EventSampler::EventSampler(UserFunctions& calls)
     : calls_(calls), state_(calls.problem().initial_state.size()) {
     const std::vector<Event>& events = calls.problem().events;
     for (std::size_t i = 0; i < events.size(); ++i)
@@ -287,7 +287,7 @@ void EventSampler::add_dip(std::size_t event, int sign, const Subinterval& gap, 
 
 /// A solve may begin at the root that ended another: the time of that one is known to a few roundings only,
 /// and the way back may be slower.
-EventFinder::EventFinder(ProblemCalls& calls, double start_time, State start_state)
+EventFinder::EventFinder(UserFunctions& calls, double start_time, State start_state)
     : calls_(calls), events_(calls.problem().events), sampler_(calls),
       latest_start_(start_time + 1e3 * std::numeric_limits<double>::epsilon() * std::abs(start_time)),
       values_before_(events_.size()), values_after_(events_.size()), state_(start_state.size()) {

@@ -14,7 +14,7 @@ namespace rodwake::integrate {
 
 class EventSampler {
 public:
-    explicit EventSampler(ProblemCalls& calls);
+    explicit EventSampler(UserFunctions& calls);
 
     bool needed() const { return !sampled_.empty(); }
 
@@ -53,7 +53,7 @@ private:
     bool is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const;
     void add_dip(std::size_t event, int sign, const Subinterval& gap, std::vector<double>& times);
 
-    ProblemCalls& calls_;
+    UserFunctions& calls_;
     std::vector<std::size_t> sampled_; ///< the events
     std::vector<double> largest_;      ///< |value| of each so far
     std::size_t panels_ = 0;           ///< one less than the samples of a part
@@ -79,7 +79,7 @@ private:
 
 class EventFinder {
 public:
-    EventFinder(ProblemCalls& calls, double start_time, State start_state);
+    EventFinder(UserFunctions& calls, double start_time, State start_state);
 
     /// Roots in (time_before, time] of the stepper's last step, in order of time and not beyond the first
     /// terminal one. The time of a root is the later end of its bracket, one rounding wide: the event has
@@ -104,7 +104,7 @@ private:
     std::optional<std::size_t> next_crossing(const EventPoint& to) const;
     double locate(std::size_t event, const EventPoint& from, const EventPoint& to, Stepper& stepper);
 
-    ProblemCalls& calls_;
+    UserFunctions& calls_;
     const std::vector<Event>& events_;
     EventSampler sampler_;
     double latest_start_; ///< later than the start by roundings

@@ -15,14 +15,14 @@ struct StepFailure {
     std::string cause; ///< empty: the usual cause of this flag
 };
 
-class ProblemCalls {
+class UserFunctions {
 public:
     /// What a callback returns to SUNDIALS.
     enum CallbackResult : int { fine = 0, try_shorter_step = 1, give_up = -1 };
 
     /// `sensitivity`: of which `problem` is the ode, or null.
-    ProblemCalls(const OdeProblem& problem, const OdeOptions& options,
-                 const SensitivityProblem* sensitivity = nullptr);
+    UserFunctions(const OdeProblem& problem, const OdeOptions& options,
+                  const SensitivityProblem* sensitivity = nullptr);
 
     /// Once it has thrown it is not called again: CVODES' fixed-point iteration takes `give_up` for a failure
     /// to converge and retries.

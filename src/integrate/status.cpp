@@ -87,7 +87,7 @@ Remedy remedy_for(const std::string& flag) {
 
 /// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.
 std::vector<Status::Component> worst_components(const std::vector<double>& errors,
-                                                const ProblemCalls& calls) {
+                                                const UserFunctions& calls) {
     auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
     std::vector<std::size_t> order(errors.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -128,7 +128,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
     return *this;
 }
 
-void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
+void describe_failure(const StepFailure& failure, const Stepper& stepper, const UserFunctions& calls,
                       Status& status) {
     const Remedy remedy = remedy_for(failure.flag);
     const double tried = calls.last_time() - stepper.time();
