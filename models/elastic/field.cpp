@@ -125,7 +125,9 @@ public:
     MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
         return field_.medium_derivatives(x, y, request);
     }
-    FieldValues at_own_place(FieldRequest request) const override { return field_.at_own_place(request); }
+    FieldValues self_image_field(FieldRequest request) const override {
+        return field_.self_image_field(request);
+    }
     FieldValues own_place_by_heading(FieldRequest request) const override {
         return field_.own_place_by_heading(request);
     }

@@ -62,7 +62,9 @@ public:
     MediumDerivatives by_medium(double, double, FieldRequest) const override {
         throw InputError("a measured field has no derivatives by the medium");
     }
-    FieldValues at_own_place(FieldRequest request) const override { return theory_->at_own_place(request); }
+    FieldValues self_image_field(FieldRequest request) const override {
+        return theory_->self_image_field(request);
+    }
     FieldValues own_place_by_heading(FieldRequest request) const override {
         return theory_->own_place_by_heading(request);
     }

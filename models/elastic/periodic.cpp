@@ -188,7 +188,9 @@ FieldValues PeriodicField::at(double x, double y, FieldRequest request) const {
     return f;
 }
 
-FieldValues PeriodicField::at_own_place(FieldRequest request) const { return impl_->rest(0.0, 0.0, request); }
+FieldValues PeriodicField::self_image_field(FieldRequest request) const {
+    return impl_->rest(0.0, 0.0, request);
+}
 
 MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldRequest request) const {
     refuse_gradients(request);

@@ -164,7 +164,7 @@ FieldValues PeriodicTable::at(const Source& source, double x, double y, FieldReq
     return impl_->at(source, x, y, request);
 }
 
-FieldValues PeriodicTable::at_own_place(double heading, FieldRequest request) const {
+FieldValues PeriodicTable::self_image_field(double heading, FieldRequest request) const {
     const auto rest = impl_->rest(heading, 0.0, 0.0, request, {.by_place = request.gradients});
     FieldValues f = rest.value;
     if (request.gradients)
@@ -200,8 +200,8 @@ public:
 
     FieldValues at(double x, double y, FieldRequest request) const override;
     FieldValues by_heading(double x, double y, FieldRequest request) const override;
-    FieldValues at_own_place(FieldRequest request) const override {
-        return to_rod(table_.at_own_place(source_.heading, request));
+    FieldValues self_image_field(FieldRequest request) const override {
+        return to_rod(table_.self_image_field(source_.heading, request));
     }
     FieldValues own_place_by_heading(FieldRequest request) const override;
     MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
@@ -253,7 +253,7 @@ FieldValues BoxTableWake::by_heading(double x, double y, FieldRequest request) c
 
 FieldValues BoxTableWake::own_place_by_heading(FieldRequest request) const {
     FieldValues f = to_rod(table_.own_place_by_heading(source_.heading, request));
-    add_times(f, -1.0, turning(at_own_place(request)));
+    add_times(f, -1.0, turning(self_image_field(request)));
     return f;
 }
 
@@ -279,7 +279,7 @@ void BoxTableField::mutual(std::span<const Source> rods, FieldRequest request,
         throw InputError("sums over rods: as many results as rods are needed");
     request.gradients = false;
     for (std::size_t a = 0; a < rods.size(); ++a) {
-        sums[a] = table_.at_own_place(rods[a].heading, request);
+        sums[a] = table_.self_image_field(rods[a].heading, request);
         for (std::size_t b = 0; b < rods.size(); ++b)
             if (b != a)
                 add(sums[a], table_.at(rods[b], rods[a].x, rods[a].y, request));

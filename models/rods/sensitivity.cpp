@@ -106,7 +106,7 @@ void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates& rate
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
     if (request_.strain || request_.polar)
-        field = wake.at_own_place(request_);
+        field = wake.self_image_field(request_);
     if (medium_wanted_)
         derivatives = wake.own_place_by_medium(request_of(couplings_, false));
     add(field, derivatives, {1.0, 0.0}, rates);

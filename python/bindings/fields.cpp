@@ -263,7 +263,7 @@ public:
                 if (&rods[a] != &rod)
                     add(a, wake->at(at.x, at.y, all), c, s);
                 else if (medium.box)
-                    add(a, wake->at_own_place(all), c, s);
+                    add(a, wake->self_image_field(all), c, s);
             }
         }
     }

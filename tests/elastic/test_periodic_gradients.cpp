@@ -167,12 +167,12 @@ TEST_CASE("what the images do to their own rod changes with its heading as by di
         for (const double ratio : {1e-3, 1e-2, 0.019, 0.5, 5.0, 11.9, 12.1, 100.0})
             for (const double heading : headings) {
                 const BoxPoint p{0.01, 0.0, 1.0 / ratio, 1.3, 1.0, heading, aspect};
-                const auto own_field = [](const BoxPoint& q) { return field_of(q).at_own_place(plain); };
+                const auto own_field = [](const BoxPoint& q) { return field_of(q).self_image_field(plain); };
                 const FieldValues got = field_of(p).own_place_by_heading(plain);
                 CAPTURE(aspect, ratio, heading);
                 // By symmetry it may vanish: of the field, and 2e-11 of U over a length, 100 ulp (G_T - G_L
                 // at c L = 0.01), over a 100th of the angle
-                const Norms own = norms(field_of(p).at_own_place(plain));
+                const Norms own = norms(field_of(p).self_image_field(plain));
                 Norms scale = sum(norms(got), own, 0.1 / angle_of_change(p));
                 for (double& one : scale)
                     one += 2e-2 * own[0] / angle_of_change(p);
@@ -274,5 +274,5 @@ TEST_CASE("only what is asked of a periodic field and its derivatives is made") 
         CHECK(std::isnan(strain.laplacian_x.x));
         CHECK(std::isnan(all.dipole.x));
     }
-    CHECK(std::isfinite(field.at_own_place(with_gradients).strain_x.xy));
+    CHECK(std::isfinite(field.self_image_field(with_gradients).strain_x.xy));
 }

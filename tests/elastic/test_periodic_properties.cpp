@@ -219,7 +219,7 @@ TEST_CASE("near the rod the periodic field is the infinite plane's and the image
     for (const double ratio : {0.015, 3.0, 50.0}) {
         const PeriodicField field = box_of(ratio, 1.0, 0.5);
         const elastic::Field plane(field.medium());
-        const FieldValues own = field.at_own_place(plain);
+        const FieldValues own = field.self_image_field(plain);
         const double r = 1e-9;
         const FieldValues got = field.at(r, r, plain), single = plane.at(r, r, plain);
         CHECK(std::abs(got.displacement.x - single.displacement.x - own.displacement.x) < 1e-8);
@@ -237,14 +237,14 @@ TEST_CASE("near the rod the periodic field is the infinite plane's and the image
             mean.xx += (with.xx - without.xx) / 8;
             mean.xy += (with.xy - without.xy) / 8;
         }
-        const FieldValues own = field.at_own_place(plain);
+        const FieldValues own = field.self_image_field(plain);
         CHECK(std::abs(mean.xy - own.strain.xy) <
               1e-4 * norms(own)[1]); // r^2 times the square of c L = 25 and less
         CHECK(std::abs(mean.xx - own.strain.xx) < 1e-3 * norms(own)[1]);
     }
-    CHECK(box_of(3.0, 1.0, 0.0).at_own_place(plain).strain.xy ==
+    CHECK(box_of(3.0, 1.0, 0.0).self_image_field(plain).strain.xy ==
           Approx(0.0).margin(1e-13)); // mirror symmetry
-    CHECK(std::abs(box_of(3.0, 1.0, 0.5).at_own_place(plain).strain.xy) > 1e-6);
+    CHECK(std::abs(box_of(3.0, 1.0, 0.5).self_image_field(plain).strain.xy) > 1e-6);
 }
 
 TEST_CASE("bad boxes and places are errors") {

@@ -38,7 +38,7 @@ public:
     virtual MediumDerivatives by_medium(double x, double y, FieldRequest request) const = 0;
 
     /// What the rod's own images make where it is, and its derivatives as above. Zero on the plane.
-    virtual FieldValues at_own_place(FieldRequest request) const;
+    virtual FieldValues self_image_field(FieldRequest request) const;
     virtual FieldValues own_place_by_heading(FieldRequest request) const;
     virtual MediumDerivatives own_place_by_medium(FieldRequest request) const;
 };
