@@ -65,8 +65,9 @@ void gradients(benchmark::State& state) {
 }
 
 void heading_derivatives(benchmark::State& state) {
-    over_box(state,
-             [](const PeriodicField& f, Vector p) { return f.by_heading(p.x, p.y, {.strain = true}); });
+    over_box(state, [](const PeriodicField& f, Vector p) {
+        return f.heading_derivative(p.x, p.y, {.strain = true});
+    });
 }
 
 /// What a pair's right-hand side takes of the field: the strain of each rod at the other's place and of its

@@ -119,8 +119,8 @@ public:
     FieldValues at(double x, double y, FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    FieldValues by_heading(double x, double y, FieldRequest request) const override {
-        return field_.by_heading(x, y, request);
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override {
+        return field_.heading_derivative(x, y, request);
     }
     MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
         return field_.medium_derivatives(x, y, request);

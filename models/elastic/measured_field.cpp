@@ -58,7 +58,7 @@ public:
         images_.visit(*residual_, x, y, [&](Vector at, Vector) { residual_->add_to(f, at.x, at.y); });
         return f;
     }
-    FieldValues by_heading(double x, double y, FieldRequest request) const override;
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
     MediumDerivatives by_medium(double, double, FieldRequest) const override {
         throw InputError("a measured field has no derivatives by the medium");
     }
@@ -79,8 +79,8 @@ private:
 };
 
 /// As the rod turns, the ways to its images turn back in its frame.
-FieldValues MeasuredWake::by_heading(double x, double y, FieldRequest request) const {
-    FieldValues f = theory_->by_heading(x, y, request);
+FieldValues MeasuredWake::heading_derivative(double x, double y, FieldRequest request) const {
+    FieldValues f = theory_->heading_derivative(x, y, request);
     images_.visit(*residual_, x, y, [&](Vector at, Vector way) {
         FieldValues here{};
         residual_->add_to(here, at.x, at.y);

@@ -281,7 +281,7 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
 const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
     std::call_once(turning_once_, [this] {
         const auto turned = [this](double c) {
-            return PeriodicPotential(WaveVector::by_heading(c, cosine, sine), sides);
+            return PeriodicPotential(WaveVector::heading_derivative(c, cosine, sine), sides);
         };
         turning_.emplace(Turning{turned(shear.c()), turned(longitudinal.c())});
     });
@@ -303,7 +303,7 @@ FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldReq
                      request, unit, 1.0 / xi, 0.0);
 }
 
-FieldValues PeriodicField::by_heading(double x, double y, FieldRequest request) const {
+FieldValues PeriodicField::heading_derivative(double x, double y, FieldRequest request) const {
     refuse_turned_gradients(request);
     const NearestImage p = impl_->nearest(x, y);
     FieldValues f = impl_->rest_by_heading(p, request);

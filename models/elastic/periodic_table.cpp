@@ -84,7 +84,7 @@ PeriodicTable::Impl::Rest PeriodicTable::Impl::in_first_eighth(double heading, d
             put(rest.by_y, g, v, &GridValue::y);
         }
         if (derivatives.by_angle)
-            put(rest.by_heading, g, v, &GridValue::angle);
+            put(rest.heading_derivative, g, v, &GridValue::angle);
     }
     return rest;
 }
@@ -116,7 +116,7 @@ PeriodicTable::Impl::Rest PeriodicTable::Impl::rest(double heading, double x, do
         rest.by_y = combined(sine, by_x, cosine * mirror, by_y);
     }
     if (derivatives.by_angle)
-        rest.by_heading = combined(mirror, back(own.by_heading), 0.0, own.value);
+        rest.heading_derivative = combined(mirror, back(own.heading_derivative), 0.0, own.value);
     return rest;
 }
 
@@ -141,15 +141,15 @@ FieldValues PeriodicTable::Impl::at(const Source& source, double x, double y, Fi
 }
 
 /// The infinite plane's field turns, and the place turns back in the rod's frame.
-FieldValues PeriodicTable::Impl::by_heading(const Source& source, double x, double y,
-                                            FieldRequest request) const {
+FieldValues PeriodicTable::Impl::heading_derivative(const Source& source, double x, double y,
+                                                    FieldRequest request) const {
     const Nearest p = nearest(source, x, y, box);
     const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
     const Vector offset = turned(p.offset, cosine, -sine);
     FieldValues own = turning(field.at(offset.x, offset.y, request));
     add(own, along(field, offset, {offset.y, -offset.x}, request));
     FieldValues f = turned(own, cosine, sine);
-    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).by_heading);
+    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).heading_derivative);
     return f;
 }
 
@@ -173,14 +173,15 @@ FieldValues PeriodicTable::self_image_field(double heading, FieldRequest request
     return f;
 }
 
-FieldValues PeriodicTable::by_heading(const Source& source, double x, double y, FieldRequest request) const {
+FieldValues PeriodicTable::heading_derivative(const Source& source, double x, double y,
+                                              FieldRequest request) const {
     refuse_gradients(request);
-    return impl_->by_heading(source, x, y, request);
+    return impl_->heading_derivative(source, x, y, request);
 }
 
 FieldValues PeriodicTable::own_place_by_heading(double heading, FieldRequest request) const {
     refuse_gradients(request);
-    return impl_->rest(heading, 0.0, 0.0, request, {.by_angle = true}).by_heading;
+    return impl_->rest(heading, 0.0, 0.0, request, {.by_angle = true}).heading_derivative;
 }
 
 const Medium& PeriodicTable::medium() const { return impl_->medium; }
@@ -199,7 +200,7 @@ public:
           sine_(std::sin(heading)) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override;
-    FieldValues by_heading(double x, double y, FieldRequest request) const override;
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
     FieldValues self_image_field(FieldRequest request) const override {
         return to_rod(table_.self_image_field(source_.heading, request));
     }
@@ -238,10 +239,10 @@ FieldValues BoxTableWake::at(double x, double y, FieldRequest request) const {
 }
 
 /// At a fixed place in the rod's frame the one in the lab's goes around the rod, and the rod's axes turn.
-FieldValues BoxTableWake::by_heading(double x, double y, FieldRequest request) const {
+FieldValues BoxTableWake::heading_derivative(double x, double y, FieldRequest request) const {
     request.displacement = request.dipole = request.gradients = false;
     const Vector place = to_lab(x, y);
-    FieldValues change = table_.by_heading(source_, place.x, place.y, request);
+    FieldValues change = table_.heading_derivative(source_, place.x, place.y, request);
     request.gradients = true;
     const FieldValues lab = table_.at(source_, place.x, place.y, request);
     add_times(change, -place.y, gradient_x(lab));

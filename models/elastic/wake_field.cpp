@@ -49,7 +49,7 @@ void add_wake(const WakeField& field, std::span<const Source> rods, std::size_t 
 
 } // namespace
 
-FieldValues Wake::by_heading(double, double, FieldRequest) const { return nothing; }
+FieldValues Wake::heading_derivative(double, double, FieldRequest) const { return nothing; }
 FieldValues Wake::self_image_field(FieldRequest) const { return nothing; }
 FieldValues Wake::own_place_by_heading(FieldRequest) const { return nothing; }
 MediumDerivatives Wake::own_place_by_medium(FieldRequest) const { return {nothing, nothing}; }

@@ -148,7 +148,7 @@ TEST_CASE("a box of many screening lengths is the infinite plane beside and ahea
     CHECK(distances(by_place(slopes, false), by_place(exact, false))[1] < 1e-5);
     CHECK(distances(by_place(slopes, true), by_place(exact, true))[2] < 1e-5);
     CHECK(norms(by_place(exact, false))[1] > 1e-2);
-    const Norms turned = norms(field.by_heading(x, y, plain)); // the images' wakes move by L a radian
+    const Norms turned = norms(field.heading_derivative(x, y, plain)); // the images' wakes move by L a radian
     CHECK(turned[0] < 8e-3 * 400.0 / 40.0);
     CHECK(turned[1] < 2e-4 * 400.0 / 40.0);
     CHECK(turned[2] < 1e-4 * 400.0 / 40.0);
@@ -272,7 +272,7 @@ TEST_CASE("bad boxes and places are errors") {
     CHECK_THROWS_WITH(field.at(2.0, -4.0, {.displacement = true}),
                       Catch::Contains("x = 2, y = -4") && Catch::Contains("images"));
     CHECK_THROWS_WITH(field.at(nan, 0.0, {.displacement = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(field.by_heading(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(field.heading_derivative(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
     CHECK_THROWS_WITH(field.own_place_by_heading({.gradients = true}), Catch::Contains("gradients"));
     CHECK_THROWS_WITH(field.medium_derivatives(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
 }

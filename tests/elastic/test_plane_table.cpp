@@ -213,7 +213,7 @@ TEST_CASE("the derivative of the table by heading is that of the field") {
                     PeriodicField(table.medium(), box, changed.source.heading).at(place.x, place.y, plain),
                     changed.source.heading);
             };
-            const FieldValues got = table.by_heading(at.source, at.x, at.y, plain);
+            const FieldValues got = table.heading_derivative(at.source, at.x, at.y, plain);
             const PeriodicField field(table.medium(), box, at.source.heading);
             const double rate = std::max(1.0, ratio / pi); // of the field's change by heading
             Norms scale = largest_at(field, at.distance());
@@ -273,7 +273,7 @@ TEST_CASE("only what is asked of a table is evaluated") {
     CHECK(one.laplacian.x == all.laplacian.x);
     CHECK(std::isnan(one.strain.xx));
     CHECK(std::isnan(one.strain_x.xx));
-    CHECK(std::isnan(table.by_heading({}, 0.4, 0.3, {.strain = true}).displacement.x));
+    CHECK(std::isnan(table.heading_derivative({}, 0.4, 0.3, {.strain = true}).displacement.x));
     CHECK(std::isnan(table.self_image_field(0.3, {.strain = true}).dipole.y));
 }
 
@@ -290,6 +290,7 @@ TEST_CASE("bad tables and places are errors") {
     CHECK_THROWS_WITH(table.at({0.0, 0.0, nan}, 1.0, 1.0, {.strain = true}), Catch::Contains("finite"));
     CHECK_THROWS_WITH(table.at({}, nan, 1.0, {.strain = true}), Catch::Contains("finite"));
     CHECK_THROWS_WITH(table.self_image_field(nan, {.strain = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(table.by_heading({}, 0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(table.heading_derivative({}, 0.1, 0.1, {.gradients = true}),
+                      Catch::Contains("gradients"));
     CHECK_THROWS_WITH(table.own_place_by_heading(0.1, {.gradients = true}), Catch::Contains("gradients"));
 }

@@ -55,7 +55,7 @@ public:
     /// d/d heading of at(x, y) and self_image_field, per rad: place and components fixed in the rod's frame,
     /// so that it is the box that turns about the rod, clockwise. 0 in the infinite plane. Of displacement,
     /// strain, polar and dipole as asked for; gradients are not available: InputError.
-    FieldValues by_heading(double x, double y, FieldRequest request) const;
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const;
     FieldValues own_place_by_heading(FieldRequest request) const;
 
     /// d/d eta and d/d xi at fixed place and box, of what is asked for (not gradients).

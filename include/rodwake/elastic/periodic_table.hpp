@@ -71,7 +71,7 @@ public:
 
     /// d/d heading of both, per rad, at a place and in components fixed in the lab frame (PeriodicField's are
     /// fixed in the rod's). Gradients are not available: InputError.
-    FieldValues by_heading(const Source& source, double x, double y, FieldRequest request) const;
+    FieldValues heading_derivative(const Source& source, double x, double y, FieldRequest request) const;
     FieldValues own_place_by_heading(double heading, FieldRequest request) const;
 
     const Medium& medium() const;

@@ -20,7 +20,7 @@ namespace rodwake::elastic {
 /// What a field can be asked for besides strain and polar vectors; the rest throws InputError.
 struct FieldCapabilities {
     bool displacement = true, dipole = true;
-    bool gradients = true;          ///< FieldRequest::gradients, Wake::by_heading
+    bool gradients = true;          ///< FieldRequest::gradients, Wake::heading_derivative
     bool medium_derivatives = true; ///< Wake::by_medium
 };
 
@@ -33,7 +33,7 @@ public:
     /// What turning the medium's surroundings (a box) against the rod changes: the derivative by the rod's
     /// heading at a fixed place in the rod's frame, components in that frame, of strain and polar vectors.
     /// Zero on the plane.
-    virtual FieldValues by_heading(double x, double y, FieldRequest request) const;
+    virtual FieldValues heading_derivative(double x, double y, FieldRequest request) const;
     /// d/d eta and d/d xi at a fixed place.
     virtual MediumDerivatives by_medium(double x, double y, FieldRequest request) const = 0;
 
