@@ -411,7 +411,7 @@ double WakeValues::at(Component component, double x, double y,
         return offset(component);
     const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
     const elastic::FieldValues field = wake_->at(s, y, request_);
-    const elastic::MediumDerivatives medium = wake_->by_medium(s, y, request_);
+    const elastic::MediumDerivatives medium = wake_->medium_derivatives(s, y, request_);
     const double by_xi = combined(medium.by_xi, component);
     set(terms_.f_over_mu, part(field.displacement, component) + (terms_.alpha >= 0 ? by_xi * xi_ / f : 0.0));
     set(terms_.f2d_over_mu, part(field.dipole, component));

@@ -28,7 +28,7 @@ public:
     elastic::FieldValues at(double x, double y, elastic::FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    elastic::MediumDerivatives by_medium(double, double, elastic::FieldRequest) const override {
+    elastic::MediumDerivatives medium_derivatives(double, double, elastic::FieldRequest) const override {
         throw InputError("these wakes have no derivatives by the medium");
     }
 

@@ -25,7 +25,7 @@ public:
     FieldValues at(double x, double y, FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return medium_derivatives(field_, x, y, request);
     }
 
@@ -122,7 +122,7 @@ public:
     FieldValues heading_derivative(double x, double y, FieldRequest request) const override {
         return field_.heading_derivative(x, y, request);
     }
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return field_.medium_derivatives(x, y, request);
     }
     FieldValues self_image_field(FieldRequest request) const override {

@@ -59,7 +59,7 @@ public:
         return f;
     }
     FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
-    MediumDerivatives by_medium(double, double, FieldRequest) const override {
+    MediumDerivatives medium_derivatives(double, double, FieldRequest) const override {
         throw InputError("a measured field has no derivatives by the medium");
     }
     FieldValues self_image_field(FieldRequest request) const override {
@@ -69,7 +69,7 @@ public:
         return theory_->own_place_by_heading(request);
     }
     MediumDerivatives own_place_by_medium(FieldRequest request) const override {
-        return by_medium(0.0, 0.0, request);
+        return medium_derivatives(0.0, 0.0, request);
     }
 
 private:

@@ -205,7 +205,7 @@ public:
         return to_rod(table_.self_image_field(source_.heading, request));
     }
     FieldValues own_place_by_heading(FieldRequest request) const override;
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return exact().medium_derivatives(x, y, request);
     }
     MediumDerivatives own_place_by_medium(FieldRequest request) const override {

@@ -318,7 +318,7 @@ public:
           exact_(medium), per_xi_(1.0 / medium.xi) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override;
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return medium_derivatives(exact_, x, y, request);
     }
 

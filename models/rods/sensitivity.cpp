@@ -98,7 +98,7 @@ void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, R
     if (request_.strain || request_.polar)
         field = wake.at(at.x, at.y, request_);
     if (medium_wanted_)
-        derivatives = wake.by_medium(at.x, at.y, request_of(couplings_, false));
+        derivatives = wake.medium_derivatives(at.x, at.y, request_of(couplings_, false));
     add(field, derivatives, at.heading, rates);
 }
 

@@ -158,7 +158,7 @@ TEST_CASE("a measured field says what it cannot do, and refuses what is no field
     CHECK(field->capabilities().gradients);
     CHECK_FALSE(field->capabilities().dipole);
     CHECK_THROWS_AS(field->wake(0.0)->at(1.0, 1.0, {.dipole = true}), InputError);
-    CHECK_THROWS_AS(field->wake(0.0)->by_medium(1.0, 1.0, {.strain = true}), InputError);
+    CHECK_THROWS_AS(field->wake(0.0)->medium_derivatives(1.0, 1.0, {.strain = true}), InputError);
     CHECK_THROWS_AS(field->wake(0.0)->at(0.0, 0.0, {.strain = true}), InputError);
     const MeasuredGrid good = sampled(16, 0.1, false);
     const auto refuses = [&](auto spoil, const std::string& words) {

@@ -253,10 +253,10 @@ TEST_CASE("derivatives of the periodic field by the medium are those of differen
 TEST_CASE("only what is asked of a periodic field and its derivatives is made") {
     const PeriodicField field({}, 2.0, 0.3);
     for (const double x : {0.2, 0.8, 2.1}) {
-        const elastic::MediumDerivatives by_medium = field.medium_derivatives(x, 0.1, plain),
+        const elastic::MediumDerivatives medium_derivatives = field.medium_derivatives(x, 0.1, plain),
                                          one = field.medium_derivatives(x, 0.1, {.displacement = true});
-        CHECK(one.by_xi.displacement.x == by_medium.by_xi.displacement.x);
-        CHECK(one.by_eta.displacement.y == by_medium.by_eta.displacement.y);
+        CHECK(one.by_xi.displacement.x == medium_derivatives.by_xi.displacement.x);
+        CHECK(one.by_eta.displacement.y == medium_derivatives.by_eta.displacement.y);
         CHECK(std::isnan(norms(one.by_xi)[1]));
         CHECK(std::isnan(norms(one.by_eta)[4]));
         CHECK(field.at(x, 0.1, {.displacement = true}).displacement.x ==

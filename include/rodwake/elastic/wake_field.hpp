@@ -21,7 +21,7 @@ namespace rodwake::elastic {
 struct FieldCapabilities {
     bool displacement = true, dipole = true;
     bool gradients = true;          ///< FieldRequest::gradients, Wake::heading_derivative
-    bool medium_derivatives = true; ///< Wake::by_medium
+    bool medium_derivatives = true; ///< Wake::medium_derivatives
 };
 
 class Wake {
@@ -35,7 +35,7 @@ public:
     /// Zero on the plane.
     virtual FieldValues heading_derivative(double x, double y, FieldRequest request) const;
     /// d/d eta and d/d xi at a fixed place.
-    virtual MediumDerivatives by_medium(double x, double y, FieldRequest request) const = 0;
+    virtual MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const = 0;
 
     /// What the rod's own images make where it is, and its derivatives as above. Zero on the plane.
     virtual FieldValues self_image_field(FieldRequest request) const;
