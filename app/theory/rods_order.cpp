@@ -28,12 +28,12 @@ namespace rodwake::app {
 namespace {
 
 /// [rods_order] of a case, in the units of its files.
-struct OrderOptions {
+struct RodOrderSettings {
     double link = 0.0, from = 0.0, block = 0.0;
     std::optional<PeriodicBox> box; ///< the periodic one; absent: infinite plane
     OutputUnits units;
 
-    explicit OrderOptions(const scene::Scene& scene);
+    explicit RodOrderSettings(const scene::Scene& scene);
 };
 
 using measure::RodOrder;
@@ -75,7 +75,7 @@ std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
     return csv_of(rows);
 }
 
-std::string means_json(const measure::MeanRodOrder& mean, const OrderOptions& keys, std::size_t runs) {
+std::string means_json(const measure::MeanRodOrder& mean, const RodOrderSettings& keys, std::size_t runs) {
     const OrderReport report{
         mean.polar,   mean.nematic,  mean.mean_size, mean.weighted_size,
         mean.largest, keys.link,     keys.from,      keys.block,
@@ -83,7 +83,7 @@ std::string means_json(const measure::MeanRodOrder& mean, const OrderOptions& ke
     return json_text(record_json(report), 2) + "\n";
 }
 
-OrderOptions::OrderOptions(const scene::Scene& scene) : units(order_units(scene)) {
+RodOrderSettings::RodOrderSettings(const scene::Scene& scene) : units(order_units(scene)) {
     const scene::RodsOrder& order = *scene.rods_order;
     const bool bed = order_of_bed(scene);
     const double end = bed ? scene.granular->duration : scene.rods_run->t_end;
@@ -98,7 +98,7 @@ OrderOptions::OrderOptions(const scene::Scene& scene) : units(order_units(scene)
 
 /// Of all runs of a case, one for rods of the theory; nothing but a warning if all ended before
 /// rods_order.from.
-void write_rods_order(const Session& session, const Case& of, const OrderOptions& keys,
+void write_rods_order(const Session& session, const Case& of, const RodOrderSettings& keys,
                       const std::vector<RodOrderSeries>& runs) {
     if (std::ranges::none_of(
             runs, [&](const auto& run) { return !run.times.empty() && run.times.back() >= keys.from; }))
@@ -129,7 +129,7 @@ std::size_t rows_that_count(const std::vector<double>& t, const scene::RodsRun& 
     return last > 0 && t[last] < run.output_times[last - 1] * unit ? last : t.size();
 }
 
-RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, const OrderOptions& keys) {
+RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, const RodOrderSettings& keys) {
     std::vector<std::string> names{std::string(field_names<TimeRow>().front())};
     for (std::size_t rod = 0; rod < scene.rods.size(); ++rod)
         for (const std::string_view name : field_names<PoseRow>())
@@ -149,7 +149,7 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
 
 StageEnd order_of_theory(const Session& session) {
     for (const Case& one : cases_of(session.plan.scene)) {
-        const OrderOptions keys(one.scene);
+        const RodOrderSettings keys(one.scene);
         write_rods_order(session, one, keys,
                          {theory_series(session.directory.file(one.folder), one.scene, keys)});
     }
@@ -167,7 +167,7 @@ std::vector<measure::RodPosition> motile(const measure::Frame& frame,
 }
 
 RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& problem,
-                          const OrderOptions& keys, const std::function<bool(double)>& on_progress) {
+                          const RodOrderSettings& keys, const std::function<bool(double)>& on_progress) {
     RodOrderSeries series;
     for_each_frame(run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
         series.times.push_back(frame.time);
@@ -179,7 +179,7 @@ RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& 
 
 StageEnd order_of_beds(const Session& session) {
     for (const BedPlan& bed : session.plan.beds) {
-        const OrderOptions keys(bed.of.scene);
+        const RodOrderSettings keys(bed.of.scene);
         const std::vector<RunFiles> runs = finished_runs(bed.of, session.directory.path(), session.log);
         SharedProgress progress(session.context, "order", runs.size(), static_cast<double>(runs.size()),
                                 "runs");

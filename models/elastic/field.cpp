@@ -26,7 +26,7 @@ public:
         return field_.at(x, y, request);
     }
     MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
-        return medium_derivatives(field_, x, y, request);
+        return elastic::medium_derivatives(field_, x, y, request);
     }
 
     const Field& field() const { return field_; }

@@ -319,7 +319,7 @@ public:
 
     FieldValues at(double x, double y, FieldRequest request) const override;
     MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
-        return medium_derivatives(exact_, x, y, request);
+        return elastic::medium_derivatives(exact_, x, y, request);
     }
 
     const Medium& medium() const { return exact_.medium(); }

@@ -1,7 +1,7 @@
 #pragma once
 // One internal step at a time, whatever integrator takes it: all that solve() needs to know of one.
 
-#include "problem_calls.hpp"
+#include "user_functions.hpp"
 #include "rodwake/integrate/ode.hpp"
 
 #include <limits>

@@ -1,6 +1,6 @@
 #include "rodwake/scan/run.hpp"
 
-#include "dispenser.hpp"
+#include "work_queue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 
@@ -227,26 +227,26 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
     return summary;
 }
 
-void work(WorkQueue& dispenser, const Evaluate& evaluate) {
+void work(WorkQueue& queue, const Evaluate& evaluate) {
     std::vector<Result> results;
-    for (auto points = dispenser.next(); !points.empty(); points = dispenser.next()) {
+    for (auto points = queue.next(); !points.empty(); points = queue.next()) {
         results.assign(points.size(), {});
         try {
             evaluate(points, results);
         } catch (...) {
-            dispenser.stop(); // nobody need go on
+            queue.stop(); // nobody need go on
             throw;
         }
-        dispenser.take(results);
+        queue.take(results);
     }
 }
 
 Execute on_threads(Evaluate evaluate, std::size_t threads, std::function<bool()> stop) {
     return [evaluate = std::move(evaluate), threads, stop = std::move(stop)](std::span<const Point> points,
                                                                              const Take& take) {
-        WorkQueue dispenser(points, take, threads, stop);
-        parallel_for(threads, threads, [&](std::size_t) { work(dispenser, evaluate); });
-        return !dispenser.stopped();
+        WorkQueue queue(points, take, threads, stop);
+        parallel_for(threads, threads, [&](std::size_t) { work(queue, evaluate); });
+        return !queue.stopped();
     };
 }
 

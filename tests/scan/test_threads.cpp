@@ -2,7 +2,7 @@
 
 #include "maps.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/dispenser.hpp"
+#include "scan/work_queue.hpp"
 
 #include <catch2/catch.hpp>
 

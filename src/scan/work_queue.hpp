@@ -89,6 +89,6 @@ private:
 };
 
 /// Evaluates chunks until there are none.
-void work(WorkQueue& dispenser, const Evaluate& evaluate);
+void work(WorkQueue& queue, const Evaluate& evaluate);
 
 } // namespace rodwake::scan

@@ -1,4 +1,4 @@
-#include "problem_calls.hpp"
+#include "user_functions.hpp"
 
 #include <algorithm>
 #include <cmath>
