@@ -154,7 +154,7 @@ public:
         const std::lock_guard lock(mutex_);
         return stopped_ = stopped_ || (method_.stop_requested && method_.stop_requested());
     }
-    void tell(const ChainBlock& block) {
+    void report(const ChainBlock& block) {
         const std::lock_guard lock(mutex_);
         if (method_.on_block_done)
             method_.on_block_done(block);
@@ -237,7 +237,7 @@ private:
         if (progress_.stopped())
             return false;
         at_[c] = Chain(density_, method_, c).next(at_[c], i, proposal_);
-        progress_.tell(at_[c]);
+        progress_.report(at_[c]);
         return true;
     }
 

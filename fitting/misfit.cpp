@@ -32,7 +32,7 @@ double among(double probability, double count) {
     return probability >= 1.0 ? 1.0 : -std::expm1(count * std::log1p(-probability));
 }
 
-/// Residuals of the scale that is known, or told by their scatter.
+/// Residuals of one scale, which is known or follows from their scatter.
 struct ResidualGroup {
     std::string name;
     std::vector<std::size_t> residuals;

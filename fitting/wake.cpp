@@ -300,7 +300,7 @@ ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
     out.points = data.value.size();
     out.chi2 = weight.dot((d - m).cwiseAbs2());
     if (!(norm > 0.0))
-        throw InputError(data.name + ": the prediction is zero everywhere, so no factor can be told");
+        throw InputError(data.name + ": the prediction is zero everywhere, so no factor can be computed");
     out.scale = weight.dot(m.cwiseProduct(d)) / norm;
     const double scatter = weight.dot((d - out.scale * m).cwiseAbs2()) / std::max(values - 1.0, 1.0);
     // Where the shape differs, or sigma is unknown, the scatter about the scaled model tells more than sigma.

@@ -44,7 +44,7 @@ public:
     void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
         const double time = static_cast<double>(s.step()) * s.problem().time_step;
         const bool due = progress_.update(job, time);
-        if (!single_) // several runs are told of by several threads; what follows belongs to one
+        if (!single_) // lines of several runs mix, and what follows belongs to one run
             return;
         if (!begun_ && s.step() > sample_every) // goes on from a checkpoint: rows as if it had not stopped
             pass(time);

@@ -242,8 +242,8 @@ void write_series(const std::filesystem::path& folder, const std::vector<CaseRes
     for (const CaseResults& one : cases)
         content += line_of(one);
     store::write_atomically(folder / "series.csv", content);
-    if (const Values told = comparisons(cases); !told.empty())
-        store::write_atomically(folder / "series.json", json_text(values_json(told), 2) + "\n");
+    if (const Values case_values = comparisons(cases); !case_values.empty())
+        store::write_atomically(folder / "series.json", json_text(values_json(case_values), 2) + "\n");
 }
 
 } // namespace rodwake::app

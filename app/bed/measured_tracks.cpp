@@ -248,7 +248,7 @@ std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, me
     return csv_of(beads);
 }
 
-/// Everything that is missing, most of it first told by whoever met it.
+/// Everything that is missing. The reader that met it reported most of it already.
 std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& tracks) {
     const measure::TrackCounts& counts = tracks.counts;
     std::vector<RowsLeftOut> all;
@@ -390,13 +390,13 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
         const fs::path file = file_of(scene, key, name);
         if (format == TrackFormat::automatic)
             format = store::track_format(file);
-        std::vector<std::string> told;
+        std::vector<std::string> hints;
         if (format == TrackFormat::csv) // the reader of the run, stopped at the first row that has a place
-            told =
+            hints =
                 store::read_track_csv(file, columns_of(keys, of_rods), [](double) { return false; }).warnings;
         else if (context)
-            told.push_back("its first frames: " + look_into(keys, file, format, *context));
-        for (const std::string& line : told)
+            hints.push_back("its first frames: " + look_into(keys, file, format, *context));
+        for (const std::string& line : hints)
             found.push_back(file.filename().string() + ": " + line);
     };
     look("file", keys.file, keys.format, keys.rods_file.empty());

@@ -115,7 +115,7 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = 2;
-        tell(fmt::format("rodwake: {}\n", usage_text(app, error)));
+        print_message(fmt::format("rodwake: {}\n", usage_text(app, error)));
     }
     return parsed;
 }

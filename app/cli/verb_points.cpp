@@ -148,10 +148,10 @@ int verb_field_points(const Options& options) {
         (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0))
         throw RunError("cannot write to standard output");
     for (const std::string& message : failed)
-        tell(fmt::format("rodwake: {}\n", message));
+        print_message(fmt::format("rodwake: {}\n", message));
     if (failed.empty())
         return 0;
-    tell(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
+    print_message(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
                      points.size()));
     return 3;
 }

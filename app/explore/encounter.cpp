@@ -30,7 +30,7 @@ void add_row(std::vector<double>& rows, double time, integrate::State y, integra
         rows.push_back(rates[i]);
 }
 
-/// The start and its steps; the rates of a pair's start are not known to who is told of steps.
+/// The start and its steps; callbacks of steps do not know the rates of a pair's start.
 void add_start(std::vector<double>& rows, const rods::RodProblem& problem) {
     const std::vector<double> y = rods::to_state(problem.rods);
     std::vector<double> rates(y.size());

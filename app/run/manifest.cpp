@@ -54,11 +54,11 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
                                                               {"{order length}", units.order.length_name},
                                                               {"{order time}", units.order.time_name},
                                                               {"{data}", units.data}};
-    std::string told(unit);
+    std::string text(unit);
     for (const auto& [place, name] : names)
-        if (const auto at = told.find(place); at != std::string::npos)
-            told.replace(at, place.size(), name);
-    return told;
+        if (const auto at = text.find(place); at != std::string::npos)
+            text.replace(at, place.size(), name);
+    return text;
 }
 
 /// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.

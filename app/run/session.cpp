@@ -126,7 +126,7 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
 void Session::tell_lost() const {
     const StageRecords records = directory.records("finished");
     for (const auto& [stage, files] : directory.lost()) {
-        if (files.empty()) // told by the command that found them gone
+        if (files.empty()) // the command that found them gone reported it
             continue;
         const auto record = records.find(stage);
         const bool made =

@@ -180,13 +180,13 @@ bool has_pair(const scene::Scene& scene) { return scene.granular->rods.size() ==
 
 /// What the summary of a run tells behind the numbers of a pair, which have a time of their own.
 std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
-    std::vector<SummaryNumber> told =
+    std::vector<SummaryNumber> described =
         summary_numbers(numbers_to(std::min(scene.granular->rods.size(), told_rods)), false);
     const std::string_view time = field_names<PairNumbers>().front();
-    std::erase_if(told, [&](const SummaryNumber& number) {
+    std::erase_if(described, [&](const SummaryNumber& number) {
         return number.scan_column.empty() || (has_pair(scene) && number.scan_column == time);
     });
-    return told;
+    return described;
 }
 
 } // namespace

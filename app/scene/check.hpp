@@ -19,7 +19,7 @@ void check(const Scene& scene, const Node& root, Diagnostics& problems);
 /// whole.
 void check(const Scene& scene, Diagnostics& problems);
 
-/// Told the path of a key and a message for each contradiction.
+/// Receives the path of a key and a message for each contradiction.
 using Report = std::function<void(const std::string& path, const std::string& message)>;
 
 void check_fit(const Scene& scene, const Report& report);  ///< [fit], and between it and the medium

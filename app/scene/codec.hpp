@@ -38,7 +38,7 @@ struct PathSegment {
 /// As in messages: "rods[1].position".
 std::string path_text(std::span<const PathSegment> path);
 
-/// Who is told what is wrong with the value of a key.
+/// Receives the diagnostics of values.
 class Faults {
 public:
     virtual ~Faults() = default;
@@ -52,7 +52,7 @@ public:
     }
 };
 
-/// What a value is read from, and whom to tell what is wrong with it.
+/// The node that a value is read from, and the receiver of its diagnostics.
 struct Input {
     const Key& key;
     const Node& node;
@@ -84,7 +84,7 @@ public:
     /// What the absence of its key leaves in a scene that is read; most values stay as they are.
     virtual void clear(void* value) const = 0;
     virtual bool is_present(const void* value) const = 0;
-    /// Whether the value was right; if not, a single one is as it was, and it has been told.
+    /// Whether the value is legal. If not, a diagnostic was added, and a single value is unchanged.
     virtual bool parse(const Input& input, void* value) const = 0;
     /// TOML; empty: there is nothing to write.
     virtual std::string print(const Key& key, const void* value, const Units& units) const = 0;

@@ -36,7 +36,7 @@ struct Whole : Single<T> {
 
 /// A number in range; a string with a unit where there are units.
 bool quantity(const Input& in, double& value);
-/// Null, and told, if it is no word, or none of `names` where there are some.
+/// Null with a diagnostic unless it is a word, and one of `names` if there are some.
 const std::string* word_of(const Input& in, Names names);
 /// The two numbers that `in` lists.
 bool two_sides(const Input& in, double& x, double& y);

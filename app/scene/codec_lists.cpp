@@ -14,7 +14,7 @@ namespace rodwake::scene {
 
 namespace {
 
-/// Null, and told, if it is none or has too few or too many entries.
+/// Returns null and adds a diagnostic unless the node is a list of legal length.
 const Node::List* list_of(const Input& in, std::string_view of) {
     const auto* list = in.node.as<Node::List>();
     const Key& key = in.key;

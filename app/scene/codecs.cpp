@@ -46,7 +46,7 @@ std::string expected_number(Dimension dimension) {
                        examples[static_cast<std::size_t>(dimension)]);
 }
 
-/// A string with a unit; false, and told, if it is none.
+/// Reads a string with a unit; otherwise returns false and adds a diagnostic.
 bool worded(const Input& in, double& value) {
     const Dimension dimension = in.key.dimension;
     const auto* word = in.node.as<std::string>();

@@ -200,7 +200,7 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
     return sum;
 }
 
-FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
+FarWakes::QuadraturePlan FarWakes::plan(std::span<const KernelSource> rods) const {
     const Extent extent = extent_of(rods);
     const Crowd crowd{
         static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),

@@ -112,7 +112,7 @@ HWY_INLINE DecayFactors DecayOf(const Constants& medium, double x, double accura
 /// behind the rod the exponentials of s + X, which Y^2/(s - X), exact there, corrects. K0 and K1 first:
 /// theirs is the longer way.
 template<bool polar>
-HWY_INLINE Wake<Lane> WakeOf(const Constants& medium, const ScaledPoint& at) {
+HWY_INLINE WakeLanes<Lane> WakeOf(const Constants& medium, const ScaledPoint& at) {
     const Lane d;
     const double inverse = at.s * (1.0 / at.square), far = at.s + std::abs(at.X), sum = at.s + at.X;
     const V near = hn::Set(d, at.Y * at.Y / far);
@@ -139,7 +139,7 @@ HWY_INLINE bool Suits(const Constants& medium, const ScaledPoint& at) {
     return at.s >= 0x1p-20 && at.s <= medium.lane_reach && medium.nu * (at.s + at.X) <= 16.0;
 }
 
-HWY_INLINE SymmetricTensor StrainOf(const Constants& medium, const Wake<Lane>& wake) {
+HWY_INLINE SymmetricTensor StrainOf(const Constants& medium, const WakeLanes<Lane>& wake) {
     const double unit = 0.5 * std::numbers::inv_pi * medium.c_shear, half = 0.5 * unit;
     const double trace = hn::GetLane(wake.trace), yy = hn::GetLane(wake.yy);
     return {unit * trace - half * yy, half * hn::GetLane(wake.shear), half * yy};
@@ -158,7 +158,7 @@ bool PolarInLane(const Constants& medium, double x, double y, FieldValues& field
     const bool along_axis = 8.0 * std::abs(at.Y) < at.X; // lap U vanishes near r = eta xi on the axis ahead
     if (along_axis || !Suits(medium, at))
         return false;
-    const Wake<Lane> wake = WakeOf<true>(medium, at);
+    const WakeLanes<Lane> wake = WakeOf<true>(medium, at);
     const double third = 0.5 * std::numbers::inv_pi * medium.c_shear * medium.c_shear;
     field.strain = StrainOf(medium, wake);
     field.laplacian = {third * hn::GetLane(wake.laplacian_x), third * hn::GetLane(wake.laplacian_y)};

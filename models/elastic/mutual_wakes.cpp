@@ -234,7 +234,7 @@ std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
 }
 
 /// Sums of the far wakes of rods in compact order.
-void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
+void add_far(const Task& task, const FarWakes& far, const FarWakes::QuadraturePlan& plan,
              std::span<const KernelSource> in_xi) {
     const double per_xi = 1.0 / task.field.medium().xi;
     far.add(plan, in_xi, task.team, std::span(task.sum).first(static_cast<std::size_t>(task.parts())));
@@ -243,7 +243,7 @@ void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
             task.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
 }
 
-/// ns of one core as FarWakes::Plan counts them, as measured.
+/// ns of one core as FarWakes::QuadraturePlan counts them, as measured.
 double all_pairs_cost(const Task& task) {
     const auto n = static_cast<double>(task.rods.size());
     const double exact = task.polar ? 9.0 : 6.2;
@@ -294,7 +294,7 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     if (!may_be_far(options, task.field.medium(), task.polar, rods.size()))
         return std::nullopt;
     const FarWakes& far = kept.of(task.field.medium(), options, task.polar);
-    const FarWakes::Plan plan = far.plan(in_xi);
+    const FarWakes::QuadraturePlan plan = far.plan(in_xi);
     if (plan.cost > all_pairs_cost(task))
         return std::nullopt;
     const NearHeat& near = far.near_heat(plan);

@@ -62,7 +62,7 @@ bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
     parts_ = 0;
     const Subinterval step{stepper.time_before(), stepper.time(), 0};
     if (!needed())
-        return tell(step, {}, true);
+        return report(step, {}, true);
     take_order(stepper.order());
     const bool stop = search(step);
     const double share = most_parts / static_cast<double>(std::max(parts_, 1L));
@@ -85,7 +85,7 @@ bool EventSampler::search(const Subinterval& part) {
     count_rough(part, rough);
     for (std::size_t k = 0; k < all.size(); ++k)
         first_[sampled_[k]] = all[k].values.back();
-    return tell(part, all, rough == all.size());
+    return report(part, all, rough == all.size());
 }
 
 void EventSampler::count_rough(const Subinterval& part, std::size_t rough) {
@@ -183,7 +183,7 @@ double EventSampler::rounding(std::size_t k, const Samples& samples, const Subin
 }
 
 /// All times of the part to be looked at.
-bool EventSampler::tell(const Subinterval& part, const std::vector<Samples>& all, bool settled) {
+bool EventSampler::report(const Subinterval& part, const std::vector<Samples>& all, bool settled) {
     constexpr long most_looks = 64; // closer ones: a cluster of roots needs some, rounding has no end
     closer_looks_ = most_looks;
     std::vector<double> times;

@@ -3,7 +3,7 @@
 //
 // A part of the step is sampled at Chebyshev points, more than the order of the method. The polynomial
 // through the samples is believed if its last coefficients are small; else the part is halved. Of the
-// polynomial each change of sign is told, and each minimum near zero that turns out to reach it.
+// polynomial each change of sign is reported, and each minimum near zero that turns out to reach it.
 
 #include "stepper.hpp"
 
@@ -45,7 +45,7 @@ private:
     double rounding(std::size_t k, const Samples& samples, const Subinterval& part);
     bool search(const Subinterval& part);
     void count_rough(const Subinterval& part, std::size_t rough);
-    bool tell(const Subinterval& part, const std::vector<Samples>& all, bool settled);
+    bool report(const Subinterval& part, const std::vector<Samples>& all, bool settled);
     std::vector<double> on_fine_points(const Samples& samples) const;
     void add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
                    std::vector<double>& times);

@@ -18,7 +18,7 @@ using sundials::require;
 int call_residual(double t, N_Vector y, N_Vector slope, N_Vector residual, void* user) {
     auto& calls = *static_cast<UserFunctions*>(user);
     const std::span<double> f = elements(residual), dy = elements(slope);
-    const UserFunctions::Result result = calls.rhs(t, elements(y), f);
+    const UserFunctions::CallbackResult result = calls.rhs(t, elements(y), f);
     const std::vector<bool>& algebraic = calls.problem().algebraic;
     for (std::size_t i = 0; i < f.size(); ++i)
         f[i] = (algebraic[i] ? 0.0 : dy[i]) - f[i];
@@ -30,7 +30,7 @@ int call_jacobian(double t, double c, N_Vector y, N_Vector, N_Vector, SUNMatrix 
                   N_Vector, N_Vector) {
     auto& calls = *static_cast<UserFunctions*>(user);
     const auto size = static_cast<Eigen::Index>(elements(y).size());
-    const UserFunctions::Result result = calls.jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
+    const UserFunctions::CallbackResult result = calls.jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
     Eigen::Map<Eigen::MatrixXd> system(SUNDenseMatrix_Data(matrix), size, size);
     system *= -1.0;
     for (Eigen::Index i = 0; i < size; ++i)
@@ -101,7 +101,7 @@ void IdaStepper::start(double t, State y) {
 void IdaStepper::guess_slope() {
     const std::span<double> slope = elements(slope_.get());
     if (calls_.rhs(time_, state(), slope) != UserFunctions::fine)
-        N_VConst(0.0, slope_.get()); // told when the solver meets it
+        N_VConst(0.0, slope_.get()); // the solver reports it
     const std::vector<bool>& algebraic = calls_.problem().algebraic;
     for (std::size_t i = 0; i < slope.size(); ++i)
         if (algebraic[i])

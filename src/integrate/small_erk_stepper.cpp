@@ -39,7 +39,7 @@ private:
     bool first_slope();
     double chosen_step();
     bool attempt(double from);
-    UserFunctions::Result stages(double from, double h);
+    UserFunctions::CallbackResult stages(double from, double h);
     double error_norm(double h);
     double factor(double error) const;
     void accept(double from, double to, double error);
@@ -84,7 +84,7 @@ bool SmallErkStepper<fixed>::fail(const char* flag) {
 
 template<std::size_t fixed>
 bool SmallErkStepper<fixed>::first_slope() {
-    const UserFunctions::Result result = calls_.rhs(time_, state(), of(slopes_[0]));
+    const UserFunctions::CallbackResult result = calls_.rhs(time_, state(), of(slopes_[0]));
     if (result != UserFunctions::fine)
         return fail("FIRST_RHSFUNC_ERR");
     if (step_ == 0.0)
@@ -133,7 +133,7 @@ bool SmallErkStepper<fixed>::attempt(double from) {
     constexpr double shortening = 0.25;                 // after a fault, as CVODES
     int failures = 0, faults = 0;
     for (double h = cut(from, step_);;) {
-        const UserFunctions::Result result = stages(from, h);
+        const UserFunctions::CallbackResult result = stages(from, h);
         if (result == UserFunctions::give_up)
             return fail("RHSFUNC_FAIL");
         if (result == UserFunctions::try_shorter_step) {
@@ -160,7 +160,7 @@ bool SmallErkStepper<fixed>::attempt(double from) {
 }
 
 template<std::size_t fixed>
-UserFunctions::Result SmallErkStepper<fixed>::stages(double from, double h) {
+UserFunctions::CallbackResult SmallErkStepper<fixed>::stages(double from, double h) {
     for (std::size_t s = 1; s < tableau::stages; ++s) {
         end_ = before_;
         for (std::size_t k = 0; k < s; ++k)

@@ -67,7 +67,7 @@ std::string UserFunctions::component_name(std::size_t index) const {
     return problem_.component_name ? problem_.component_name(index) : fmt::format("y[{}]", index);
 }
 
-UserFunctions::Result UserFunctions::rhs(double t, State y, std::span<double> ydot) noexcept try {
+UserFunctions::CallbackResult UserFunctions::rhs(double t, State y, std::span<double> ydot) noexcept try {
     if (rhs_threw_)
         return give_up;
     ++rhs_evaluations_;
@@ -84,7 +84,7 @@ UserFunctions::Result UserFunctions::rhs(double t, State y, std::span<double> yd
     return give_up;
 }
 
-UserFunctions::Result UserFunctions::jacobian(double t, State y, double* column_major) noexcept try {
+UserFunctions::CallbackResult UserFunctions::jacobian(double t, State y, double* column_major) noexcept try {
     const std::size_t n = y.size();
     Eigen::Map<Eigen::MatrixXd> matrix(column_major, static_cast<Eigen::Index>(n),
                                        static_cast<Eigen::Index>(n));
@@ -102,7 +102,7 @@ UserFunctions::Result UserFunctions::jacobian(double t, State y, double* column_
     return give_up;
 }
 
-UserFunctions::Result UserFunctions::linearise(double t, State y) {
+UserFunctions::CallbackResult UserFunctions::linearise(double t, State y) {
     if (t == linear_.time && std::equal(y.begin(), y.end(), linear_.state.begin(), linear_.state.end()))
         return fine;
     linear_.time = std::numeric_limits<double>::quiet_NaN(); // until both are there
@@ -123,7 +123,7 @@ UserFunctions::Result UserFunctions::linearise(double t, State y) {
     return fine;
 }
 
-UserFunctions::Result UserFunctions::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
+UserFunctions::CallbackResult UserFunctions::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
                                                      Eigen::MatrixXd& S_dot) noexcept try {
     if (rhs_threw_)
         return give_up;

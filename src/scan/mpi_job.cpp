@@ -58,7 +58,7 @@ void look_for_no_network() {
 struct MpiJob::Workers {
     std::vector<int> idle;
     int busy = 0;
-    std::string failure; ///< of the first rank that told of one
+    std::string failure; ///< of the first rank that reported one
 
     /// Gives every idle rank a chunk, as long as there are any.
     void hand_out(WorkQueue& queue) {

@@ -29,7 +29,7 @@ public:
             if (learn)
                 std::ranges::for_each(results, learn);
             done += static_cast<std::int64_t>(results.size());
-            tell();
+            report();
         });
     }
 
@@ -51,7 +51,7 @@ public:
         return finished;
     }
 
-    void tell() const {
+    void report() const {
         if (options_.on_progress)
             options_.on_progress(done, std::max(done, total));
     }
@@ -175,7 +175,7 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
             }
             ledger.add(changed);
             evaluate.done += static_cast<std::int64_t>(results.size());
-            evaluate.tell();
+            evaluate.report();
         });
         if (!finished) {
             summary.left = static_cast<std::int64_t>(middles.size());

@@ -36,18 +36,18 @@ enum ColumnRole : std::size_t {
 
 struct RoleNames {
     const char* key; ///< of tracks.columns
-    std::string ColumnRoles::*given;
+    std::string TrackColumns::*given;
     std::array<std::string_view, 5> usual; ///< the first that is there, whatever the case of its letters
     bool needed;
 };
 constexpr RoleNames role_names[roles] = {
-    {"frame", &ColumnRoles::frame, {"frame", "frame_number", "slice"}, true},
-    {"id", &ColumnRoles::id, {"particle", "track_id", "trackid", "track", "id"}, false},
-    {"x", &ColumnRoles::x, {"x", "position_x"}, true},
-    {"y", &ColumnRoles::y, {"y", "position_y"}, true},
-    {"heading", &ColumnRoles::heading, {"theta", "heading"}, false},
-    {"kind", &ColumnRoles::kind, {"kind"}, false},
-    {"time", &ColumnRoles::time, {}, false},
+    {"frame", &TrackColumns::frame, {"frame", "frame_number", "slice"}, true},
+    {"id", &TrackColumns::id, {"particle", "track_id", "trackid", "track", "id"}, false},
+    {"x", &TrackColumns::x, {"x", "position_x"}, true},
+    {"y", &TrackColumns::y, {"y", "position_y"}, true},
+    {"heading", &TrackColumns::heading, {"theta", "heading"}, false},
+    {"kind", &TrackColumns::kind, {"kind"}, false},
+    {"time", &TrackColumns::time, {}, false},
     {"ends", nullptr, {}, false},
     {"ends", nullptr, {}, false},
     {"ends", nullptr, {}, false},
@@ -69,7 +69,7 @@ bool begins_a_number(std::string_view cell) {
 
 class CsvTracks {
 public:
-    CsvTracks(const std::filesystem::path& path, const ColumnRoles& columns)
+    CsvTracks(const std::filesystem::path& path, const TrackColumns& columns)
         : path_(path.string()), given_(columns), lines_(path) {}
 
     TrackRows read(const TrackProgress& on_progress) {
@@ -337,7 +337,7 @@ private:
     }
 
     std::string path_;
-    ColumnRoles given_;
+    TrackColumns given_;
     LinesOfBlocks lines_;
     ColumnRoles columns_;
     std::array<std::string_view, roles> cells_{};
@@ -348,7 +348,7 @@ private:
 
 } // namespace
 
-TrackRows read_track_csv(const std::filesystem::path& file, const ColumnRoles& columns,
+TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& columns,
                          const TrackProgress& on_progress) {
     return CsvTracks(file, columns).read(on_progress);
 }

@@ -59,7 +59,7 @@ struct OrderValues {
 };
 using F = const OrderValues&;
 
-constexpr ToldValue<OrderValues> values[] = {
+constexpr ValueEntry<OrderValues> values[] = {
     {{"psi6", R"($\psi_6$, measured frames)", "",
       R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
      [](F f) { return f.r.psi6; }},
@@ -99,11 +99,11 @@ constexpr ToldValue<OrderValues> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ToldColumn<OrderValues> gr_columns[] = {
+constexpr ColumnEntry<OrderValues> gr_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.r, 1.0 / f.a); }},
     {{"g", "1", "pair correlation g(r)"}, [](F f) { return f.r.g; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_error; }}};
-constexpr ToldColumn<OrderValues> gB_columns[] = {
+constexpr ColumnEntry<OrderValues> gB_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.order_r, 1.0 / f.a); }},
     {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_B_error; }},
@@ -148,12 +148,12 @@ MeasureReport report(const MeasuredCase& data) {
         border = "; " + r.decay.reason;
     }
     const OrderValues f = {r, a};
-    Values told = values_of(values, f);
-    if (r.at_border) { // of tracks alone, and told of by the stage
-        told.push_back({"at_border", *r.at_border});
+    Values listed = values_of(values, f);
+    if (r.at_border) { // only tracks have it; the stage logs it
+        listed.push_back({"at_border", *r.at_border});
         border += fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
     }
-    return {.values = std::move(told),
+    return {.values = std::move(listed),
             .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,
                         columns_of(gr_columns, f)},
                        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",

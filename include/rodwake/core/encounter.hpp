@@ -19,7 +19,7 @@
 //              one by felt_turn in the whole run
 //   orbit      two rods in each other's steady wakes on the plane, none of the above, in the basin of a
 //   stable
-//              orbit (rods/settled_orbit.hpp); not told of tracks
+//              orbit (rods/settled_orbit.hpp); never of tracks
 //   escape     r' > 0, and in the time r/|v_a - v_b| in which the separation doubles at these velocities
 //              neither heading turns by more than residual_turn of the angle between the headings, at the
 //              rate of the last part of the run: rods that part at a small angle are turned back by little

@@ -157,7 +157,7 @@ struct MicrorheologyResult {
     bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
     std::size_t frames = 0;
     // Of tracks:
-    std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: not to be told
+    std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: unknown
     double taken_off = 0.0;     ///< b, m^2; how well it is known is in the errors of all curves and values
     std::vector<double> hidden; ///< [lag], m^2: what the drift may have taken along, part of all errors
 
