@@ -66,7 +66,7 @@ BranchEquations equations_at(const OpenPair& open, const State& z) {
     const double p = open.parameter(z),
                  alpha = open.over == BranchParameter::alpha ? p : 1.0 / open.medium.xi;
     const ScaledPair pair = open.at(p);
-    const BranchEquations reduced = reduced_equations(pair, open.family, {z[0], z[1]});
+    const ReducedEquations reduced = reduced_equations(pair, open.family, {z[0], z[1]});
     // The couplings whose rate is the derivative of T by p.
     Couplings changed = pair.couplings;
     if (open.over == BranchParameter::alpha)

@@ -21,7 +21,7 @@ using elastic::HWY_NAMESPACE::LaneMedium;
 using elastic::HWY_NAMESPACE::Radial;
 using elastic::HWY_NAMESPACE::RadialAt;
 using elastic::HWY_NAMESPACE::SinCos;
-using elastic::HWY_NAMESPACE::Wake;
+using elastic::HWY_NAMESPACE::WakeLanes;
 using elastic::HWY_NAMESPACE::WakeAt;
 
 using Lanes = hn::CappedTag<double, most_lanes>;

@@ -19,12 +19,12 @@ struct R {{
 }};
 int main() {{ return static_cast<int>(std::get<0>(R::fields()).name.size()); }}
 """
-TOLD = """#include "bed/measure_parts.hpp"
+ENTRY = """#include "bed/measure_parts.hpp"
 struct Found {{
     double speed = 0.0;
 }};
-constexpr rodwake::app::{} told[] = {{{{{{{}}}, [](const Found& f) {{ return f.speed; }}}}}};
-int main() {{ return static_cast<int>(std::size(told)); }}
+constexpr rodwake::app::{} entries[] = {{{{{{{}}}, [](const Found& f) {{ return f.speed; }}}}}};
+int main() {{ return static_cast<int>(std::size(entries)); }}
 """
 KEPT = """#include "rodwake/store/archive.hpp"
 struct R {{
@@ -107,10 +107,10 @@ class DescribedResultsTest(unittest.TestCase):
             self.assertIn(why, said)
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
-        self.assertEqual(compiled("ToldValue<Found>", '"speed", "Speed", "a/s", "of the rod"', source=TOLD), (True, ""))
-        for kind, wrong in (("ToldValue<Found>", '"speed", "Speed", "a/s", ""'), ("ToldValue<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
+        self.assertEqual(compiled("ValueEntry<Found>", '"speed", "Speed", "a/s", "of the rod"', source=ENTRY), (True, ""))
+        for kind, wrong in (("ValueEntry<Found>", '"speed", "Speed", "a/s", ""'), ("ValueEntry<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
                             ("RowColumn<Found>", '"speed", "", "of the rod"')):
-            good, said = compiled(kind, wrong, source=TOLD)
+            good, said = compiled(kind, wrong, source=ENTRY)
             self.assertFalse(good, wrong)
             self.assertIn("meaning and a unit", said)
 
