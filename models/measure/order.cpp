@@ -36,8 +36,8 @@ std::vector<BinGroup> groups(std::size_t bins, double bin, double from, double s
     return all;
 }
 
-/// Weight of each bin of a group: sin^2, which passes nothing of a swing as long as half the group or shorter
-/// by a whole fraction, and little in between.
+/// Weights sin^2 of the bins of a group. They cancel swings whose length is half the group or a whole
+/// fraction of that, and pass little of those in between.
 std::vector<double> window(const BinGroup& group) {
     std::vector<double> weights;
     const double step = M_PI / static_cast<double>(group.last - group.first);
@@ -46,28 +46,9 @@ std::vector<double> window(const BinGroup& group) {
     return weights;
 }
 
-double over(const std::vector<double>& values, const BinGroup& group, const std::vector<double>& weights) {
-    double sum = 0.0;
-    for (std::size_t k = group.first; k < group.last; ++k)
-        sum += weights[k - group.first] * values[k];
-    return sum;
-}
-
-struct OrderSums {
-    double pairs = 0.0, order = 0.0;
-
-    double mean() const { return pairs > 0.0 ? order / pairs : 0.0; }
-};
-
-/// Where the decay begins to be one: 8 a, where the shells and the 1/r^2 of phonons have faded; at most L/8.
-double decay_from(const Layout& layout) {
-    return std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
-}
-
-/// g_B(r) from about there on in steps of two lattice rows (less in boxes too small for six such), in smooth
-/// windows of four, weighted by pairs: g_B swings with the rows, and whole swings cancel, which needs bins
-/// finer than those shown. Neighbouring points share pairs. With each block left out in turn. `bin`: of g(r),
-/// m.
+/// g_B(r) weighted by pairs in smooth windows of four lattice rows, in steps of two (less in boxes too small
+/// for six such): g_B swings with the rows, and whole swings cancel in bins finer than those shown.
+/// Neighbouring points share pairs. The same with each block left out in turn. `bin`: of g(r), m.
 DecayPoints decay_points(const std::vector<OrderBlock>& blocks, const Layout& layout, double bin) {
     const double side = layout.window ? std::sqrt(seen_area(layout)) : layout.box.mean_side(),
                  row = std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * side;
@@ -76,28 +57,34 @@ DecayPoints decay_points(const std::vector<OrderBlock>& blocks, const Layout& la
         points.box = layout.box;
     points.without.resize(blocks.size());
     double correlation = 0.0;
-    const auto all = groups(blocks.front().pairs.size(), bin, decay_from(layout), 2.0 * row);
+    // The decay begins at 8 a, where the shells and the 1/r^2 of phonons have faded, but at most at L/8.
+    const double from = std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
+    const auto all = groups(blocks.front().pairs.size(), bin, from, 2.0 * row);
     for (const BinGroup& group : all) {
         const std::vector<double> weight_of = window(group);
-        OrderSums sums;
-        double distance = 0.0;
-        std::vector<double> values, weights;
+        const auto weighted_sum = [&](const std::vector<double>& bins) {
+            double sum = 0.0;
+            for (std::size_t k = group.first; k < group.last; ++k)
+                sum += weight_of[k - group.first] * bins[k];
+            return sum;
+        };
+        const auto mean = [](double order, double pairs) { return pairs > 0.0 ? order / pairs : 0.0; };
+        double pairs = 0.0, order = 0.0, distance = 0.0;
+        std::vector<double> values, weights, orders;
         for (const OrderBlock& block : blocks) {
-            weights.push_back(over(block.pairs, group, weight_of));
-            values.push_back(weights.back() > 0.0 ? over(block.fine_order, group, weight_of) / weights.back()
-                                                  : 0.0);
-            sums.pairs += weights.back();
-            sums.order += over(block.fine_order, group, weight_of);
+            weights.push_back(weighted_sum(block.pairs));
+            orders.push_back(weighted_sum(block.fine_order));
+            values.push_back(mean(orders.back(), weights.back()));
+            pairs += weights.back();
+            order += orders.back();
             for (std::size_t k = group.first; k < group.last; ++k)
                 distance +=
                     weight_of[k - group.first] * block.pairs[k] * (static_cast<double>(k) + 0.5) * bin;
         }
         for (std::size_t b = 0; b < blocks.size(); ++b)
-            points.without[b].push_back(
-                OrderSums{sums.pairs - weights[b], sums.order - over(blocks[b].fine_order, group, weight_of)}
-                    .mean());
+            points.without[b].push_back(mean(order - orders[b], pairs - weights[b]));
         const Estimate e = mean_of_blocks(values, weights);
-        points.r.push_back(sums.pairs > 0.0 ? distance / sums.pairs : 0.0);
+        points.r.push_back(mean(distance, pairs));
         points.g_B.push_back(e.value);
         points.error.push_back(e.error);
         correlation += successive_correlation(values) / static_cast<double>(all.size());
@@ -107,8 +94,6 @@ DecayPoints decay_points(const std::vector<OrderBlock>& blocks, const Layout& la
         error = error > 0.0 ? error * points.growth : error;
     return points;
 }
-
-using OrderBlock = OrderAccumulator::OrderBlock;
 
 std::vector<OrderBlock> all_blocks(std::span<const OrderAccumulator> runs) {
     std::vector<OrderBlock> blocks;
@@ -155,7 +140,7 @@ WeightedSeries series(const std::vector<OrderBlock>& blocks, Value value, Weight
 }
 
 constexpr auto frames_of = [](const OrderBlock& block) { return block.frames; };
-/// What g(r) is over: as many frames of all beads as would have as many pairs.
+/// The denominator of g(r): the number of frames of all beads that would have as many pairs.
 constexpr auto full_frames_of = [](const OrderBlock& block) { return block.full_frames; };
 
 Estimate estimate(const WeightedSeries& s, double growth) {
@@ -171,7 +156,7 @@ Estimate over_blocks(const std::vector<OrderBlock>& blocks, double OrderBlock::*
     return estimate(s, correlation_factor(successive_correlation(s.values)));
 }
 
-/// Blocks of all bins fluctuate together, and few of them tell little about one bin: one factor for all.
+/// One factor for all bins: their blocks fluctuate together, and few of them say little about one bin.
 double common_growth(const std::vector<WeightedSeries>& bins) {
     double sum = 0.0, count = 0.0;
     for (const WeightedSeries& s : bins) {
@@ -225,30 +210,6 @@ void reduce_order(const std::vector<OrderBlock>& blocks, const OrderAccumulator&
     }
 }
 
-void reduce_cutoff(std::span<const OrderAccumulator> runs, OrderResult& result) {
-    double sum = 0.0, count = 0.0;
-    for (const OrderAccumulator& run : runs) {
-        const Cutoff cutoff = run.settled_cutoff();
-        result.cutoffs_by_spacing += cutoff.by_spacing;
-        sum += cutoff.value;
-        count += cutoff.value > 0.0;
-    }
-    result.cutoff = count > 0.0 ? sum / count : 0.0;
-}
-
-} // namespace
-
-namespace {
-
-void without_camera_noise(OrderResult& result, double localisation) {
-    const double loss = bond_loss(result.r, result.g, result.cutoff, localisation);
-    result.psi6 = result.psi6.scaled(1.0 / loss);
-    for (std::vector<double>* values : {&result.g_B, &result.g_B_error})
-        for (double& value : *values)
-            value /= loss * loss;
-    result.decay.plateau = result.decay.plateau.scaled(1.0 / (loss * loss));
-}
-
 } // namespace
 
 OrderResult reduce(std::span<const OrderAccumulator> runs) {
@@ -265,11 +226,27 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
         result.at_border = over_blocks(blocks, &OrderBlock::at_border).value;
     reduce_g(blocks, run, result);
     reduce_order(blocks, run, result);
-    reduce_cutoff(runs, result);
+
+    double sum = 0.0, count = 0.0;
+    for (const OrderAccumulator& each : runs) {
+        const Cutoff cutoff = each.settled_cutoff();
+        result.cutoffs_by_spacing += cutoff.by_spacing;
+        sum += cutoff.value;
+        count += cutoff.value > 0.0;
+    }
+    result.cutoff = count > 0.0 ? sum / count : 0.0;
     result.g_minimum = first_minimum(result.r, result.g, run.layout().bead_radius);
     result.decay = classify(decay_points(blocks, run.layout(), run.options().bin), 0.0);
-    if (run.options().localisation > 0.0)
-        without_camera_noise(result, run.options().localisation);
+
+    // The noise of a camera weakens psi_6 by a known factor, and g_B and its plateau by the square of that.
+    if (run.options().localisation > 0.0) {
+        const double loss = bond_loss(result.r, result.g, result.cutoff, run.options().localisation);
+        result.psi6 = result.psi6.scaled(1.0 / loss);
+        for (std::vector<double>* values : {&result.g_B, &result.g_B_error})
+            for (double& value : *values)
+                value /= loss * loss;
+        result.decay.plateau = result.decay.plateau.scaled(1.0 / (loss * loss));
+    }
     return result;
 }
 

@@ -1,4 +1,4 @@
-// A piece a lane. Compiled once for each instruction set (foreach_target includes this file again).
+// One piece in each lane. Compiled once for each instruction set (foreach_target includes this file again).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pair_pieces.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
@@ -20,7 +20,7 @@ namespace rodwake::rods::HWY_NAMESPACE {
 
 constexpr double ulps = 32.0 * std::numeric_limits<double>::epsilon(); // allowed for in each defect
 
-/// Of as many pieces as there are lanes.
+/// As many pieces as there are lanes.
 struct LanePieces {
     V length, p[4][6];
 };
@@ -43,7 +43,7 @@ LanePieces LoadPieces(const Of& of) {
     return pieces;
 }
 
-/// A struct of vectors to one of numbers for each of the first lanes.
+/// Stores a struct of vectors to structs of numbers, one for each of the first lanes.
 template<template<class> class Struct, class To>
 void StoreEach(const Struct<V>& vectors, std::size_t count, const To& to) {
     constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
@@ -58,7 +58,7 @@ void StoreEach(const Struct<V>& vectors, std::size_t count, const To& to) {
     }
 }
 
-/// The other way: `of(lane)` is the struct of a lane.
+/// Loads a struct of vectors; `of(lane)` is the struct of a lane.
 template<template<class> class Struct, class Of>
 Struct<V> LoadEach(const Of& of) {
     constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
@@ -77,20 +77,20 @@ Struct<V> LoadEach(const Of& of) {
 
 HWY_INLINE V LengthOf(V x, V y) { return hn::Sqrt(Fma(Lanes(), x, x, hn::Mul(y, y))); }
 
-/// How far (w+, w-) and the phases go from those at v = 0 within |v| <= reach, at most: ln of 1 + the
-/// relative change.
+/// Bound of the change of (w+, w-) and the phases from v = 0 to |v| <= reach, as ln of 1 + the relative
+/// change.
 struct Wandering {
-    V a[5]; ///< of v, v^2, ...
+    V a[5]; ///< coefficients of v, v^2, ...
 
-    /// Above 0, so that one may divide by it where nothing changes.
+    /// Above 0, so that it can be a divisor.
     V At(V reach) const {
         V sum = hn::Mul(reach, a[4]);
         for (std::size_t k = 4; k-- > 0;)
             sum = hn::Mul(reach, hn::Add(a[k], sum));
         return hn::Max(sum, Number(1e-300));
     }
-    /// A reach within `room`, near the largest: as the sum is of powers 1 to 5, a share less or the fifth
-    /// root of a share more do not leave it.
+    /// A reach within `room`, near the largest. The sum has powers 1 to 5, so that a reach shorter by a
+    /// factor, or longer by the fifth root of one, stays inside.
     V Reach(V room) const {
         const Lanes d;
         const V one = Number(1.0), farthest = Number(32.0);
@@ -123,8 +123,8 @@ V Excursion(const V (&p)[6], V reach) {
 }
 
 /// 4 rho^-n/(rho - 1) for the ellipse with half axes `reach` and sqrt(reach^2 - 1): error of interpolation at
-/// the nodes of what 1 bounds there (Trefethen, theorem 8.2). At most 4, what a bound on the piece itself
-/// tells.
+/// the nodes of a function bounded by 1 there (Trefethen, theorem 8.2). At most 4, which follows from a bound
+/// on the piece.
 V RemainderFactor(V reach) {
     const Lanes d;
     const V one = Number(1.0);
@@ -143,6 +143,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
     PieceReach<V> reach;
     reach.distance = LengthOf(x, y);
     const V headings[2] = {piece.p[2][0], piece.p[3][0]}, r = hn::Mul(medium.c_shear, reach.distance);
+
+    // s + X of each rod in the frame of the other.
     SineCosine<Lanes> n[2];
     elastic::HWY_NAMESPACE::SinCos(d, headings, n);
     V ahead[2];
@@ -154,6 +156,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
             hn::Div(hn::Mul(across, across), far); // r + X behind the rod, without the cancellation
         ahead[rod] = hn::Mul(medium.c_shear, hn::IfThenElse(hn::Lt(X, hn::Zero(d)), near, far));
     }
+
+    // Bounds of the rates of turn about the piece, and how far from it they hold.
     const V width = hn::Min(SuitableWidth(r, ahead[0]), SuitableWidth(r, ahead[1]));
     const Around around = AroundOf(r, ahead, width, medium.nu);
     const V all = hn::Div(hn::Add(width, width), hn::Add(Number(2.0), width)); // below ln(1 + width)
@@ -168,6 +172,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
         hn::IfThenElse(hn::Gt(slope_reach, Number(1.02)),
                        hn::Min(hn::Div(RemainderFactor(slope_reach), hn::Sub(all, part)), on_piece),
                        on_piece);
+
+    // Errors of interpolation, of rates and of directions, and rounding.
     reach.missed = reach.rest[0] = hn::Zero(d);
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const TurningBounds most = TurningBoundsOf(around, rod, largest, medium.nu);
@@ -205,7 +211,7 @@ void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, s
     }
 }
 
-/// What is expanded.
+/// Functions that are expanded in Chebyshev polynomials.
 enum SampleColumn {
     defect_column,                    ///< of x, y, theta_0, theta_1
     by_column = defect_column + 4,    ///< rates by the same
@@ -213,8 +219,8 @@ enum SampleColumn {
     column_count = direction_column + 4
 };
 
-/// exp(h J) and h times the series sum (h J)^k/(k + 1)! of `acts`, to the sixth power: `mean` holds J's
-/// expansions.
+/// exp(h J), and h times the sum of (h J)^k/(k + 1)! times `acts`, to the sixth power. `mean` has the
+/// expansions of J.
 void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V length, PieceExpansion<V>& e) {
     const Lanes d;
     V a[4][4];
@@ -259,7 +265,7 @@ void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V lengt
         e.drift[i] = hn::Mul(length, s[i]);
 }
 
-/// Samples at the nodes. False: out of the range of the kernels.
+/// Samples at the nodes. Lanes out of the range of the kernels are false.
 template<bool polar>
 M SamplesOf(const LanePieces& piece, const PairConstants& c, V (&samples)[column_count][nodes]) {
     const Lanes d;
@@ -296,7 +302,7 @@ M SamplesOf(const LanePieces& piece, const PairConstants& c, V (&samples)[column
     return good;
 }
 
-/// Sizes of a Jacobian's or an error's parts, from its columns.
+/// Norms of the blocks of a Jacobian, or of the parts of an error, from its columns.
 template<class Part>
 HWY_INLINE BoundMatrix BlockOf(const Expanded (&all)[column_count], const Part& part) {
     const auto both = [&](std::size_t k) HWY_ATTR { return LengthOf(part(all[k]), part(all[k + 1])); };
@@ -328,7 +334,7 @@ BoundMatrix RestOf(const PieceReach<V>& reach) {
     return rest;
 }
 
-/// E = -int of what the defect differs by from its mean, and J E at the nodes.
+/// E = -int (defect - its mean), and J E at the nodes.
 void SecondOrder(const V (&samples)[column_count][nodes], V length, const ChebyshevRows& rows,
                  V (&product)[4][nodes]) {
     const Lanes d;
@@ -360,7 +366,7 @@ void Store(const BoundMatrix& block, V (&to)[3][3]) {
         std::copy_n(block.of[i], 3, to[i]);
 }
 
-/// The largest that comes of errors of 1, those of places over the scale.
+/// Largest image of errors of 1, with those of positions in units of the scale.
 HWY_INLINE V NormOf(const BoundMatrix& a, V scale) {
     const Lanes d;
     V norm = hn::Div(hn::Add(a.of[0][1], a.of[0][2]), scale);
@@ -369,8 +375,8 @@ HWY_INLINE V NormOf(const BoundMatrix& a, V scale) {
     return norm;
 }
 
-/// Places count as much as headings if both take the other from as much: 2/scale = scale |d rate/d place|.
-/// The series of exp leave out n^7/5040 (1 + n/8 + ...), n = |h J|, which is to be below 4.
+/// The scale makes both kinds of error count alike: 2/scale = scale |d rate/d position|. The series of exp
+/// leaves out n^7/5040 (1 + n/8 + ...), n = |h J|, which must be below 4.
 M FindGrowth(const BoundMatrix& mean, const BoundMatrix& jacobian, const PieceReach<V>& reach,
              PieceExpansion<V>& e) {
     const V far = hn::Mul(Number(10.0), hn::Add(reach.distance, reach.length));
@@ -382,7 +388,7 @@ M FindGrowth(const BoundMatrix& mean, const BoundMatrix& jacobian, const PieceRe
     return hn::Lt(n, Number(4.0));
 }
 
-/// What bounds the error (docs/numerics.md, section 4), from expansions of the samples and of J E.
+/// Bounds of the error (docs/numerics.md, section 4), from expansions of the samples and of J E.
 void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], const V (&acts)[4],
             const PieceReach<V>& reach, PieceExpansion<V>& e) {
     const V length = reach.length, quarter = hn::Mul(Number(0.25), length), one = Number(1.0),
