@@ -42,8 +42,8 @@ struct DiffusionCoefficients {
     double of(Index component) const { return component % 3 == 2 ? rotational : translational; }
 };
 
-double sigma_at(const Trajectory& one, Index component) {
-    return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
+double sigma_at(const Trajectory& trajectory, Index component) {
+    return component % 3 == 2 ? trajectory.sigma_heading : trajectory.sigma_position;
 }
 
 DiffusionCoefficients diffusion_of(std::span<const Role> roles, std::span<const double> values) {
@@ -137,13 +137,13 @@ private:
     long steps_ = 1; ///< of the last row: as many are tried in the next
 };
 
-Belief at_start(const Trajectory& one) {
-    const std::vector<double>& start = one.states.front();
+Belief at_start(const Trajectory& trajectory) {
+    const std::vector<double>& start = trajectory.states.front();
     const auto n = static_cast<Index>(start.size());
     Belief belief{Eigen::Map<const Eigen::VectorXd>(start.data(), n), Eigen::MatrixXd::Zero(n, n)};
     for (Index i = 0; i < n; ++i)
-        if (is_free(one, static_cast<std::size_t>(i)))
-            belief.covariance(i, i) = sigma_at(one, i) * sigma_at(one, i);
+        if (is_free(trajectory, static_cast<std::size_t>(i)))
+            belief.covariance(i, i) = sigma_at(trajectory, i) * sigma_at(trajectory, i);
     return belief;
 }
 
@@ -167,8 +167,8 @@ public:
             roles_.push_back(role_of(p.name, all));
             wanted_.push_back(!p.fixed);
         }
-        for (const Trajectory& one : all)
-            data_ += (one.times.size() - 1) * one.states.front().size();
+        for (const Trajectory& trajectory : all)
+            data_ += (trajectory.times.size() - 1) * trajectory.states.front().size();
     }
 
     std::size_t data() const { return data_; }
@@ -191,10 +191,10 @@ public:
     /// Of each datum, then the zero that makes 1 + 2 ln(s/sigma) the logarithm of s.
     std::vector<double> log_sigma() const {
         std::vector<double> out;
-        for (const Trajectory& one : all_)
-            for (std::size_t row = 1; row < one.states.size(); ++row)
-                for (std::size_t i = 0; i < one.states[row].size(); ++i)
-                    out.push_back(std::log(sigma_at(one, static_cast<Index>(i))));
+        for (const Trajectory& track : all_)
+            for (std::size_t row = 1; row < track.states.size(); ++row)
+                for (std::size_t i = 0; i < track.states[row].size(); ++i)
+                    out.push_back(std::log(sigma_at(track, static_cast<Index>(i))));
         out.resize(2 * data_, -log_root_2pi - 0.5);
         return out;
     }
@@ -202,10 +202,10 @@ public:
     std::vector<Series> series() const {
         std::vector<Series> out;
         std::size_t first = 0;
-        for (const Trajectory& one : all_) {
-            const std::size_t n = one.states.front().size(), rows = one.times.size() - 1;
+        for (const Trajectory& item : all_) {
+            const std::size_t n = item.states.front().size(), rows = item.times.size() - 1;
             for (std::size_t i = 0; i < n; ++i) {
-                Series& s = out.emplace_back(Series{one.name, i % 3 == 2 ? "headings" : "places", {}});
+                Series& s = out.emplace_back(Series{item.name, i % 3 == 2 ? "headings" : "places", {}});
                 for (std::size_t row = 0; row < rows; ++row)
                     s.residuals.push_back(first + row * n + i);
             }
@@ -217,10 +217,10 @@ public:
     std::string name(std::size_t i) const {
         static constexpr const char* names[] = {"x", "y", "theta"};
         i %= data_;
-        for (const Trajectory& one : all_) {
-            const std::size_t n = one.states.front().size(), own = (one.times.size() - 1) * n;
+        for (const Trajectory& each : all_) {
+            const std::size_t n = each.states.front().size(), own = (each.times.size() - 1) * n;
             if (i < own)
-                return fmt::format("{} {}{}", row_name(one, i / n + 1), names[i % n % 3], i % n / 3);
+                return fmt::format("{} {}{}", row_name(each, i / n + 1), names[i % n % 3], i % n / 3);
             i -= own;
         }
         return "";
@@ -293,16 +293,17 @@ private:
 };
 
 void check_noisy(const std::vector<Trajectory>& trajectories) {
-    for (const Trajectory& one : trajectories) {
-        if (one.contact_time)
-            throw InputError(one.name +
+    for (const Trajectory& trajectory : trajectories) {
+        if (trajectory.contact_time)
+            throw InputError(trajectory.name +
                              ": contact_time is no datum of rods that diffuse (D_r, D_t): leave it "
                              "out, or fit without them");
-        if (one.independent < 1.0)
-            throw InputError(one.name + ": independent_time and the rods' own noise (D_r, D_t) both say why "
-                                        "neighbouring rows go together: leave one of them out");
-        if (one.times.size() < 2)
-            throw InputError(one.name + ": a single row says nothing of rods that diffuse");
+        if (trajectory.independent < 1.0)
+            throw InputError(trajectory.name +
+                             ": independent_time and the rods' own noise (D_r, D_t) both say why "
+                             "neighbouring rows go together: leave one of them out");
+        if (trajectory.times.size() < 2)
+            throw InputError(trajectory.name + ": a single row says nothing of rods that diffuse");
     }
 }
 

@@ -282,10 +282,10 @@ Problem joined(const std::vector<Problem>& problems) {
             part.index.push_back(slot_of(parameter, whole.parameters));
         whole.residuals += problem.residuals;
         whole.log_sigma.insert(whole.log_sigma.end(), problem.log_sigma.begin(), problem.log_sigma.end());
-        for (Series one : series_of(problem)) {
-            for (std::size_t& i : one.residuals)
+        for (Series item : series_of(problem)) {
+            for (std::size_t& i : item.residuals)
                 i += part.first_residual;
-            whole.series.push_back(std::move(one));
+            whole.series.push_back(std::move(item));
         }
         whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
         values += problem.independent * static_cast<double>(data_count(problem));

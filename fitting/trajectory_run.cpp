@@ -219,8 +219,8 @@ Role role_of(const std::string& name, const std::vector<Trajectory>& trajectorie
     if (const auto known = physical_roles().find(name); known != physical_roles().end())
         return known->second;
     if (const auto pose = pose_of(name); pose && pose->trajectory < trajectories.size())
-        if (const Trajectory& one = trajectories[pose->trajectory];
-            is_free(one, pose->component) && pose->rod < one.states.front().size() / 3)
+        if (const Trajectory& trajectory = trajectories[pose->trajectory];
+            is_free(trajectory, pose->component) && pose->rod < trajectory.states.front().size() / 3)
             return *pose;
     throw InputError(
         fmt::format("fit of trajectories: no parameter \"{}\"; there are {} and, of trajectories "

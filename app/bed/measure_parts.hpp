@@ -32,7 +32,8 @@ struct ResultEntry {
     consteval ResultEntry(const Info& described, Get)
         : info(described), get([](const From& from) { return Out(converted(Get{}(from))); }) {
         constexpr bool number_of_table = std::same_as<Info, ColumnInfo>;
-        if (described.meaning.empty() || (!is_unit(described.unit) && (number_of_table || !described.unit.empty())))
+        if (described.meaning.empty() ||
+            (!is_unit(described.unit) && (number_of_table || !described.unit.empty())))
             throw "a result has a meaning and a unit of the list `units`";
     }
 
@@ -68,24 +69,24 @@ constexpr std::array<Info, N> infos_of(const ResultEntry<Info, Out, From> (&list
 template<class Found, std::size_t N>
 Values values_of(const ValueEntry<Found> (&list)[N], const Found& found) {
     Values values;
-    for (const ValueEntry<Found>& one : list)
-        values.push_back({std::string(one.info.key), one.get(found)});
+    for (const ValueEntry<Found>& entry : list)
+        values.push_back({std::string(entry.info.key), entry.get(found)});
     return values;
 }
 
 template<class Found, std::size_t N>
 std::vector<Column> columns_of(const ColumnEntry<Found> (&list)[N], const Found& found) {
     std::vector<Column> columns;
-    for (const ColumnEntry<Found>& one : list)
-        columns.push_back(one.get(found));
+    for (const ColumnEntry<Found>& entry : list)
+        columns.push_back(entry.get(found));
     return columns;
 }
 
 template<class Row, std::size_t N>
 std::vector<Column> columns_of(const RowColumn<Row> (&list)[N], const std::vector<Row>& rows) {
     std::vector<Column> columns;
-    for (const RowColumn<Row>& one : list)
-        std::ranges::transform(rows, std::back_inserter(columns.emplace_back()), one.get);
+    for (const RowColumn<Row>& column : list)
+        std::ranges::transform(rows, std::back_inserter(columns.emplace_back()), column.get);
     return columns;
 }
 

@@ -304,9 +304,9 @@ std::string line_of(const TracksReport& r) {
                     r.particles, r.mean_length, 100.0 * r.lost_share);
     if (r.rods > 0)
         text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
-    for (const RowsLeftOut& one : r.left_out)
-        if (one.rows > 0)
-            text += fmt::format("; {} {}", one.rows, one.why);
+    for (const RowsLeftOut& rows : r.left_out)
+        if (rows.rows > 0)
+            text += fmt::format("; {} {}", rows.rows, rows.why);
     return text;
 }
 
@@ -408,9 +408,9 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
 std::span<const ColumnInfo> film_frame_columns() { return columns_of<FilmBead>(); }
 
-std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context, const fs::path& folder,
-                                          const Logger& log) {
-    const Scene& scene = one.scene;
+std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& context,
+                                          const fs::path& folder, const Logger& log) {
+    const Scene& scene = case_.scene;
     Progress progress(context, "measure", 1.0, "film");
     const auto tracks = read(scene, context, folder, progress, log);
     if (!tracks)
@@ -434,7 +434,7 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
         data.tables.push_back(rods.tables());
     }
     CaseResults results;
-    results.name = one.name;
+    results.name = case_.name;
     results.bead_radius = tracks->bead_radius;
     results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) /
                     seen_area(sums->layout());

@@ -191,7 +191,7 @@ Verified verify(const fs::path& run, const RunContext& context) {
         progress.update(i, 1.0);
     });
     result.interrupted = stopped;
-    if (const auto first = std::ranges::find_if(found, [](const std::string& one) { return !one.empty(); });
+    if (const auto first = std::ranges::find_if(found, [](const std::string& text) { return !text.empty(); });
         first != found.end())
         result.differs = *first;
     return result;

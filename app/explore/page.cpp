@@ -164,8 +164,9 @@ std::vector<std::string> left_out_by_explorer(const scene::Scene& scene) {
         if ((table != "medium" && table != "coupling" && table != "rods_run") || equals == std::string::npos)
             continue;
         const std::string name = line.substr(0, equals), key = table + "." + name;
-        const bool known = std::ranges::any_of(
-            page_keys, [&](const PageKey& one) { return one.table == table && one.name == name; });
+        const bool known = std::ranges::any_of(page_keys, [&](const PageKey& page_key) {
+            return page_key.table == table && page_key.name == name;
+        });
         if (!known && line.substr(equals + 3) != scene::key_info(key).value().default_value)
             left.push_back(fmt::format("{}: the page has only two rods in the exact steady field on the "
                                        "infinite plane, turned by kappa, gamma1, gamma2 and gamma_flow",

@@ -72,10 +72,10 @@ bool contains(std::span<const Stage> stages, Stage stage) {
 std::vector<fs::path> inputs_of(const scene::Scene& scene) {
     std::vector<std::string> names;
     if (scene.fit) {
-        for (const auto& one : scene.fit->profiles)
-            names.push_back(one.file);
-        for (const auto& one : scene.fit->trajectories)
-            names.push_back(one.file);
+        for (const auto& item : scene.fit->profiles)
+            names.push_back(item.file);
+        for (const auto& each : scene.fit->trajectories)
+            names.push_back(each.file);
         for (const auto& one : scene.fit->maps)
             names.insert(names.end(), one.files.begin(), one.files.end());
     }
@@ -150,9 +150,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
     had_run_ = !run_status(path_).empty();
     if (had_run_)
         lost_ = lost_files(path_);
-    std::erase_if(lost_, [&](const auto& one) {
-        const auto record = old_.find(one.first);
-        return !one.first.empty() &&
+    std::erase_if(lost_, [&](const auto& item) {
+        const auto record = old_.find(item.first);
+        return !item.first.empty() &&
                (record == old_.end() || (record->second != "finished" && record->second != files_lost));
     });
     for (auto& [name, status] : old_)

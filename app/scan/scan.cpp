@@ -224,10 +224,10 @@ private:
             key.axis = axis;
             key.key = names[k];
             key.factor = factors.empty() ? 1.0 : factors[k];
-            const scene::ValueSetter one = compiled(names[k], of);
-            const Value unit = one.held(Value(1.0));
+            const scene::ValueSetter set_value = compiled(names[k], of);
+            const Value unit = set_value.held(Value(1.0));
             key.scale = key.factor * std::get<double>(unit);
-            key.whole = is_whole(one);
+            key.whole = is_whole(set_value);
             keys_.push_back(std::move(key));
         }
     }

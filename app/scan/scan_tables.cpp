@@ -116,8 +116,9 @@ void PointTable::add(std::span<const scan::Result> results, std::size_t threads)
     parallel_for(blocks, threads, [&](std::size_t block) {
         const std::size_t first = block * rows_at_once;
         texts_[block].clear();
-        for (const scan::Result& one : results.subspan(first, std::min(rows_at_once, results.size() - first)))
-            append_row(texts_[block], plan_, one);
+        for (const scan::Result& result :
+             results.subspan(first, std::min(rows_at_once, results.size() - first)))
+            append_row(texts_[block], plan_, result);
     });
     for (const std::string& text : texts_)
         pending_.write(text);
@@ -209,8 +210,8 @@ void PointColumns::finish() {
     h5_.attribute("/points", "status_names", joined(scan::status_names));
     std::vector<std::string> certificates;
     certificates.reserve(all_certificates.size());
-    for (const Certificate one : all_certificates)
-        certificates.push_back(to_string(one));
+    for (const Certificate certificate : all_certificates)
+        certificates.push_back(to_string(certificate));
     h5_.attribute("/points", "certificate_names", joined(certificates));
 }
 
@@ -240,10 +241,10 @@ struct TrajectorySample::Paths {
     std::vector<double> rows, t, x, y, theta;
 };
 
-void TrajectorySample::add_path(Paths& paths, const Stored& one, const ScanPlan& plan) {
-    const rods::RodResult run = trajectory_of(plan, one.result, stored_times);
+void TrajectorySample::add_path(Paths& paths, const Stored& item, const ScanPlan& plan) {
+    const rods::RodResult run = trajectory_of(plan, item.result, stored_times);
     const OutputUnits units = output_units(plan.base);
-    paths.rows.push_back(static_cast<double>(one.row));
+    paths.rows.push_back(static_cast<double>(item.row));
     const integrate::Solution& solution = run.solution;
     for (std::size_t i = 0; i < stored_times; ++i) {
         const bool there = i < solution.states.size();
@@ -264,8 +265,8 @@ void TrajectorySample::write(store::Hdf5Writer& h5, const ScanPlan& plan) {
     const OutputUnits units = output_units(plan.base);
     const std::size_t rods = plan.base.rods.size();
     Paths paths;
-    for (const Stored& one : stored)
-        add_path(paths, one, plan);
+    for (const Stored& item : stored)
+        add_path(paths, item, plan);
     const std::size_t count = stored.size();
     h5.dataset("/trajectories/point", paths.rows, {count}, "");
     h5.dataset("/trajectories/t", paths.t, {count, stored_times}, units.time_name);

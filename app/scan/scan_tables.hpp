@@ -88,7 +88,7 @@ private:
     };
     struct Paths;
     std::vector<Stored> take();
-    static void add_path(Paths& paths, const Stored& one, const ScanPlan& plan);
+    static void add_path(Paths& paths, const Stored& item, const ScanPlan& plan);
 
     std::size_t count_;
     std::int64_t rows_ = 0;

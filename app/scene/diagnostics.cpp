@@ -46,8 +46,9 @@ void Diagnostics::add(const SourcePosition& place, std::string key, std::string 
 }
 
 void Diagnostics::add(Diagnostic problem) {
-    const auto same = [&](const Diagnostic& one) {
-        return one.line == problem.line && one.column == problem.column && one.message == problem.message;
+    const auto same = [&](const Diagnostic& diagnostic) {
+        return diagnostic.line == problem.line && diagnostic.column == problem.column &&
+               diagnostic.message == problem.message;
     };
     if (std::ranges::any_of(list_, same)) // of a key that is read twice
         return;

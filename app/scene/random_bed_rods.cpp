@@ -35,20 +35,20 @@ struct PlanRod {
 
 /// Smallest gap between the spheres of two rods of this shape, nearest images in a periodic bed, m; of rods
 /// that are surely further apart than `enough` a lower bound.
-double gap_between(const PlanRod& one, const PlanRod& two, const granular::Clump& clump,
+double gap_between(const PlanRod& other, const PlanRod& two, const granular::Clump& clump,
                    const PeriodicBox& box, double enough) {
-    const double x = nearest_image_rounded(one.x - two.x, box.x),
-                 y = nearest_image_rounded(one.y - two.y, box.y);
+    const double x = nearest_image_rounded(other.x - two.x, box.x),
+                 y = nearest_image_rounded(other.y - two.y, box.y);
     double least = std::sqrt(x * x + y * y) - 2.0 * clump.reach();
     if (least > enough)
         return least;
     least = HUGE_VAL;
     for (std::size_t i = 0; i < clump.offset.size(); ++i)
         for (std::size_t j = 0; j < clump.offset.size(); ++j) {
-            const double dx = nearest_image_rounded(one.x + clump.offset[i] * one.ahead_x - two.x -
+            const double dx = nearest_image_rounded(other.x + clump.offset[i] * other.ahead_x - two.x -
                                                         clump.offset[j] * two.ahead_x,
                                                     box.x),
-                         dy = nearest_image_rounded(one.y + clump.offset[i] * one.ahead_y - two.y -
+                         dy = nearest_image_rounded(other.y + clump.offset[i] * other.ahead_y - two.y -
                                                         clump.offset[j] * two.ahead_y,
                                                     box.y);
             least = std::min(least, std::sqrt(dx * dx + dy * dy) - clump.radius[i] - clump.radius[j]);

@@ -67,11 +67,11 @@ std::vector<std::string> names_in(const Node& fit, std::string_view key) {
     std::vector<std::string> names;
     const Entry* entry = fit.find(key);
     if (const auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
-        for (const Entry& one : *table)
-            names.push_back(one.key);
+        for (const Entry& item : *table)
+            names.push_back(item.key);
     if (const auto* list = entry ? entry->value.as<Node::List>() : nullptr)
-        for (const Node& one : *list)
-            if (const auto* name = one.as<std::string>())
+        for (const Node& node : *list)
+            if (const auto* name = node.as<std::string>())
                 names.push_back(*name);
     return names;
 }
@@ -85,10 +85,10 @@ void drop_unused(Node& fit, const std::vector<std::string>& used, const std::vec
     const auto drop = [&](Node& from, const char* key, const std::string& path) {
         Entry* entry = from.find(key);
         if (auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
-            std::erase_if(*table, [&](const Entry& one) { return unused(path, one.key); });
+            std::erase_if(*table, [&](const Entry& item) { return unused(path, item.key); });
         if (auto* list = entry ? entry->value.as<Node::List>() : nullptr)
-            std::erase_if(*list, [&](const Node& one) {
-                const auto* name = one.as<std::string>();
+            std::erase_if(*list, [&](const Node& node) {
+                const auto* name = node.as<std::string>();
                 return name && unused(path, *name);
             });
     };
@@ -103,9 +103,9 @@ void drop_priors(Node& fit, const std::vector<Override>& set) {
     Entry* posterior = fit.find("posterior");
     Entry* priors = posterior ? posterior->value.find("priors") : nullptr;
     if (auto* table = priors ? priors->value.as<Node::Table>() : nullptr)
-        std::erase_if(*table, [&](const Entry& one) {
-            return !contains(fitted, one.key) && std::ranges::none_of(set, [&](const Override& item) {
-                return item.path.starts_with("fit.posterior.priors." + one.key);
+        std::erase_if(*table, [&](const Entry& entry) {
+            return !contains(fitted, entry.key) && std::ranges::none_of(set, [&](const Override& item) {
+                return item.path.starts_with("fit.posterior.priors." + entry.key);
             });
         });
 }

@@ -67,8 +67,9 @@ std::string schema_json(std::span<const SchemaList> more) {
     }
     for (const FigureKind& kind : figure_kinds())
         figures.push_back(kind_json(kind));
-    for (const FitParameter& one : fit_parameter_list())
-        parameters.push_back({{"name", one.name}, {"symbol", one.symbol}, {"meaning", one.meaning}});
+    for (const FitParameter& parameter : fit_parameter_list())
+        parameters.push_back(
+            {{"name", parameter.name}, {"symbol", parameter.symbol}, {"meaning", parameter.meaning}});
     std::vector<SchemaList> lists = {list_of("tables", tables), list_of("keys", keys),
                                      list_of("figures", figures), list_of("fit_parameters", parameters)};
     lists.insert(lists.end(), more.begin(), more.end());

@@ -129,7 +129,8 @@ std::size_t rows_that_count(const std::vector<double>& t, const scene::RodsRun& 
     return last > 0 && t[last] < run.output_times[last - 1] * unit ? last : t.size();
 }
 
-RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, const RodOrderSettings& keys) {
+RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene,
+                             const RodOrderSettings& keys) {
     std::vector<std::string> names{std::string(field_names<TimeRow>().front())};
     for (std::size_t rod = 0; rod < scene.rods.size(); ++rod)
         for (const std::string_view name : field_names<PoseRow>())
@@ -148,10 +149,10 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
 }
 
 StageEnd order_of_theory(const Session& session) {
-    for (const Case& one : cases_of(session.plan.scene)) {
-        const RodOrderSettings keys(one.scene);
-        write_rods_order(session, one, keys,
-                         {theory_series(session.directory.file(one.folder), one.scene, keys)});
+    for (const Case& case_ : cases_of(session.plan.scene)) {
+        const RodOrderSettings keys(case_.scene);
+        write_rods_order(session, case_, keys,
+                         {theory_series(session.directory.file(case_.folder), case_.scene, keys)});
     }
     return StageEnd::finished;
 }

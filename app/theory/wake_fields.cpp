@@ -44,9 +44,9 @@ std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& sce
 
 std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const scene::Scene& scene) {
     const double f_over_mu = scene.scales ? scene.scales->f_over_mu : 0.0;
-    for (const Smoothed& one : measured_)
-        if (one.medium == *scene.medium && one.f_over_mu == f_over_mu)
-            return one.field;
+    for (const Smoothed& smoothed : measured_)
+        if (smoothed.medium == *scene.medium && smoothed.f_over_mu == f_over_mu)
+            return smoothed.field;
     const MeasuredInput input = read_measured(scene, directory_);
     auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);

@@ -62,9 +62,9 @@ bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::h_xxx
 
 RodSource unit_source(OrthotropicParameter p) {
     using enum OrthotropicParameter;
-    const auto one = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
-    return {one(force), one(p_xx),   one(p_yy),   one(q_xxx),   one(q_xyy),
-            one(q_yxy), one(t_xxxx), one(t_xxyy), one(h_xxxxx), one(h_xxxyy)};
+    const auto item = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
+    return {item(force), item(p_xx),   item(p_yy),   item(q_xxx),   item(q_xyy),
+            item(q_yxy), item(t_xxxx), item(t_xxyy), item(h_xxxxx), item(h_xxxyy)};
 }
 
 ModeAmplitude driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {

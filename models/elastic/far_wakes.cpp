@@ -189,11 +189,11 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
     const double near =
         std::min(crowd.count, std::numbers::pi * square(nodes.reach[first - 1]) * crowd.density);
     double sum = crowd.count * near * (polar_ ? 20.0 : 13.0);
-    for (const Octave& one : octaves(nodes, first, crowd.diagonal, crowd.side)) {
-        if (one.half > largest_half)
+    for (const Octave& item : octaves(nodes, first, crowd.diagonal, crowd.side)) {
+        if (item.half > largest_half)
             return HUGE_VAL;
-        const double grid = 2.4 * static_cast<double>(one.half) + 30.0,
-                     count = static_cast<double>(one.last - one.first);
+        const double grid = 2.4 * static_cast<double>(item.half) + 30.0,
+                     count = static_cast<double>(item.last - item.first);
         const double transform = 0.5 * square(grid) * std::log2(grid) + 35.0 * crowd.count;
         sum += (count + (polar_ ? 4.0 : 2.0)) * transform;
     }

@@ -94,17 +94,17 @@ HWY_NOINLINE void Pass(std::size_t length, std::size_t stride, const Complex* tu
                 FftNumber x[radix];
                 RODWAKE_UNROLL
                 for (std::size_t k = 0; k < radix; ++k) {
-                    const Fft::Element& one = from[q + stride * (p + part * k)];
-                    x[k] = {hn::LoadU(d, &one.re[lane]), hn::LoadU(d, &one.im[lane])};
+                    const Fft::Element& item = from[q + stride * (p + part * k)];
+                    x[k] = {hn::LoadU(d, &item.re[lane]), hn::LoadU(d, &item.im[lane])};
                 }
                 ShortTransform(x);
                 RODWAKE_UNROLL
                 for (std::size_t k = 0; k < radix; ++k) {
                     if (k > 0)
                         x[k] = Turn(turns[k * p * stride], x[k]);
-                    Fft::Element& one = to[q + stride * (radix * p + k)];
-                    hn::StoreU(x[k].re, d, &one.re[lane]);
-                    hn::StoreU(x[k].im, d, &one.im[lane]);
+                    Fft::Element& each = to[q + stride * (radix * p + k)];
+                    hn::StoreU(x[k].re, d, &each.re[lane]);
+                    hn::StoreU(x[k].im, d, &each.im[lane]);
                 }
             }
 }

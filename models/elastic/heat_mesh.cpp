@@ -71,8 +71,8 @@ void HeatMesh::begin(double x, double y, double box, std::size_t half, ThreadPoo
     box_ = box;
     unit_ = 2.0 * std::numbers::pi / box;
     half_ = half;
-    for (auto* one : {&ux_, &uy_})
-        one->assign((2 * half + 1) * (half + 1), {});
+    for (auto* item : {&ux_, &uy_})
+        item->assign((2 * half + 1) * (half + 1), {});
 }
 
 const MeshKernel& HeatMesh::kernel(double cutoff) const {
@@ -87,8 +87,8 @@ struct MeshLines {
 };
 MeshLines& lines(std::size_t size) {
     thread_local MeshLines kept;
-    for (auto* one : {&kept.field[0], &kept.field[1], &kept.field[2], &kept.other})
-        one->resize(size);
+    for (auto* item : {&kept.field[0], &kept.field[1], &kept.field[2], &kept.other})
+        item->resize(size);
     return kept;
 }
 

@@ -145,8 +145,8 @@ MeasuredComponent MeasuredDisplacement::Impl::component(const std::vector<double
     constexpr std::uint64_t seed = 0x70726f6265;
     Eigen::MatrixXd z(static_cast<Eigen::Index>(bins.size()), probes);
     for (std::uint32_t k = 0; k < probes; ++k) {
-        const std::vector<double> one = errors(options.window, RandomStream(seed, k));
-        z.col(k) = Eigen::Map<const Eigen::VectorXd>(one.data(), z.rows());
+        const std::vector<double> item = errors(options.window, RandomStream(seed, k));
+        z.col(k) = Eigen::Map<const Eigen::VectorXd>(item.data(), z.rows());
     }
     if (options.smoothing)
         c.spline.set_lambda(*options.smoothing);

@@ -34,11 +34,11 @@ Tile<K> TileOf(std::span<const KernelSource> rods) {
     for (std::size_t i = 0; i < 2 * tile_rods; ++i) {
         constexpr double none = std::numeric_limits<double>::quiet_NaN();
         const std::size_t rod = i % tile_rods;
-        const KernelSource one = rod < rods.size() ? rods[rod] : KernelSource{none, none, 1.0, 0.0};
-        tile.x[i] = one.x;
-        tile.y[i] = one.y;
-        tile.cosine[i] = static_cast<typename K::Real>(one.cosine);
-        tile.sine[i] = static_cast<typename K::Real>(one.sine);
+        const KernelSource source = rod < rods.size() ? rods[rod] : KernelSource{none, none, 1.0, 0.0};
+        tile.x[i] = source.x;
+        tile.y[i] = source.y;
+        tile.cosine[i] = static_cast<typename K::Real>(source.cosine);
+        tile.sine[i] = static_cast<typename K::Real>(source.sine);
     }
     return tile;
 }

@@ -66,15 +66,15 @@ void add_all_pairs(const Task& task) {
     std::vector<BlockWork> work;
     const auto finish = [&] {
         parallel_for(work.size(), task.team, [&](std::size_t k) {
-            BlockWork& one = work[k];
+            BlockWork& item = work[k];
             const std::span<const KernelSource> none;
             add_block_pair(
                 task.medium, task.field, task.options.accuracy, task.polar,
-                {task.block(one.a), one.a == one.b ? none : task.block(one.b), &one.sum_a, &one.sum_b});
+                {task.block(item.a), item.a == item.b ? none : task.block(item.b), &item.sum_a, &item.sum_b});
         });
-        for (const BlockWork& one : work) {
-            add_block(task, one.a, one.sum_a);
-            add_block(task, one.b, one.sum_b);
+        for (const BlockWork& each : work) {
+            add_block(task, each.a, each.sum_a);
+            add_block(task, each.b, each.sum_b);
         }
         work.clear();
     };
@@ -99,8 +99,8 @@ template<class Range, class At>
 Box box_around(const Range& range, const At& at) {
     const KernelSource& first = at(*range.begin());
     Box box{first.x, first.x, first.y, first.y};
-    for (const auto& one : range) {
-        const KernelSource& rod = at(one);
+    for (const auto& item : range) {
+        const KernelSource& rod = at(item);
         box = {std::min(box.x0, rod.x), std::max(box.x1, rod.x), std::min(box.y0, rod.y),
                std::max(box.y1, rod.y)};
     }

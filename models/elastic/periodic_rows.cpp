@@ -183,20 +183,20 @@ void PeriodicRows::add_side(WaveVectorJets& sum, const std::vector<Term>& terms,
     const Complex turn(std::cos(wave_ * y), std::sin(wave_ * y));
     Complex phase = turn;
     double q = wave_;
-    for (const Term& one : terms) {
-        if (std::abs(one.k.real() * u) > row_cutoff)
+    for (const Term& term : terms) {
+        if (std::abs(term.k.real() * u) > row_cutoff)
             break;
-        const Complex e = times(phase, exponential(one.k * u)), t = times(one.weight, e);
-        const Complex tx = times(one.k, t), txx = times(one.k, tx);
+        const Complex e = times(phase, exponential(term.k * u)), t = times(term.weight, e);
+        const Complex tx = times(term.k, t), txx = times(term.k, tx);
         add_term(sum.g, t, tx, txx, q, needed.second);
         if (needed.third)
-            add_third(sum.g, t, tx, txx, times(one.k, txx), q);
+            add_third(sum.g, t, tx, txx, times(term.k, txx), q);
         if (needed.by_c) {
-            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t), g = times(one.k_c, t);
-            const Complex fx = times(one.k, f) + g, fxx = times(one.k, fx + g);
+            const Complex f = times(term.weight_c, e) + u * times(term.k_c, t), g = times(term.k_c, t);
+            const Complex fx = times(term.k, f) + g, fxx = times(term.k, fx + g);
             add_term(sum.by_c, f, fx, fxx, q, needed.second);
             if (needed.third)
-                add_third(sum.by_c, f, fx, fxx, times(one.k, fxx + times(one.k, g)), q);
+                add_third(sum.by_c, f, fx, fxx, times(term.k, fxx + times(term.k, g)), q);
         }
         phase = times(phase, turn);
         q += wave_;
@@ -222,11 +222,11 @@ PeriodicRows::Mirrored PeriodicRows::values(double x, double y) const {
     for (const bool front : {false, true}) {
         const double u = front ? x - box_.x : x;
         Complex phase = turn;
-        for (const Term& one : front ? ahead_ : behind_) {
-            if (std::abs(one.k.real() * u) > row_cutoff)
+        for (const Term& term : front ? ahead_ : behind_) {
+            if (std::abs(term.k.real() * u) > row_cutoff)
                 break;
-            const Complex e = exponential(one.k * u), t = times(one.weight, e);
-            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t);
+            const Complex e = exponential(term.k * u), t = times(term.weight, e);
+            const Complex f = times(term.weight_c, e) + u * times(term.k_c, t);
             const auto upper = [&](Complex a) { return a.real() * phase.real() - a.imag() * phase.imag(); };
             const auto lower = [&](Complex a) { return a.real() * phase.real() + a.imag() * phase.imag(); };
             sum.upper.g += upper(t);

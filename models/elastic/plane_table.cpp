@@ -250,8 +250,8 @@ TableErrors plane_table_errors(const PlaneTable& table, std::int64_t points, std
         }
     });
     TableErrors all{0.0, 0.0};
-    for (const TableErrors& one : worst)
-        all = {std::max(all.strain, one.strain), std::max(all.gradient, one.gradient)};
+    for (const TableErrors& item : worst)
+        all = {std::max(all.strain, item.strain), std::max(all.gradient, item.gradient)};
     return all;
 }
 

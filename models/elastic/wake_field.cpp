@@ -110,12 +110,12 @@ FieldValues superpose(const Field& field, std::span<const Source> sources, doubl
                       FieldRequest request) {
     FieldValues sum;
     for (const Source& source : sources) {
-        const FieldValues one = lab_field(field, source, x, y, request);
-        sum.displacement += one.displacement;
-        sum.strain += one.strain;
-        sum.laplacian += one.laplacian;
-        sum.gradient_of_trace += one.gradient_of_trace;
-        sum.dipole += one.dipole;
+        const FieldValues item = lab_field(field, source, x, y, request);
+        sum.displacement += item.displacement;
+        sum.strain += item.strain;
+        sum.laplacian += item.laplacian;
+        sum.gradient_of_trace += item.gradient_of_trace;
+        sum.dipole += item.dipole;
     }
     return sum;
 }

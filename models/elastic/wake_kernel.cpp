@@ -97,8 +97,8 @@ void WakeKernel::strain_and_polar(std::span<const Source> sources, Places target
 
 SymmetricTensor WakeKernel::strain(const Source& source, double x, double y) const {
     SymmetricTensor sum;
-    const KernelSource one = kernel_source(source);
-    sum_wakes(constants_, field_, accuracy_, {&one, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
+    const KernelSource item = kernel_source(source);
+    sum_wakes(constants_, field_, accuracy_, {&item, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
     return sum;
 }
 

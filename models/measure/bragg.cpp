@@ -109,9 +109,9 @@ Triple best_triple(const std::vector<Wave>& waves, const PeriodicBox& box) {
 
 /// Orders with angles in [0, pi), rising: then the middle one is the sum of the others.
 std::array<Order, 3> canonical(std::array<Order, 3> order) {
-    for (Order& one : order)
-        if (one.second < 0 || (one.second == 0 && one.first < 0))
-            one = {-one.first, -one.second};
+    for (Order& item : order)
+        if (item.second < 0 || (item.second == 0 && item.first < 0))
+            item = {-item.first, -item.second};
     std::ranges::sort(order, [](const Order& a, const Order& b) {
         return std::atan2(a.second, a.first) < std::atan2(b.second, b.first);
     });

@@ -274,8 +274,8 @@ void add_run(std::vector<DriftSums>& blocks, const Fluctuations& run, std::size_
 
 DriftBlocks drift_blocks(std::span<const DriftPath> runs, double longest, double block) {
     DriftBlocks out;
-    const DriftPath& one = runs[0];
-    out.interval = (one.time.back() - one.time.front()) / static_cast<double>(one.time.size() - 1);
+    const DriftPath& item = runs[0];
+    out.interval = (item.time.back() - item.time.front()) / static_cast<double>(item.time.size() - 1);
     const auto intervals = [&](double time) {
         return static_cast<std::size_t>(std::lround(time / out.interval));
     };

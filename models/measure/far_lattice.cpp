@@ -135,8 +135,8 @@ FarLattice far_lattice(std::span<const Frame> frames, const Layout& layout, doub
     const std::size_t every = (frames.size() + most_frames - 1) / most_frames;
     for (std::size_t f = 0; f < frames.size(); f += every)
         far.push_back(far_beads(frames[f], layout, far_from));
-    for (const FarBeads& one : far)
-        lattice.time += one.time / static_cast<double>(far.size());
+    for (const FarBeads& item : far)
+        lattice.time += item.time / static_cast<double>(far.size());
     refine(far, layout.box, far.back().time - far.front().time, lattice);
     const Winding now = winding(far.front(), lattice.at(far.front().time));
     for (std::size_t k = 0; k < 3; ++k)

@@ -144,15 +144,16 @@ CellMean CellWindow::around(std::size_t bin) const {
     if (to_fit_)
         fit.emplace(to_fit_->around(bin, LocalFit::reach), *smooth_);
     double beads = 0.0, x = 0.0, y = 0.0;
-    for (const NearSample& one : scattered_.around(bin, radius_)) {
-        const double weight = 1.0 - (one.x * one.x + one.y * one.y) / (radius_ * radius_);
+    for (const NearSample& sample : scattered_.around(bin, radius_)) {
+        const double weight = 1.0 - (sample.x * sample.x + sample.y * sample.y) / (radius_ * radius_);
         if (weight <= 0.0)
             continue;
-        mean.parts.push_back({one.sample, weight, fit ? fit->linear_difference(one.x, one.y) : Vector2{}});
-        const double part = weight * bins_.count[one.sample];
+        mean.parts.push_back(
+            {sample.sample, weight, fit ? fit->linear_difference(sample.x, sample.y) : Vector2{}});
+        const double part = weight * bins_.count[sample.sample];
         beads += part;
-        x += part * one.x;
-        y += part * one.y;
+        x += part * sample.x;
+        y += part * sample.y;
     }
     if (!(beads > 0.0) || (fit && std::hypot(x, y) > largest_offset * radius_ * beads))
         return {};

@@ -331,14 +331,15 @@ std::vector<MirrorModes> mirror_modes(std::span<const PhononAccumulator::Mode> m
     return classes;
 }
 
-CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& one, std::size_t modes,
+CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& mirrored, std::size_t modes,
                                     double beads) {
     const std::size_t lags = sums.block.origins.size();
     CurrentCorrelations c{Row(lags, 0.0), Row(lags, 0.0), Row(lags, 0.0)};
     for (std::size_t lag = 0; lag < lags; ++lag) {
-        const double each = 1.0 / (beads * sums.block.origins[lag] * static_cast<double>(one.members.size()));
+        const double each =
+            1.0 / (beads * sums.block.origins[lag] * static_cast<double>(mirrored.members.size()));
         const double* at = sums.block.currents.data() + 3 * modes * lag;
-        for (const auto& [k, sign] : one.members) {
+        for (const auto& [k, sign] : mirrored.members) {
             c.LL[lag] += each * at[k];
             c.TT[lag] += each * at[modes + k];
             c.LT[lag] += each * sign * at[2 * modes + k];

@@ -66,8 +66,8 @@ public:
     Analysis(const PhononAccumulator& run, const PhononSums& all)
         : layout_(run.layout()), step_(run.interval()), modes_(run.modes().size()),
           beads_(static_cast<double>(run.layout().beads)), classes_(mirror_modes(run.modes())) {
-        for (const MirrorModes& one : classes_) {
-            const CurrentCorrelations c = branches(all, one);
+        for (const MirrorModes& mirrored : classes_) {
+            const CurrentCorrelations c = branches(all, mirrored);
             guides_.push_back({guide_of(c.LL, step_), guide_of(c.TT, step_)});
         }
     }
@@ -77,11 +77,12 @@ public:
     double qx(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.m / layout_.box.x; }
     double qy(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.n / layout_.box.y; }
 
-    double angle(const PhononSums& sums, const MirrorModes& one) const {
-        return one.m == 0 || one.n == 0 ? 0.0 : polarisation_of(correlations_of(sums, one, modes_, beads_));
+    double angle(const PhononSums& sums, const MirrorModes& item) const {
+        return item.m == 0 || item.n == 0 ? 0.0
+                                          : polarisation_of(correlations_of(sums, item, modes_, beads_));
     }
-    CurrentCorrelations branches(const PhononSums& sums, const MirrorModes& one) const {
-        return turned(correlations_of(sums, one, modes_, beads_), angle(sums, one));
+    CurrentCorrelations branches(const PhononSums& sums, const MirrorModes& each) const {
+        return turned(correlations_of(sums, each, modes_, beads_), angle(sums, each));
     }
 
     /// [class][L, T][BranchNumber]
@@ -168,8 +169,8 @@ constexpr ConstantPair constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_L
 
 Row row_of(const ElasticNumbers& e) {
     Row row;
-    for (const ConstantPair& one : constants)
-        row.push_back(e.*one.number);
+    for (const ConstantPair& item : constants)
+        row.push_back(e.*item.number);
     return row;
 }
 
@@ -198,10 +199,11 @@ void set_curves(PhononBranch& b, const Row& correlation, double step) {
 void set_modes(PhononResult& result, const Analysis& analysis, const PhononSums& all, const Row& rows,
                const Row& errors) {
     for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
-        const MirrorModes& one = analysis.classes()[i];
-        PhononMode mode{one.m, one.n, analysis.qx(one), analysis.qy(one), analysis.angle(all, one), {}, {}};
+        const MirrorModes& modes = analysis.classes()[i];
+        PhononMode mode{modes.m, modes.n, analysis.qx(modes), analysis.qy(modes), analysis.angle(all, modes),
+                        {},      {}};
         const std::size_t at = 2 * i * branch_numbers;
-        const CurrentCorrelations c = analysis.branches(all, one);
+        const CurrentCorrelations c = analysis.branches(all, modes);
         mode.longitudinal = branch_of(&rows[at], &errors[at], result.blocks, result.kept_places);
         mode.transverse = branch_of(&rows[at + branch_numbers], &errors[at + branch_numbers], result.blocks,
                                     result.kept_places);

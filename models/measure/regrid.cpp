@@ -74,12 +74,14 @@ constexpr double own = 0.5, nearest_allowed = 0.75; // in spacings
 std::vector<NearSample> behind(const std::vector<NearSample>& near) {
     std::vector<NearSample> found;
     std::optional<NearSample> nearest;
-    const auto size = [](const NearSample& one) { return std::max(std::abs(one.x), std::abs(one.y)); };
-    for (const NearSample& one : near) {
-        if (size(one) <= own)
-            found.push_back(one);
-        if (!nearest || size(one) < size(*nearest))
-            nearest = one;
+    const auto size = [](const NearSample& sample) {
+        return std::max(std::abs(sample.x), std::abs(sample.y));
+    };
+    for (const NearSample& near_sample : near) {
+        if (size(near_sample) <= own)
+            found.push_back(near_sample);
+        if (!nearest || size(near_sample) < size(*nearest))
+            nearest = near_sample;
     }
     if (found.empty() && nearest && size(*nearest) <= nearest_allowed)
         found.push_back(*nearest);
@@ -89,10 +91,10 @@ std::vector<NearSample> behind(const std::vector<NearSample>& near) {
 void put(std::size_t bin, const std::vector<NearSample>& own_samples, const LocalFit& fit,
          const BinSamples& samples, DisplacementField& field) {
     double total = 0.0;
-    for (const NearSample& one : own_samples) {
-        const std::size_t k = one.sample;
+    for (const NearSample& sample : own_samples) {
+        const std::size_t k = sample.sample;
         const double w = samples.count[k];
-        const Vector2 apart = fit.difference(one.x, one.y);
+        const Vector2 apart = fit.difference(sample.x, sample.y);
         field.Ux[bin] += w * (samples.value[k].x - apart.x);
         field.Uy[bin] += w * (samples.value[k].y - apart.y);
         field.sigma_x[bin] += w * samples.sigma[k].x; // neighbours share their cell, so errors do not cancel
@@ -173,13 +175,13 @@ std::vector<NearSample> Scattered::around(std::size_t bin, double reach) const {
 LocalFit::LocalFit(const std::vector<NearSample>& near, const BinSamples& samples) {
     Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 2> right = Eigen::Matrix<double, 6, 2>::Zero();
-    for (const NearSample& one : near) {
-        const double coherence = samples.coherence[one.sample];
-        const double w = samples.count[one.sample] * coherence * coherence *
-                         std::exp(-0.5 * (one.x * one.x + one.y * one.y) / (width * width));
-        const Basis b = basis(one.x, one.y);
+    for (const NearSample& sample : near) {
+        const double coherence = samples.coherence[sample.sample];
+        const double w = samples.count[sample.sample] * coherence * coherence *
+                         std::exp(-0.5 * (sample.x * sample.x + sample.y * sample.y) / (width * width));
+        const Basis b = basis(sample.x, sample.y);
         matrix += w * b * b.transpose();
-        right += w * b * Eigen::RowVector2d(samples.value[one.sample].x, samples.value[one.sample].y);
+        right += w * b * Eigen::RowVector2d(samples.value[sample.sample].x, samples.value[sample.sample].y);
     }
     coefficients_.setZero();
     const double total = matrix(0, 0);

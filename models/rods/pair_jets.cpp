@@ -21,17 +21,17 @@ bool FillAll(PairJets& jets, const PairConstants& c) {
                               HWY_ATTR { return hn::LoadU(d, jets.at[column].data() + at); };
         const auto store = [&](std::size_t column, V v)
                                HWY_ATTR { hn::StoreU(v, d, jets.at[column].data() + at); };
-        const Jets one = JetsAt<polar>(
+        const Jets item = JetsAt<polar>(
             {load(PairJets::x), load(PairJets::y), {load(PairJets::heading0), load(PairJets::heading1)}}, c);
         for (std::size_t rod = 0; rod < 2; ++rod) {
             const std::size_t first = rod == 0 ? PairJets::rate0 : PairJets::rate1;
-            store(first, one.rate[rod]);
+            store(first, item.rate[rod]);
             for (std::size_t k = 0; k < 4; ++k)
-                store(first + 1 + k, one.by[rod][k]);
-            store(PairJets::cosine0 + 2 * rod, one.n[rod].cosine);
-            store(PairJets::sine0 + 2 * rod, one.n[rod].sine);
+                store(first + 1 + k, item.by[rod][k]);
+            store(PairJets::cosine0 + 2 * rod, item.n[rod].cosine);
+            store(PairJets::sine0 + 2 * rod, item.n[rod].sine);
         }
-        good = hn::And(good, one.good);
+        good = hn::And(good, item.good);
     }
     return hn::AllTrue(d, good);
 }

@@ -23,8 +23,8 @@ bool of_rows(Parameter p) { return p > Parameter::xi; }
 /// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
 Couplings unit_coupling(Parameter p) {
     Couplings couplings;
-    if (const Coupling* one = coupling_of(p))
-        couplings.*one->number = 1.0;
+    if (const Coupling* coupling = coupling_of(p))
+        couplings.*coupling->number = 1.0;
     return couplings;
 }
 

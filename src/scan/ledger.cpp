@@ -127,17 +127,17 @@ public:
                 append(points_record, packed.take());
             ids.clear();
         };
-        for (const Result& one : results) {
-            if (one.ok() && one.cause.front() == '\0') {
-                pack(packed, head_, one);
-                ids.push_back(one.point.id);
+        for (const Result& result : results) {
+            if (result.ok() && result.cause.front() == '\0') {
+                pack(packed, head_, result);
+                ids.push_back(result.point.id);
                 continue;
             }
             append_packed();
             store::ByteWriter out;
-            pack(out, head_, one);
-            out.put(one.status);
-            out.put_text(one.cause_text());
+            pack(out, head_, result);
+            out.put(result.status);
+            out.put_text(result.cause_text());
             append(cause_record, out.take());
         }
         append_packed();
@@ -172,8 +172,8 @@ public:
             else
                 failed.erase(id);
         } else if (kind == crossings_record) {
-            for (const OutcomeChange& one : in.get_array<OutcomeChange>())
-                brackets[one.id] = one;
+            for (const OutcomeChange& item : in.get_array<OutcomeChange>())
+                brackets[item.id] = item;
         } else if (kind == forgotten_record) {
             for (const std::int64_t id : in.get_array<std::int64_t>())
                 places.erase(id), failed.erase(id);
@@ -304,10 +304,10 @@ void Ledger::merge(const fs::path& other) {
         add(fresh);
         fresh.clear();
     };
-    theirs.for_each([&](const Result& one) {
-        if (book_->places.contains(one.point.id) && !book_->failed.contains(one.point.id))
+    theirs.for_each([&](const Result& result) {
+        if (book_->places.contains(result.point.id) && !book_->failed.contains(result.point.id))
             return;
-        fresh.push_back(one);
+        fresh.push_back(result);
         if (fresh.size() == at_once)
             flush();
     });
@@ -343,7 +343,7 @@ std::vector<Result> Ledger::find(std::span<const Point> points) const {
             there.push_back(point.id);
     std::ranges::sort(there);
     std::vector<Result> found;
-    book_->read(there, [&](const Result& one) { found.push_back(one); });
+    book_->read(there, [&](const Result& result) { found.push_back(result); });
     return found;
 }
 
@@ -370,21 +370,22 @@ Counts Ledger::counts() const {
     };
     Counts counts;
     std::map<std::string, Cause> by_pattern;
-    book_->read_as_written([&](const Result& one) {
+    book_->read_as_written([&](const Result& result) {
         ++counts.points;
-        counts.seconds += one.seconds;
-        if (one.ok()) {
-            ++counts.outcomes[one.outcome < 0 ? "" : head_.columns.outcomes.at(std::size_t(one.outcome))];
+        counts.seconds += result.seconds;
+        if (result.ok()) {
+            ++counts
+                  .outcomes[result.outcome < 0 ? "" : head_.columns.outcomes.at(std::size_t(result.outcome))];
             return;
         }
         ++counts.failed;
-        std::string text = status_names[static_cast<std::size_t>(one.status)];
-        if (!one.cause_text().empty())
-            text += fmt::format(": {}", one.cause_text());
+        std::string text = status_names[static_cast<std::size_t>(result.status)];
+        if (!result.cause_text().empty())
+            text += fmt::format(": {}", result.cause_text());
         Cause& cause = by_pattern[cause_pattern(text)];
         ++cause.points;
-        if (one.point.id < cause.first)
-            cause.first = one.point.id, cause.text = text;
+        if (result.point.id < cause.first)
+            cause.first = result.point.id, cause.text = text;
     });
     for (const auto& [pattern, cause] : by_pattern) {
         counts.causes[cause.text] = cause.points;

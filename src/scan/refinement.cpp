@@ -191,7 +191,7 @@ std::vector<Leaf> Refinement::leaves() const {
             if (!divided_[level].contains(id))
                 found.push_back(leaf(lattice_.place(id), static_cast<int>(level)));
         std::ranges::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(), {},
-                          [&](const Leaf& one) { return lattice_.id(one.low); });
+                          [&](const Leaf& item) { return lattice_.id(item.low); });
     }
     return found;
 }

@@ -1,8 +1,8 @@
 #include "rodwake/scan/run.hpp"
 
-#include "work_queue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "work_queue.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,9 +37,9 @@ public:
     bool complete(std::span<const Point> points, const Learn& learn, Summary& summary) {
         const std::vector<Result> found = ledger_.find(points);
         std::unordered_set<std::int64_t> known;
-        for (const Result& one : found) {
-            learn(one);
-            known.insert(one.point.id);
+        for (const Result& result : found) {
+            learn(result);
+            known.insert(result.point.id);
         }
         std::vector<Point> unknown;
         std::ranges::copy_if(points, std::back_inserter(unknown),

@@ -59,8 +59,8 @@ public:
     void take(std::vector<Result>& results) {
         const std::lock_guard lock(mutex_);
         double seconds = 0.0;
-        for (const Result& one : results)
-            seconds += one.seconds;
+        for (const Result& result : results)
+            seconds += result.seconds;
         size_.learn(results.size(), seconds);
         if (std::erase_if(results, [](const Result& r) { return r.status == Status::stopped; }) > 0)
             stopped_ = true;

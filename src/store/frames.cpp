@@ -119,9 +119,9 @@ WrappedVectors wrap(std::span<const double> positions, const FrameLayout& layout
     WrappedVectors out{{positions.begin(), positions.end()}, std::vector<std::int32_t>(positions.size(), 0)};
     for (std::size_t i = 0; i < positions.size(); ++i)
         if (layout.periodic[i % 3]) {
-            const PeriodicCoordinate one = wrap(positions[i], layout.box[i % 3]);
-            out.place[i] = one.place;
-            out.image[i] = one.image;
+            const PeriodicCoordinate item = wrap(positions[i], layout.box[i % 3]);
+            out.place[i] = item.place;
+            out.image[i] = item.image;
         }
     return out;
 }
