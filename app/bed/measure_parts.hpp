@@ -52,10 +52,10 @@ private:
             return Out(std::forward<T>(got));
     }
 };
-template<class Found>
-using ValueEntry = ResultEntry<ValueInfo, Value, Found>; ///< of measure.json
-template<class Found>
-using ColumnEntry = ResultEntry<ColumnInfo, Column, Found>; ///< of a table
+template<class Result>
+using ValueEntry = ResultEntry<ValueInfo, Value, Result>; ///< of measure.json
+template<class Result>
+using ColumnEntry = ResultEntry<ColumnInfo, Column, Result>; ///< of a table
 template<class Row>
 using RowColumn = ResultEntry<ColumnInfo, double, Row>; ///< of a table with a row for each of something
 
@@ -66,19 +66,19 @@ constexpr std::array<Info, N> infos_of(const ResultEntry<Info, Out, From> (&list
     return infos;
 }
 
-template<class Found, std::size_t N>
-Values values_of(const ValueEntry<Found> (&list)[N], const Found& found) {
+template<class Result, std::size_t N>
+Values values_of(const ValueEntry<Result> (&list)[N], const Result& result) {
     Values values;
-    for (const ValueEntry<Found>& entry : list)
-        values.push_back({std::string(entry.info.key), entry.get(found)});
+    for (const ValueEntry<Result>& entry : list)
+        values.push_back({std::string(entry.info.key), entry.get(result)});
     return values;
 }
 
-template<class Found, std::size_t N>
-std::vector<Column> columns_of(const ColumnEntry<Found> (&list)[N], const Found& found) {
+template<class Result, std::size_t N>
+std::vector<Column> columns_of(const ColumnEntry<Result> (&list)[N], const Result& result) {
     std::vector<Column> columns;
-    for (const ColumnEntry<Found>& entry : list)
-        columns.push_back(entry.get(found));
+    for (const ColumnEntry<Result>& entry : list)
+        columns.push_back(entry.get(result));
     return columns;
 }
 

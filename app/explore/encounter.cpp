@@ -129,7 +129,7 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
                                                          : summary_of(rods::outcome_of(results[k]));
 }
 
-void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::Places points,
+void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::FieldPoints points,
            const WakeColumns& columns) {
     const elastic::WakeKernel kernel(medium);
     std::vector<double> x(points.x.begin(), points.x.end());

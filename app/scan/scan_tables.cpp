@@ -133,7 +133,7 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
     text += "outcome,certificate\n";
     for (std::size_t i = 0; i < summary.leaves.size(); ++i) {
         const scan::Leaf& leaf = summary.leaves[i];
-        scan::Lattice::Place high = leaf.low;
+        scan::Lattice::LatticePoint high = leaf.low;
         for (std::size_t k = 0; k < lattice.axes(); ++k)
             high[k] += leaf.side;
         const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);

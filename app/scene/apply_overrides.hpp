@@ -22,11 +22,11 @@ struct Override {
 };
 
 /// Reads "table.key=value" or "table.key=" as given to -s; nothing, and a problem, if it has no such form.
-std::optional<Override> parse_override(const std::string& text, Diagnostics& problems);
+std::optional<Override> parse_override(const std::string& text, Diagnostics& diagnostics);
 
 /// Puts the value into the document, or takes the key out. Missing tables are made; list entries, and what is
 /// to be taken out, must exist.
-void apply_override(Node& root, const Override& item, Diagnostics& problems);
+void apply_override(Node& root, const Override& item, Diagnostics& diagnostics);
 
 /// The entries of a variant's `set` table as overrides. Tables inside it stand for dotted keys.
 std::vector<Override> variant_overrides(const Node& set);

@@ -13,11 +13,11 @@ namespace rodwake::scene {
 
 /// Reports tables and values that do not fit each other. `root` gives the places. Comparisons of values are
 /// left out while `problems` holds any: the values may be stand-ins.
-void check(const Scene& scene, const Node& root, Diagnostics& problems);
+void check(const Scene& scene, const Node& root, Diagnostics& diagnostics);
 
 /// The same for a scene whose values hold and that no document is known of: problems are in scene.path as a
 /// whole.
-void check(const Scene& scene, Diagnostics& problems);
+void check(const Scene& scene, Diagnostics& diagnostics);
 
 /// Receives the path of a key and a message for each contradiction.
 using Report = std::function<void(const std::string& path, const std::string& message)>;

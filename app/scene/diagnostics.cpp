@@ -12,20 +12,20 @@ namespace rodwake::scene {
 
 namespace {
 
-std::vector<Diagnostic> in_order(std::vector<Diagnostic> problems) {
+std::vector<Diagnostic> in_order(std::vector<Diagnostic> diagnostics) {
     const auto before = [](const Diagnostic& a, const Diagnostic& b) {
         return std::tie(a.line, a.column) < std::tie(b.line, b.column);
     };
-    std::stable_sort(problems.begin(), problems.end(), before);
-    return problems;
+    std::stable_sort(diagnostics.begin(), diagnostics.end(), before);
+    return diagnostics;
 }
 
-std::string listing(const std::vector<Diagnostic>& problems, std::size_t unstored) {
+std::string listing(const std::vector<Diagnostic>& diagnostics, std::size_t unstored) {
     std::string text;
-    const std::size_t listed = std::min(problems.size(), SceneError::listed_at_most);
+    const std::size_t listed = std::min(diagnostics.size(), SceneError::listed_at_most);
     for (std::size_t i = 0; i < listed; ++i)
-        text += fmt::format("{}{}", i == 0 ? "" : "\n", problems[i].text());
-    if (const std::size_t more = problems.size() - listed + unstored; more > 0)
+        text += fmt::format("{}{}", i == 0 ? "" : "\n", diagnostics[i].text());
+    if (const std::size_t more = diagnostics.size() - listed + unstored; more > 0)
         text += fmt::format("\n... and {} more", more);
     return text;
 }
@@ -37,8 +37,8 @@ std::string Diagnostic::text() const {
                     : fmt::format("{}: {}", file, message);
 }
 
-SceneError::SceneError(std::vector<Diagnostic> problems, std::size_t unstored)
-    : InputError(listing(in_order(problems), unstored)), problems_(in_order(std::move(problems))) {}
+SceneError::SceneError(std::vector<Diagnostic> diagnostics, std::size_t unstored)
+    : InputError(listing(in_order(diagnostics), unstored)), diagnostics_(in_order(std::move(diagnostics))) {}
 
 void Diagnostics::add(const SourcePosition& place, std::string key, std::string message) {
     add(Diagnostic{place.source ? *place.source : "", place.line, place.column, std::move(key),

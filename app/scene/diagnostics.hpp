@@ -57,7 +57,7 @@ std::string comma_list(const Strings& names) {
 // TOML as a tree of nodes that know their places.
 
 /// The document as a tree with places in `name`; nothing, and one problem, if it is not TOML.
-std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& problems);
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& diagnostics);
 
 /// One TOML value ("-2.5", "[1, 2]", "{ a = 1 }"), every node of it at `place`. Nothing, and the reason in
 /// `why`, if it is not one.

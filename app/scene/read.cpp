@@ -16,12 +16,12 @@ namespace rodwake::scene {
 
 namespace {
 
-Scene resolve(const Node& root, Diagnostics& problems) {
+Scene resolve(const Node& root, Diagnostics& diagnostics) {
     Scene scene;
-    Reader reader(root, problems);
+    Reader reader(root, diagnostics);
     fields(reader, scene);
     reader.finish();
-    check(scene, root, problems);
+    check(scene, root, diagnostics);
     return scene;
 }
 
@@ -30,17 +30,17 @@ void remove_key(Node& root, const std::string& key) {
 }
 
 /// What is wrong beyond what is wrong already.
-void add_new(const Diagnostics& own, const std::string& when, Diagnostics& problems) {
-    const std::vector<Diagnostic> known = problems.list();
+void add_new(const Diagnostics& own, const std::string& when, Diagnostics& diagnostics) {
+    const std::vector<Diagnostic> known = diagnostics.list();
     for (Diagnostic problem : own.list())
         if (std::find(known.begin(), known.end(), problem) == known.end()) {
             problem.message = when + problem.message;
-            problems.add(problem);
+            diagnostics.add(problem);
         }
 }
 
 /// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
-void check_variant(Node root, const Node& variant, const std::string& path, Diagnostics& problems) {
+void check_variant(Node root, const Node& variant, const std::string& path, Diagnostics& diagnostics) {
     const Entry* set = variant.find("set");
     if (!set)
         return;
@@ -48,10 +48,10 @@ void check_variant(Node root, const Node& variant, const std::string& path, Diag
     for (const auto& item : variant_overrides(set->value))
         apply_override(root, item, own);
     resolve(root, own);
-    add_new(own, "with " + path + " applied: ", problems);
+    add_new(own, "with " + path + " applied: ", diagnostics);
 }
 
-void check_variants(const Node& root, const Scene& scene, Diagnostics& problems) {
+void check_variants(const Node& root, const Scene& scene, Diagnostics& diagnostics) {
     if (scene.variants.empty()) // none, or too many: reported
         return;
     const auto& listed = *root.find("variants")->value.as<Node::List>();
@@ -59,7 +59,7 @@ void check_variants(const Node& root, const Scene& scene, Diagnostics& problems)
     remove_key(base, "variants");
     remove_key(base, "figures");
     for (std::size_t i = 0; i < listed.size(); ++i)
-        check_variant(base, listed[i], fmt::format("variants[{}]", i), problems);
+        check_variant(base, listed[i], fmt::format("variants[{}]", i), diagnostics);
 }
 
 /// Names in a list, or keys of a table, of [fit].
@@ -130,7 +130,7 @@ std::optional<std::pair<std::string, double>> held_by(const Override& item) {
 
 /// The document of a rival: its settings made, and [fit] without what it does not use. A number of the medium
 /// or a coupling that its fit does not name is held there.
-Node model_document(Node root, const std::vector<Override>& set, Diagnostics& problems) {
+Node model_document(Node root, const std::vector<Override>& set, Diagnostics& diagnostics) {
     remove_key(root, "variants");
     remove_key(root, "figures");
     if (Entry* fit = root.find("fit"))
@@ -138,7 +138,7 @@ Node model_document(Node root, const std::vector<Override>& set, Diagnostics& pr
     for (const Override& item : set) {
         const std::string table = item.path.substr(0, item.path.find('.'));
         if (!held_by(item) || root.find(table))
-            apply_override(root, item, problems);
+            apply_override(root, item, diagnostics);
     }
     Entry* fit = root.find("fit");
     if (!fit || !fit->value.as<Node::Table>())
@@ -154,7 +154,7 @@ Node model_document(Node root, const std::vector<Override>& set, Diagnostics& pr
         if (const auto held = held_by(item);
             held && !contains(used(), held->first) && !(held->first == "alpha" && contains(used(), "xi")))
             apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
-                           problems);
+                           diagnostics);
     drop_unused(root.find("fit")->value, used(), set);
     drop_priors(root.find("fit")->value, set);
     return root;
@@ -183,7 +183,7 @@ Fit model_of(Fit fit) {
 }
 
 /// Each rival by itself, and against those before it.
-void check_models(const Node& root, const Scene& scene, Diagnostics& problems) {
+void check_models(const Node& root, const Scene& scene, Diagnostics& diagnostics) {
     if (!scene.fit || scene.fit->models.empty())
         return;
     const auto& listed = *root.find("fit")->value.find("models")->value.as<Node::List>();
@@ -195,23 +195,24 @@ void check_models(const Node& root, const Scene& scene, Diagnostics& problems) {
         Diagnostics own;
         const Scene rival = resolve(model_document(root, variant_overrides(set->value), own), own);
         const std::string path = fmt::format("fit.models[{}]", i);
-        add_new(own, "with " + path + " applied: ", problems);
+        add_new(own, "with " + path + " applied: ", diagnostics);
         if (!own.empty() || !rival.fit)
             continue;
         if (const char* key = other_data(*scene.fit, *rival.fit))
-            problems.add(set->key_place, path + ".set",
-                         fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
-                                     "same data; leave it out, or make a separate fit",
-                                     path, key));
+            diagnostics.add(
+                set->key_place, path + ".set",
+                fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
+                            "same data; leave it out, or make a separate fit",
+                            path, key));
         const auto same = std::ranges::find(seen, model_of(*rival.fit));
         if (same != seen.end())
-            problems.add(set->key_place, path + ".set",
-                         fmt::format("{}.set gives the same model as {}: change a key of [fit] that alters "
-                                     "the model, such as fit.parameters or fit.fixed",
-                                     path,
-                                     same == seen.begin()
-                                         ? "the fit as written"
-                                         : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
+            diagnostics.add(
+                set->key_place, path + ".set",
+                fmt::format("{}.set gives the same model as {}: change a key of [fit] that alters "
+                            "the model, such as fit.parameters or fit.fixed",
+                            path,
+                            same == seen.begin() ? "the fit as written"
+                                                 : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
         seen.push_back(model_of(*rival.fit));
     }
 }
@@ -255,9 +256,9 @@ std::optional<Value> single_value(const Node& node) {
 std::optional<Scene> with_values(Scene scene, const std::vector<std::string>& settings) try {
     std::vector<std::string> keys;
     std::vector<Value> values;
-    Diagnostics problems;
+    Diagnostics diagnostics;
     for (const std::string& setting : settings) {
-        const auto item = parse_override(setting, problems);
+        const auto item = parse_override(setting, diagnostics);
         const auto value = item ? single_value(item->value) : std::nullopt;
         if (!value)
             return std::nullopt;
@@ -281,30 +282,30 @@ Scene read_scene(const std::filesystem::path& path, std::span<const std::string>
 
 Scene parse_scene(std::string_view text, std::string name, std::span<const std::string> overrides) {
     check_size(text.size(), name);
-    Diagnostics problems;
-    auto root = parse_toml(text, name, problems);
+    Diagnostics diagnostics;
+    auto root = parse_toml(text, name, diagnostics);
     for (const auto& override_text : overrides)
-        if (const auto item = parse_override(override_text, problems); item && root)
-            apply_override(*root, *item, problems);
+        if (const auto item = parse_override(override_text, diagnostics); item && root)
+            apply_override(*root, *item, diagnostics);
     if (!root)
-        problems.throw_if_any();
-    Scene scene = resolve(*root, problems);
-    check_variants(*root, scene, problems);
-    check_models(*root, scene, problems);
-    problems.throw_if_any();
+        diagnostics.throw_if_any();
+    Scene scene = resolve(*root, diagnostics);
+    check_variants(*root, scene, diagnostics);
+    check_models(*root, scene, diagnostics);
+    diagnostics.throw_if_any();
     scene.path = std::move(name);
     return scene;
 }
 
 Scene apply_model(const Scene& scene, const FitModel& model) {
-    Diagnostics problems;
-    const auto root = parse_toml(to_toml(scene), scene.path, problems);
+    Diagnostics diagnostics;
+    const auto root = parse_toml(to_toml(scene), scene.path, diagnostics);
     std::vector<Override> set;
     for (const std::string& setting : model.set)
-        if (auto item = parse_override(setting, problems))
+        if (auto item = parse_override(setting, diagnostics))
             set.push_back(*std::move(item));
-    Scene rival = root ? resolve(model_document(*root, set, problems), problems) : Scene{};
-    problems.throw_if_any();
+    Scene rival = root ? resolve(model_document(*root, set, diagnostics), diagnostics) : Scene{};
+    diagnostics.throw_if_any();
     rival.path = scene.path;
     rival.fit->name = model.name;
     return rival;

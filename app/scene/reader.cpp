@@ -28,7 +28,7 @@ bool has_reduced_tables(const Node& root) {
 
 } // namespace
 
-Reader::Reader(const Node& root, Diagnostics& problems) : problems_(problems) {
+Reader::Reader(const Node& root, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
     frames_.push_back({&root, "", "", {}});
 }
 
@@ -39,9 +39,9 @@ const Entry* Reader::find(const Key& key) {
     const Entry* entry = frame.table->find(key.name);
     if (!entry && key.is_required) {
         const std::string owner = frame.path.empty() ? "the scene" : frame.path;
-        problems_.add(frame.table->place, path_of(key.name),
-                      fmt::format("{} needs the key {}, for example {} = {}", owner, key.name, key.name,
-                                  key.example_value));
+        diagnostics_.add(frame.table->place, path_of(key.name),
+                         fmt::format("{} needs the key {}, for example {} = {}", owner, key.name, key.name,
+                                     key.example_value));
     }
     return entry;
 }
@@ -75,8 +75,8 @@ Entries Reader::enter_list(const Key& key, std::size_t) {
         return {};
     }
     if (list->size() > key.max_items) {
-        problems_.add(entry->value.place, path,
-                      fmt::format("{}: {} entries; at most {}", path, list->size(), key.max_items));
+        diagnostics_.add(entry->value.place, path,
+                         fmt::format("{}: {} entries; at most {}", path, list->size(), key.max_items));
         return {};
     }
     return {list->size(), 0, list->size()};
@@ -103,7 +103,8 @@ void Reader::leave() {
 }
 
 void Reader::unknown_key(const OpenTable& frame, const Entry& entry) {
-    problems_.add(entry.key_place, path_of(entry.key), unknown_key_text(frame.title, entry.key, frame.known));
+    diagnostics_.add(entry.key_place, path_of(entry.key),
+                     unknown_key_text(frame.title, entry.key, frame.known));
 }
 
 void Reader::use_units(const Units& units) {
@@ -122,8 +123,8 @@ int Reader::form_given(Forms forms) {
     const auto names = effective_names(given_keys(table, forms), forms);
     const int form = matching_form(names, forms);
     if (names.empty())
-        problems_.add(table.place, frames_.back().path,
-                      fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
+        diagnostics_.add(table.place, frames_.back().path,
+                         fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
     else if (form < 0)
         report_forms(names, forms);
     return form;
@@ -141,15 +142,16 @@ void Reader::report_forms(std::span<const std::string_view> given, Forms forms) 
         if (entry->key_place.line > last->key_place.line)
             last = entry;
     }
-    problems_.add(last->key_place, path_of(last->key),
-                  fmt::format("{} gives {}: give one of {}", frames_.back().path, places, forms_text(forms)));
+    diagnostics_.add(
+        last->key_place, path_of(last->key),
+        fmt::format("{} gives {}: give one of {}", frames_.back().path, places, forms_text(forms)));
 }
 
 void Reader::complain(std::string_view name, const std::string& message) {
     const Node& table = *frames_.back().table;
     const Entry* entry = table.find(name);
-    problems_.add(entry ? entry->value.place : table.place, path_of(name),
-                  fmt::format("{} {}", path_of(name), message));
+    diagnostics_.add(entry ? entry->value.place : table.place, path_of(name),
+                     fmt::format("{} {}", path_of(name), message));
 }
 
 void Reader::visit(const Key& key, void* value, const Codec& codec) {
@@ -161,7 +163,7 @@ void Reader::visit(const Key& key, void* value, const Codec& codec) {
 
 void Reader::add(const SourcePosition& place, const std::string& below, const std::string& message) {
     const std::string path = path_of(current_) + below;
-    problems_.add(place, path, path + message);
+    diagnostics_.add(place, path, path + message);
 }
 
 void Reader::add_missing_scales(const SourcePosition& place, const std::string& below,
@@ -174,13 +176,13 @@ void Reader::missing_scales(const SourcePosition& place, const std::string& path
     if (scales_reported_)
         return;
     scales_reported_ = true;
-    problems_.add(
+    diagnostics_.add(
         place, path,
         what + " needs [scales] with f_over_mu and v0, what one reduced unit of length and speed is worth");
 }
 
 void Reader::wrong_type(const Node& node, const std::string& path, const std::string& expected) {
-    problems_.add(node.place, path, fmt::format("{}: {}, found {}", path, expected, describe(node)));
+    diagnostics_.add(node.place, path, fmt::format("{}: {}, found {}", path, expected, describe(node)));
 }
 
 } // namespace rodwake::scene

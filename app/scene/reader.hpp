@@ -10,7 +10,7 @@ namespace rodwake::scene {
 class Reader : public Visitor, private Faults {
 public:
     /// Both must outlive the reader.
-    Reader(const Node& root, Diagnostics& problems);
+    Reader(const Node& root, Diagnostics& diagnostics);
 
     /// Reports the unknown keys at top level; call after the fields.
     void finish() { leave(); }
@@ -46,7 +46,7 @@ private:
     void report_forms(std::span<const std::string_view> given, Forms forms);
     void unknown_key(const OpenTable& frame, const Entry& entry);
 
-    Diagnostics& problems_;
+    Diagnostics& diagnostics_;
     std::vector<OpenTable> frames_;
     std::string_view current_; ///< the key whose value is read
     Units units_;

@@ -77,9 +77,9 @@ Value ValueSetter::held(const Value& written, std::size_t which) const {
 }
 
 std::vector<Diagnostic> validate(const Scene& scene) {
-    Diagnostics problems;
-    check(scene, problems);
-    return problems.list();
+    Diagnostics diagnostics;
+    check(scene, diagnostics);
+    return diagnostics.list();
 }
 
 } // namespace rodwake::scene

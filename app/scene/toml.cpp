@@ -70,10 +70,10 @@ bool is_too_large(const std::string& text) {
            std::isinf(std::strtod(text.c_str(), nullptr)); // not what is too small
 }
 
-std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& problems) {
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& diagnostics) {
     const auto source = std::make_shared<const std::string>(name);
     if (const auto deep = find_deep_key(text)) {
-        problems.add({source, deep->line, deep->column}, "", "key nested too deeply");
+        diagnostics.add({source, deep->line, deep->column}, "", "key nested too deeply");
         return std::nullopt;
     }
     try {
@@ -81,9 +81,9 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, D
     } catch (const toml::parse_error& error) {
         const auto at = error.source().begin;
         const std::string why(error.description()), number = what_is_quoted(why);
-        problems.add({source, at.line, at.column}, "",
-                     is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
-                                          : "not valid TOML: " + why);
+        diagnostics.add({source, at.line, at.column}, "",
+                        is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
+                                             : "not valid TOML: " + why);
         return std::nullopt;
     }
 }

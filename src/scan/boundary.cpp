@@ -10,11 +10,11 @@ namespace rodwake::scan {
 
 namespace {
 
-using Place = Lattice::Place;
+using LatticePoint = Lattice::LatticePoint;
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
 struct GridEdge {
-    Place low;
+    LatticePoint low;
     std::size_t axis;
 };
 
@@ -35,7 +35,7 @@ std::vector<GridEdge> edges_of(const Lattice& lattice, const Leaf& cell) {
         for (std::size_t which = 0; which < std::size_t{1} << lattice.axes(); ++which) {
             if (which >> axis & 1U)
                 continue;
-            Place low = cell.low;
+            LatticePoint low = cell.low;
             for (std::size_t k = 0; k < lattice.axes(); ++k)
                 if (which >> k & 1U)
                     low[k] += cell.side;
@@ -165,7 +165,7 @@ std::vector<OutcomeChange> crossed_edges(const Refinement& refinement) {
     std::map<std::int64_t, OutcomeChange> found;
     for (const Leaf& cell : finest_mixed(refinement))
         for (const GridEdge& edge : edges_of(lattice, cell)) {
-            Place high = edge.low;
+            LatticePoint high = edge.low;
             high[edge.axis] += cell.side;
             const std::int32_t a = refinement.outcome(edge.low), b = refinement.outcome(high);
             if (a != b && a >= 0 && b >= 0) {

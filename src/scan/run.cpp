@@ -118,7 +118,7 @@ bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evalua
         return false;
     std::ranges::sort(results, {}, [](const Result& r) { return r.point.id; });
     summary.audit = {static_cast<std::int64_t>(results.size()), 0};
-    std::vector<Lattice::Place> missed;
+    std::vector<Lattice::LatticePoint> missed;
     for (const Result& result : results) {
         if (is_missed(refinement, result))
             missed.push_back(refinement.lattice().place(result.point.id));
@@ -126,7 +126,7 @@ bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evalua
     }
     summary.audit.missed = static_cast<std::int64_t>(missed.size());
     summary.found_by_audit += summary.audit.missed;
-    for (const Lattice::Place& place : missed)
+    for (const Lattice::LatticePoint& place : missed)
         refinement.divide_at(place);
     return true;
 }

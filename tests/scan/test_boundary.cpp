@@ -59,7 +59,7 @@ std::size_t crossed_in_lattice(const Design& design, const Map& map) {
     for (std::int64_t i = 0; i <= design.resolution; ++i)
         for (std::int64_t j = 0; j <= design.resolution; ++j)
             for (const std::size_t axis : {0, 1}) {
-                Lattice::Place high{i * fine, j * fine, 0};
+                Lattice::LatticePoint high{i * fine, j * fine, 0};
                 const int a = map(lattice.point(high).at);
                 if ((high[axis] += fine) > lattice.steps(axis))
                     continue;

@@ -186,7 +186,7 @@ inline std::vector<Diagnostic> problems_of(const std::string& text,
     try {
         parse(text, overrides);
     } catch (const rodwake::scene::SceneError& error) {
-        return error.problems();
+        return error.diagnostics();
     }
     return {};
 }

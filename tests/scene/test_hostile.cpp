@@ -163,7 +163,7 @@ TEST_CASE("random changes never crash, and what is accepted can be written and r
             ++accepted;
             CHECK(rodwake::scene::parse_scene(rodwake::scene::to_toml(scene), "x.toml") == scene);
         } catch (const rodwake::scene::SceneError& error) {
-            CHECK_FALSE(error.problems().empty());
+            CHECK_FALSE(error.diagnostics().empty());
         }
     }
     CHECK(accepted > 50); // else the changes are too rough to test anything but the parser
@@ -180,7 +180,7 @@ TEST_CASE("random overrides never crash") {
         try {
             parse(complete, {text});
         } catch (const rodwake::scene::SceneError& error) {
-            CHECK_FALSE(error.problems().empty());
+            CHECK_FALSE(error.diagnostics().empty());
         }
     }
 }

@@ -41,11 +41,14 @@ public:
     static constexpr std::size_t listed_at_most = 50;
 
     /// `unstored` problems were found beyond those given; they are counted in the text.
-    explicit SceneError(std::vector<Diagnostic> problems, std::size_t unstored = 0);
-    const std::vector<Diagnostic>& problems() const { return problems_; }
+    explicit SceneError(std::vector<Diagnostic> diagnostics, std::size_t unstored = 0);
+    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+    [[deprecated("it is diagnostics()")]] const std::vector<Diagnostic>& problems() const {
+        return diagnostics_;
+    }
 
 private:
-    std::vector<Diagnostic> problems_;
+    std::vector<Diagnostic> diagnostics_;
 };
 
 /// Largest scene that is read, bytes.
