@@ -128,7 +128,7 @@ Eigen::MatrixXd Mixture::common_root() const {
 }
 
 Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const {
-    const Places some = some_of(places);
+    const Positions some = some_of(places);
     const auto d = static_cast<double>(parts_.front().middle.size()),
                count = static_cast<double>(some.size());
     // of a criterion of Schwarz, with a fourth of the places for independent ones
@@ -144,7 +144,7 @@ Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t
 }
 
 /// Expectation and maximisation.
-Mixture Mixture::followed(const Places& places, int rounds) const {
+Mixture Mixture::followed(const Positions& places, int rounds) const {
     std::vector<std::vector<double>> shares(parts_.size(), std::vector<double>(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i) {
         const double all = log_density(*places[i]);
@@ -178,7 +178,7 @@ Mixture Mixture::split() const {
     return Mixture(std::move(parts));
 }
 
-double Mixture::mean_log_density(const Places& places) const {
+double Mixture::mean_log_density(const Positions& places) const {
     double sum = 0.0;
     for (const Eigen::VectorXd* z : places)
         sum += log_density(*z);

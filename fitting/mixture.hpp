@@ -35,12 +35,12 @@ public:
     Mixture learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const;
 
 private:
-    using Places = std::vector<const Eigen::VectorXd*>;
+    using Positions = std::vector<const Eigen::VectorXd*>;
 
     const MixtureComponent& part(std::size_t i) const { return i < parts_.size() ? parts_[i] : wide_; }
     double log_density(std::size_t i, const Eigen::VectorXd& z) const;
-    double mean_log_density(const Places& places) const;
-    Mixture followed(const Places& places, int rounds) const;
+    double mean_log_density(const Positions& places) const;
+    Mixture followed(const Positions& places, int rounds) const;
     Mixture split() const;
     void settle();
 
