@@ -183,9 +183,6 @@ void check(const Problem& problem, std::size_t parameter) {
                                          : std::to_string(parameter)));
 }
 
-/// Whether it rises with the coordinate: then the parameter is on its lower bound.
-bool on_lower_bound(const Parameter& p, double value) { return value - p.lower <= p.upper - value; }
-
 } // namespace
 
 std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, std::size_t parameter) {
@@ -194,7 +191,9 @@ std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, s
     method.loss = best.loss;
     method.loss_width = best.loss_width;
     const LikelihoodProfile profile(problem, method, best, parameter);
-    const int side = on_lower_bound(problem.parameters[parameter], best.values[parameter]) ? +1 : -1;
+    const Parameter& p = problem.parameters[parameter];
+    const double value = best.values[parameter];
+    const int side = value - p.lower <= p.upper - value ? +1 : -1; // away from the nearer bound
     return bound_of(profile, walk(profile, side, 6));
 }
 

@@ -65,9 +65,6 @@ public:
     double independent_dof() const {
         return problem_.independent * static_cast<double>(r.size()) - static_cast<double>(basis_.cols());
     }
-    /// Mean square below which signs are those of rounding: a tenth of a sigma, or 1e-7 of an unknown one's
-    /// unit.
-    double least_scatter() const { return problem_.sigma_known ? 1e-2 : 1e-14; }
     bool white() const { return problem_.independent >= 1.0; }
     /// Factor of r^2: 1 with known sigmas.
     double scale(const Eigen::VectorXd& residuals) const {
@@ -180,7 +177,7 @@ Findings ResidualSet::look(const Eigen::VectorXd& residuals) const {
         found.region = among(least, static_cast<double>(groups_.size()));
     if (!white())
         return found;
-    if (residuals.squaredNorm() > least_scatter() * dof())
+    if (residuals.squaredNorm() > (problem_.sigma_known ? 1e-2 : 1e-14) * dof())
         look_at_signs(residuals, found);
     double most = 0.0;
     for (Index i = 0; i < residuals.size(); ++i)

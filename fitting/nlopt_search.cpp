@@ -134,11 +134,6 @@ Eigen::VectorXd stretch_of(const Evaluator& evaluator, const SearchPoint& start)
     return stretch;
 }
 
-/// A quarter of a natural step, and well within the bounds, as BOBYQA demands.
-Eigen::VectorXd first_steps(const SearchSpace& space, const Eigen::VectorXd& stretch) {
-    return (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stretch);
-}
-
 Handle make(const Method& method, Algorithm algorithm, const NloptStage& stage) {
     const auto n = static_cast<unsigned>(stage.stretch.size());
     Handle opt(nlopt_create(of_nlopt(algorithm), n));
@@ -152,8 +147,11 @@ Handle make(const Method& method, Algorithm algorithm, const NloptStage& stage) 
     nlopt_set_ftol_rel(opt.get(), method.tolerance);
     nlopt_set_xtol_rel(opt.get(), method.tolerance);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min<long>(method.max_evaluations, 1'000'000'000)));
-    if (!is_global(algorithm) && !needs_gradient(algorithm))
-        nlopt_set_initial_step(opt.get(), first_steps(space, stage.stretch).data());
+    if (!is_global(algorithm) && !needs_gradient(algorithm)) {
+        const Eigen::VectorXd first_steps =
+            (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stage.stretch);
+        nlopt_set_initial_step(opt.get(), first_steps.data());
+    }
     return opt;
 }
 

@@ -24,12 +24,6 @@ granular::State stored_state(const std::string& file, const Logger& log) {
     return std::move(loaded.checkpoint.state);
 }
 
-scan::Status status_of(StageEnd end) {
-    return end == StageEnd::finished ? scan::Status::ok
-           : end == StageEnd::failed ? scan::Status::failed
-                                     : scan::Status::stopped;
-}
-
 /// Jobs as points of an executor, whose ids are places in the list.
 class JobPoints {
 public:
@@ -81,7 +75,9 @@ private:
                                         [&](const granular::Simulation& s, const granular::TableRow* row) {
                                             on_job_(number, &s, row);
                                         });
-            result.status = status_of(job.result().end);
+            result.status = job.result().end == StageEnd::finished ? scan::Status::ok
+                            : job.result().end == StageEnd::failed ? scan::Status::failed
+                                                                   : scan::Status::stopped;
             result.set_cause(job.result().message);
         } catch (const std::exception& error) {
             thrown_[number] = std::current_exception();

@@ -60,7 +60,7 @@ public:
         : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
           checkpoint_file_(task.folder / (is_over ? "final.rwc" : "checkpoint.rwc")),
           meter_(plan.bed.problem), one_thread_(threads == 1), loaded_(load()),
-          simulation_(plan.bed.problem, first_state(), first_tallies(),
+          simulation_(plan.bed.problem, first_state(), loaded_ ? loaded_->tallies : granular::Counters{},
                       granular::worthwhile_threads(plan.bed.problem, threads)),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
           files_(task.folder, plan.bed.problem, simulation_.state(), plan.bed.schedule,
@@ -153,8 +153,6 @@ private:
         }
         return measures;
     }
-
-    granular::Counters first_tallies() const { return loaded_ ? loaded_->tallies : granular::Counters{}; }
 
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }

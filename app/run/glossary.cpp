@@ -242,8 +242,6 @@ std::vector<std::pair<std::string, std::string>> all_names() {
     return names;
 }
 
-std::string last_part(const std::string& name) { return name.substr(name.rfind('.') + 1); }
-
 } // namespace
 
 std::optional<std::string> explain(const std::string& name) {
@@ -280,7 +278,8 @@ std::vector<std::string> similar_names(const std::string& name) {
     const std::size_t far = std::max<std::size_t>(1, std::min<std::size_t>(3, name.size() / 3));
     for (const auto& [known, meaning] : all_names()) {
         const bool whole = name.find('.') != std::string::npos;
-        const std::size_t away = edit_distance(plain_name(name), whole ? known : last_part(known));
+        const std::size_t away =
+            edit_distance(plain_name(name), whole ? known : known.substr(known.rfind('.') + 1));
         if (away <= far)
             near.emplace_back(away, known);
         else if (name.size() > 3 && fmt::format("{} {}", known, meaning).find(name) != std::string::npos)

@@ -137,11 +137,6 @@ ordered_json described_values(const fs::path& file, const FileKind& kind, const 
     return values;
 }
 
-/// Rewritten by the run itself, or there only while it goes on.
-bool comes_and_goes(const FileKind& kind) {
-    return kind.lifetime == Lifetime::progress || kind.lifetime == Lifetime::record;
-}
-
 std::string stage_in(const ordered_json& entry) {
     const bool has = entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
     return has ? entry["stage"].get<std::string>() : "";
@@ -212,7 +207,8 @@ LostFiles lost_files(const fs::path& folder) {
     for (const auto& [name, entry] : manifest["files"].items()) {
         const FileKind* kind = kind_of(fs::path(name).filename().string());
         std::error_code none;
-        if ((kind && comes_and_goes(*kind)) || !is_own(name) || fs::exists(folder / name, none))
+        if ((kind && (kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record)) ||
+            !is_own(name) || fs::exists(folder / name, none))
             continue;
         lost[is_drawn(name) ? "" : stage_in(entry)].push_back(name);
         if (name == "result.h5")

@@ -41,11 +41,6 @@ nlohmann::json provenance_of(const fs::path& folder) {
     return nlohmann::json::parse(file, nullptr, false);
 }
 
-/// Whether a run of a version that keeps no record of its stages is in the folder.
-bool lacks_records(const fs::path& folder) {
-    return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
-}
-
 StageRecords records_of(const fs::path& folder) {
     StageRecords records;
     const nlohmann::json json = provenance_of(folder);
@@ -160,7 +155,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             lost_[name];
             status = files_lost;
         }
-    if (lacks_records(path_) && !force)
+    if (!run_status(path_).empty() && !provenance_of(path_).contains("stages") && !force)
         throw InputError(path_.string() +
                          ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
                          "--force to replace it");

@@ -28,10 +28,6 @@ scan::Kind kind_of(const scene::Scan& scan) {
     return static_cast<scan::Kind>(scan.design);
 }
 
-std::vector<std::string> keys_of(const ScanAxis& axis) {
-    return axis.key.empty() ? axis.keys : std::vector{axis.key};
-}
-
 bool is_number(const Value& value) {
     return std::holds_alternative<double>(value) || std::holds_alternative<std::int64_t>(value);
 }
@@ -132,7 +128,7 @@ private:
         axis.name = given.name();
         axis.count = given.count;
         const std::size_t first = keys_.size();
-        add_keys(keys_of(given), given.factor, number, axis.name);
+        add_keys(given.key.empty() ? given.keys : std::vector{given.key}, given.factor, number, axis.name);
         axis.whole = std::ranges::any_of(std::span(keys_).subspan(first), &VariedKey::whole);
         if (!given.values.empty())
             take_values(axis, given, first);

@@ -48,10 +48,6 @@ void append_place(std::string& text, const ScanPlan& plan, const scan::Point& po
     }
 }
 
-std::string certificate_text(const scan::Result& r, std::size_t column) {
-    return r.ok() ? to_string(static_cast<Certificate>(r.values[column])) : "";
-}
-
 /// "time" stands before the status, the others after it.
 void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
     append_place(text, plan, r.point);
@@ -63,7 +59,7 @@ void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) 
     for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
         text += ',';
         if (plan.columns.observables[k] == certificate_column)
-            text += certificate_text(r, k);
+            text += r.ok() ? to_string(static_cast<Certificate>(r.values[k])) : "";
         else
             append(text, r.ok() ? r.values[k] : std::nan(""));
     }
@@ -180,7 +176,7 @@ std::string joined(const Names& names) {
 PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int64_t rows)
     : h5_(h5), plan_(plan), columns_(columns_of(plan)), rows_(static_cast<std::size_t>(rows)) {}
 
-std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan) {
+std::vector<PointColumns::PointColumn> PointColumns::columns_of(const ScanPlan& plan) {
     std::vector<PointColumn> columns;
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
         columns.push_back({plan.design.axes[k].name,

@@ -43,11 +43,6 @@ Json kind_json(const FigureKind& kind) {
     return out;
 }
 
-/// `"name": [...]` with an entry a line, which shows in a diff what has changed.
-std::string list_text(const SchemaList& list) {
-    return fmt::format(",\n \"{}\": [\n  {}\n ]", list.name, fmt::join(list.entries, ",\n  "));
-}
-
 SchemaList list_of(const char* name, const Json& entries) {
     SchemaList list{name, {}};
     for (const Json& entry : entries)
@@ -75,7 +70,7 @@ std::string schema_json(std::span<const SchemaList> more) {
     lists.insert(lists.end(), more.begin(), more.end());
     std::string text = "{\n \"schema\": 1";
     for (const SchemaList& list : lists)
-        text += list_text(list);
+        text += fmt::format(",\n \"{}\": [\n  {}\n ]", list.name, fmt::join(list.entries, ",\n  "));
     return text + "\n}\n";
 }
 

@@ -140,13 +140,6 @@ bool split_quantity(const std::string& text, double& number, std::string& word) 
     return true;
 }
 
-/// Of a length in files whose unit is a mere name.
-std::string inconvertible(const Units& units) {
-    return fmt::format("cannot convert to \"{0}\": fit.length_unit = \"{0}\" is not a unit rodwake knows. "
-                       "Write the value as a plain number in {0}",
-                       units.word);
-}
-
 Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }
 
 } // namespace
@@ -191,7 +184,10 @@ Quantity parse_quantity(const std::string& text, Dimension dimension, const Unit
     if (unit->kind == UnitKind::reduced)
         return {value, false, ""};
     if (of_data && !metres(units.word, units.scales->bead_radius))
-        return failure(inconvertible(units));
+        return failure(
+            fmt::format("cannot convert to \"{0}\": fit.length_unit = \"{0}\" is not a unit rodwake knows. "
+                        "Write the value as a plain number in {0}",
+                        units.word));
     if (!units.scales)
         return {std::nullopt, true, ""};
     if (unit->kind == UnitKind::beads)

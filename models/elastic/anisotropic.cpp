@@ -58,8 +58,6 @@ OrthotropicMedium unit_constant(OrthotropicParameter parameter) {
     return m;
 }
 
-bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::h_xxxyy; }
-
 RodSource unit_source(OrthotropicParameter p) {
     using enum OrthotropicParameter;
     const auto item = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
@@ -189,7 +187,7 @@ DisplacementMap AnisotropicField::displacement(const OrthotropicMedium& medium,
 
 DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, const RodSource& source,
                                              OrthotropicParameter by) const {
-    if (is_source(by))
+    if (by <= OrthotropicParameter::h_xxxyy) // a source
         return displacement(medium, unit_source(by));
     return derivative(medium, source, unit_constant(by));
 }

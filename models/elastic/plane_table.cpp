@@ -181,9 +181,6 @@ BuiltLevel best_level(const CellFit<components>& fit, int exponent, std::size_t 
     return level;
 }
 
-/// Measured: with fewer terms the cells become so many that they fall out of the caches.
-int degree_for(double tolerance) { return tolerance >= 3e-5 ? 3 : tolerance >= 1e-7 ? 5 : 7; }
-
 void append(CellTable& table, const BuiltLevel& level, std::size_t& polynomials) {
     table.cells_per_unit.push_back(level.n);
     for (const std::vector<double>& cell : level.cells) {
@@ -213,7 +210,7 @@ PlaneTable make_plane_table(double eta, double tolerance, std::size_t threads) {
     PlaneTable table;
     table.eta = eta;
     table.tolerance = tolerance;
-    table.degree = degree_for(tolerance);
+    table.degree = tolerance >= 3e-5 ? 3 : tolerance >= 1e-7 ? 5 : 7;
     table.lowest_level = lowest_level;
     table.strain = make_cells<strain_components>(eta, tolerance, table.degree, threads);
     table.gradient = make_cells<gradient_components>(eta, tolerance, table.degree, threads);

@@ -118,10 +118,6 @@ std::array<Order, 3> canonical(std::array<Order, 3> order) {
     return order;
 }
 
-double strength_in(const std::vector<Wave>& ring, const Order& order) {
-    return std::ranges::find(ring, order, &Wave::order)->strength;
-}
-
 BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order,
                     const PeriodicBox& box) {
     BraggPeaks peaks;
@@ -132,7 +128,7 @@ BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& o
         peaks.m[k] = order[k].first;
         peaks.n[k] = order[k].second;
         peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box.x, 2.0 * M_PI * peaks.n[k] / box.y};
-        peaks.strength[k] = strength_in(ring, order[k]);
+        peaks.strength[k] = std::ranges::find(ring, order[k], &Wave::order)->strength;
         total -= peaks.strength[k];
     }
     peaks.liquid_strength = std::max(total, 0.0) / static_cast<double>(ring.size() - 3);

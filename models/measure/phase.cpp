@@ -184,14 +184,6 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     return at_middles(of_cells(blocks, CellWindow(single, &plain, grid, spacing), grid), grid);
 }
 
-namespace {
-
-PhaseFactors referenced(const PhaseFactors& waves, const PhaseFactors& reference) {
-    return {times(waves[0], reference[0]), times(waves[1], reference[1]), times(waves[2], reference[2])};
-}
-
-} // namespace
-
 PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptions& options)
     : layout_(layout), options_(options), grid_(grid_seen_by(options.rod, layout, options.spacing)),
       blocks_(grid_.bins(), channels, options.block) {
@@ -250,7 +242,10 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
         if (options_.method == DisplacementMethod::density)
             count(now, plane_waves(turned, now.x, now.y), block);
         else
-            count(now, referenced(waves_[i], *reference), block);
+            count(now,
+                  {times(waves_[i][0], (*reference)[0]), times(waves_[i][1], (*reference)[1]),
+                   times(waves_[i][2], (*reference)[2])},
+                  block);
     }
     return true;
 }

@@ -275,10 +275,6 @@ Row displacement_squares(const PhononBlock& block, std::size_t modes) {
     return squares;
 }
 
-PhononSums sums_of(const PhononBlock& block, std::size_t modes) {
-    return {block, displacement_squares(block, modes), block.displacements};
-}
-
 void add(PhononSums& sum, const PhononSums& other) {
     add(sum.block, other.block);
     for (std::size_t i = 0; i < sum.squares.size(); ++i)
@@ -292,7 +288,9 @@ std::vector<PhononSums> phonon_blocks(Runs runs) {
     std::vector<PhononSums> blocks;
     for (const PhononAccumulator& run : runs)
         for (std::size_t b = 0; b < run.blocks().size(); ++b) {
-            const PhononSums sums = sums_of(run.blocks()[b], run.modes().size());
+            const PhononBlock& block = run.blocks()[b];
+            const PhononSums sums{block, displacement_squares(block, run.modes().size()),
+                                  block.displacements};
             if (b > 0 && 2.0 * sums.block.frames < run.blocks()[0].frames)
                 add(blocks.back(), sums);
             else

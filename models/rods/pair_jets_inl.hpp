@@ -43,7 +43,7 @@ HWY_INLINE ComplexLanes Times(ComplexLanes a, ComplexLanes b) {
 
 /// Of one potential: d, d^2, d^3, d+ d and d+ d^2.
 struct Ladder {
-    ComplexLanes item, two, three;
+    ComplexLanes one, two, three;
     V mixed;
     ComplexLanes mixed_two;
 };
