@@ -164,11 +164,11 @@ std::vector<LikelihoodPoint> walk(const LikelihoodProfile& profile, int side, st
     return places;
 }
 
-std::optional<double> bound_of(const LikelihoodProfile& profile, const std::vector<LikelihoodPoint>& places) {
+std::optional<double> bound_of(const LikelihoodProfile& profile, const std::vector<LikelihoodPoint>& points) {
     const double wanted = std::sqrt(threshold);
-    for (std::size_t i = 1; i < places.size(); ++i)
-        if (places[i].z >= wanted && !profile.stopped()) {
-            const double value = crossing(profile, places[i - 1], places[i]);
+    for (std::size_t i = 1; i < points.size(); ++i)
+        if (points[i].z >= wanted && !profile.stopped()) {
+            const double value = crossing(profile, points[i - 1], points[i]);
             return profile.stopped() ? std::nullopt : std::optional(value);
         }
     return {};
@@ -207,9 +207,9 @@ ProfileLikelihood profile_likelihood(const Problem& problem, const Method& metho
     result.parameter = parameter;
     result.low = bound_of(profile, down);
     result.high = bound_of(profile, up);
-    for (auto place = down.rbegin(); place != down.rend(); ++place) {
-        result.value.push_back(place->value);
-        result.chi2.push_back(place->objective);
+    for (auto position = down.rbegin(); position != down.rend(); ++position) {
+        result.value.push_back(position->value);
+        result.chi2.push_back(position->objective);
     }
     for (std::size_t i = 1; i < up.size(); ++i) {
         result.value.push_back(up[i].value);

@@ -424,11 +424,11 @@ elastic::DisplacementMap predict(const MapModel& model, const Map& map,
 }
 
 Prediction predict_line(const MapModel& model, const Map& map, const Profile& line,
-                        std::span<const double> places, const std::vector<Parameter>& parameters,
+                        std::span<const double> positions, const std::vector<Parameter>& parameters,
                         std::span<const double> values) {
     const MapTerms terms = map_terms(parameters);
     const bool along_x = line.along == Axis::x;
-    const std::vector<double> along(places.begin(), places.end()), across = {line.at};
+    const std::vector<double> along(positions.begin(), positions.end()), across = {line.at};
     const Map grid{.lx = map.lx,
                    .ly = map.ly,
                    .speed = map.speed,
@@ -438,7 +438,7 @@ Prediction predict_line(const MapModel& model, const Map& map, const Profile& li
     const auto part = [&](const elastic::DisplacementMap& u) {
         return line.component == Component::Ux ? u.Ux : u.Uy;
     };
-    Prediction out{part(field.at(values)), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(places.size()),
+    Prediction out{part(field.at(values)), Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(positions.size()),
                                                                  static_cast<Eigen::Index>(values.size()))};
     for (std::size_t term = 0; term < terms.index.size(); ++term)
         if (terms.has(term)) {

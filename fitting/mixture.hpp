@@ -32,7 +32,7 @@ public:
     Eigen::MatrixXd common_root() const;
     /// Fitted to these places; a part that does not follow them becomes two, this many times at most, so that
     /// bends are followed.
-    Mixture learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const;
+    Mixture learned(const std::vector<Eigen::VectorXd>& positions, std::size_t splits) const;
 
 private:
     using Positions = std::vector<const Eigen::VectorXd*>;

@@ -137,8 +137,8 @@ struct ProfilePoint {
     std::string where;
 };
 
-std::pair<double, double> coordinates(const Profile& line, double place) {
-    return line.along == Axis::x ? std::pair(place, line.at) : std::pair(line.at, place);
+std::pair<double, double> coordinates(const Profile& line, double position) {
+    return line.along == Axis::x ? std::pair(position, line.at) : std::pair(line.at, position);
 }
 
 std::string where(const Profile& profile, std::size_t i) {
@@ -249,7 +249,7 @@ double chi2_of(const Profile& profile, std::span<const double> model) {
 }
 
 void share_data(Profile& profile, double spacing) {
-    const auto finite = [](double place) { return std::isfinite(place); };
+    const auto finite = [](double position) { return std::isfinite(position); };
     if (profile.place.empty() || !std::ranges::all_of(profile.place, finite))
         return; // refused with the rest of the data
     profile.worth = independent_worth(profile.place, spacing);
@@ -310,17 +310,17 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     return problem;
 }
 
-Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> places,
+Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> positions,
                    const std::vector<Parameter>& parameters, std::span<const double> values) {
     const WakeTerms terms = wake_terms(parameters);
     const WakeValues wake(model, terms, values);
-    const auto rows = static_cast<Eigen::Index>(places.size()),
+    const auto rows = static_cast<Eigen::Index>(positions.size()),
                columns = static_cast<Eigen::Index>(values.size());
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     Prediction out{{}, Eigen::MatrixXd::Constant(rows, columns, nan)};
     Eigen::RowVectorXd gradient(columns);
     for (Eigen::Index i = 0; i < rows; ++i) {
-        const auto [x, y] = coordinates(line, places[static_cast<std::size_t>(i)]);
+        const auto [x, y] = coordinates(line, positions[static_cast<std::size_t>(i)]);
         const double x0 = terms.x0 < 0 ? 0.0 : values[static_cast<std::size_t>(terms.x0)];
         if (terms.field() && elastic::is_singular(x - x0, y, model.box, model.heading)) {
             out.value.push_back(nan);

@@ -17,8 +17,8 @@ namespace rodwake::app {
 
 namespace {
 
-double unwrapped(double place, std::int32_t image, double box) {
-    return std::fma(static_cast<double>(image), box, place); // undoes store::wrap
+double unwrapped(double position, std::int32_t image, double box) {
+    return std::fma(static_cast<double>(image), box, position); // undoes store::wrap
 }
 
 double unwrapped(double x, double box) {

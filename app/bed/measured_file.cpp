@@ -41,10 +41,10 @@ constexpr const char* how_to_make = "rodwake run of a scene with [granular] and 
 fs::path find(const Scene& scene, const fs::path& run_directory) {
     const std::string& file = scene.medium->measured->file;
     std::string looked;
-    for (const fs::path& place : data_file_places(file, scene, run_directory)) {
-        if (fs::is_regular_file(place))
-            return place;
-        looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+    for (const fs::path& candidate : data_file_places(file, scene, run_directory)) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        looked += (looked.empty() ? "" : ", ") + fs::absolute(candidate).lexically_normal().string();
     }
     throw InputError(fmt::format(
         "{}: medium.measured.file = \"{}\": no such file; looked for {}; {}", scene.path, file, looked,

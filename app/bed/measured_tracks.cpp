@@ -76,10 +76,10 @@ struct TracksReport {
 /// `key`: file or rods_file.
 fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
     std::string looked;
-    for (const fs::path& place : data_file_places(name, scene, {})) {
-        if (fs::is_regular_file(place))
-            return place;
-        looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+    for (const fs::path& candidate : data_file_places(name, scene, {})) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        looked += (looked.empty() ? "" : ", ") + fs::absolute(candidate).lexically_normal().string();
     }
     throw InputError(
         fmt::format("{}: tracks.{} = \"{}\": no such file; looked for {}", scene.path, key, name, looked));

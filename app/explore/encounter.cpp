@@ -110,11 +110,11 @@ EncounterPath encounter(const rods::RodProblem& problem, double rtol) {
 void encounters(std::span<const rods::RodProblem> problems, double rtol, std::span<EncounterSummary> ends) {
     check_rtol(rtol);
     std::vector<rods::PairProblem> pairs;
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         if (is_pair(problems[i])) {
             pairs.push_back(*rods::to_pair_problem(problems[i]));
-            places.push_back(i);
+            indices.push_back(i);
         } else {
             ends[i] = end_alone(problems[i], rtol);
         }
@@ -123,10 +123,11 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
     rods::simulate_pairs(pairs, {rtol, 0.01 * rtol}, results);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t k = 0; k < pairs.size(); ++k)
-        ends[places[k]] = results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
-                              ? EncounterSummary{Ending::undecided, nan, nan}
-                              : results[k].handed_over() ? end_alone(problems[places[k]], rtol)
-                                                         : summary_of(rods::outcome_of(results[k]));
+        ends[indices[k]] =
+            results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
+                ? EncounterSummary{Ending::undecided, nan, nan}
+                : results[k].handed_over() ? end_alone(problems[indices[k]], rtol)
+                                           : summary_of(rods::outcome_of(results[k]));
 }
 
 void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::FieldPoints points,

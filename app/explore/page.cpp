@@ -120,11 +120,11 @@ std::string for_script(const ordered_json& value) {
     return text;
 }
 
-void put(std::string& page, std::string_view place, const std::string& what) {
-    const std::size_t at = page.find(place);
+void put(std::string& page, std::string_view location, const std::string& what) {
+    const std::size_t at = page.find(location);
     if (at == std::string::npos)
-        throw RunError(fmt::format("explorer/page.html has no {}; install rodwake anew", place));
-    page.replace(at, place.size(), what);
+        throw RunError(fmt::format("explorer/page.html has no {}; install rodwake anew", location));
+    page.replace(at, location.size(), what);
 }
 
 } // namespace

@@ -27,18 +27,18 @@ struct DataScale {
 
 DataScale data_scale(const FitPlan& plan) {
     constexpr double usual_place = 40.0, usual_value = 0.2, near = 25.0;
-    double place = 0.0, value = 0.0;
+    double position = 0.0, value = 0.0;
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
         if (const fitting::Profile& data = plan.profiles[i].data; is_fitted(plan.keys.profiles[i]))
             for (std::size_t k = 0; k < std::min(data.place.size(), data.value.size()); ++k) {
-                place = std::max(place, std::hypot(data.place[k], data.at));
+                position = std::max(position, std::hypot(data.place[k], data.at));
                 value = std::max(value, std::abs(data.value[k]));
             }
     const auto scale = [](double size, double usual) {
         const bool far = std::isfinite(size) && (size > near * usual || size * near < usual);
         return far && size > 0.0 ? size / usual : 1.0;
     };
-    return {scale(place, usual_place), scale(value, usual_value)};
+    return {scale(position, usual_place), scale(value, usual_value)};
 }
 
 fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, const DataScale& data) {

@@ -11,13 +11,13 @@
 namespace rodwake::app {
 
 fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
-                                   std::span<const double> places, std::span<const double> values) {
+                                   std::span<const double> positions, std::span<const double> values) {
     const bool of_maps = scene::fit_is_isotropic(plan.keys);
     const FitPart part = of_maps ? map_part(plan) : wake_part(plan.problem);
     fitting::Prediction out =
-        of_maps ? fitting::predict_line(plan.map_model, plan.maps.front().data, line, places, part.parameters,
-                                        part.values(values))
-                : fitting::predict(plan.wake, line, places, part.parameters, part.values(values));
+        of_maps ? fitting::predict_line(plan.map_model, plan.maps.front().data, line, positions,
+                                        part.parameters, part.values(values))
+                : fitting::predict(plan.wake, line, positions, part.parameters, part.values(values));
     Eigen::MatrixXd all =
         Eigen::MatrixXd::Zero(out.by_parameter.rows(), static_cast<Eigen::Index>(values.size()));
     for (std::size_t k = 0; k < part.index.size(); ++k)
@@ -34,10 +34,10 @@ const std::vector<fitting::Parameter> point_force = {{.name = "f_over_mu"}, {.na
 
 /// The theory of a comparison along a line: where maps are fitted, the wake of a point force.
 std::vector<double> compared(const FitPlan& plan, const fitting::Profile& line,
-                             std::span<const double> places, const FitCompareResult& other) {
+                             std::span<const double> positions, const FitCompareResult& other) {
     if (!scene::fit_is_isotropic(plan.keys))
-        return predicted_line(plan, line, places, other.values).value;
-    return fitting::predict(plan.wake, line, places, point_force, other.point).value;
+        return predicted_line(plan, line, positions, other.values).value;
+    return fitting::predict(plan.wake, line, positions, point_force, other.point).value;
 }
 
 /// Standard error of the prediction; NaN where the model is singular.
@@ -375,8 +375,8 @@ double whole_error(const FitResults& results, const std::string& name) {
     const auto& total = results.systematics.total;
     if (at != all.end())
         return total.empty() ? at->standard_error : total[static_cast<std::size_t>(at - all.begin())];
-    const auto place = all.size() + static_cast<std::size_t>(std::distance(results.derived.begin(), derived));
-    return total.empty() ? derived->second.error : total[place];
+    const auto index = all.size() + static_cast<std::size_t>(std::distance(results.derived.begin(), derived));
+    return total.empty() ? derived->second.error : total[index];
 }
 
 } // namespace rodwake::app

@@ -64,7 +64,7 @@ std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting
 
 /// Displacements of the model along a profile's line, with derivatives by all parameters of the fit.
 fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
-                                   std::span<const double> places, std::span<const double> values);
+                                   std::span<const double> positions, std::span<const double> values);
 
 void log_fit_data(const FitPlan& plan, const Logger& log);
 void log_fit_results(const FitPlan& plan, const FitResults& results, const Logger& log);

@@ -97,27 +97,27 @@ std::vector<fs::path> data_file_places(const std::string& file, const scene::Sce
                                        const fs::path& run_directory) {
     if (fs::path(file).is_absolute())
         return {file};
-    std::vector<fs::path> places;
+    std::vector<fs::path> candidates;
     if ((scene.measure || scene.granular) && !run_directory.empty())
-        places.push_back(run_directory / file);
+        candidates.push_back(run_directory / file);
     const fs::path beside = (fs::path(scene.path).parent_path() / file).lexically_normal();
-    places.push_back(beside);
+    candidates.push_back(beside);
     if (beside != fs::path(file).lexically_normal())
-        places.emplace_back(file);
-    return places;
+        candidates.emplace_back(file);
+    return candidates;
 }
 
 fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const fs::path& run_directory) {
-    const auto places = data_file_places(file, scene, run_directory);
+    const auto candidates = data_file_places(file, scene, run_directory);
     std::string looked;
-    for (const fs::path& place : places) {
-        if (fs::is_regular_file(place))
-            return place;
-        if (std::error_code none; fs::exists(place, none))
+    for (const fs::path& candidate : candidates) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        if (std::error_code none; fs::exists(candidate, none))
             throw InputError(
-                fmt::format("{}: is not a regular file; [fit] names files with data", place.string()));
-        looked +=
-            fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
+                fmt::format("{}: is not a regular file; [fit] names files with data", candidate.string()));
+        looked += fmt::format("{}{}", looked.empty() ? "" : ", ",
+                              fs::absolute(candidate).lexically_normal().string());
     }
     const char* hint =
         made_by_run(file, scene) ? "; rodwake run makes what this scene measures before it is fitted" : "";
@@ -142,8 +142,8 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
     static const std::vector<std::string> required = {"x", "value"}, optional = {"sigma"};
     const store::Table table = store::read_csv(file, required, optional);
     std::vector<double> x = *table.find("x");
-    for (double& place : x)
-        place *= keys.columns.place_factor;
+    for (double& position : x)
+        position *= keys.columns.place_factor;
     const auto& value = *table.find("value");
     const auto* sigma = table.find("sigma");
     if (sigma && std::ranges::all_of(*sigma, [](double s) { return std::isnan(s); }))
@@ -261,9 +261,9 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
     const auto absent = [&](const std::string& file) {
         if (own == OwnFiles::required || !made_by_run(file, scene))
             return false;
-        const auto places = data_file_places(file, scene, run_directory);
+        const auto candidates = data_file_places(file, scene, run_directory);
         return own == OwnFiles::left_out ||
-               std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
+               std::ranges::none_of(candidates, [](const fs::path& p) { return fs::is_regular_file(p); });
     };
     FitInputs inputs{std::vector<std::optional<FitProfileData>>(keys.profiles.size()),
                      std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};

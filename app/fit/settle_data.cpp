@@ -110,17 +110,17 @@ void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
 
 /// Displacements against the distances at which they are: strains of above 1, or of nothing.
 void add_sizes(const FitProfileData& profile, std::vector<std::string>& remarks) {
-    double place = 0.0, value = 0.0;
+    double position = 0.0, value = 0.0;
     const fitting::Profile& data = profile.data;
     for (std::size_t i = 0; i < data.place.size(); ++i) {
-        place = std::max(place, std::hypot(data.place[i], data.at));
+        position = std::max(position, std::hypot(data.place[i], data.at));
         value = std::max(value, std::abs(data.value[i]));
     }
-    if (value > place || (value > 0.0 && value < 1e-5 * place))
+    if (value > position || (value > 0.0 && value < 1e-5 * position))
         remarks.push_back(
             fmt::format("{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
                         "unit than the places, give place_unit or value_unit",
-                        profile.file.string(), value, place));
+                        profile.file.string(), value, position));
 }
 
 } // namespace

@@ -206,19 +206,19 @@ PredictionBand band_of(std::vector<double> values, double sigma) {
 }
 
 /// Standard error of a datum anywhere along the line, between those of the points beside it.
-double sigma_at(const fitting::Profile& data, double place) {
+double sigma_at(const fitting::Profile& data, double position) {
     if (data.sigma.empty())
         return 0.0;
     double below = -HUGE_VAL, above = HUGE_VAL, low = 0.0, high = 0.0;
     for (std::size_t i = 0; i < data.place.size(); ++i) {
-        if (data.place[i] <= place && data.place[i] > below)
+        if (data.place[i] <= position && data.place[i] > below)
             below = data.place[i], low = data.sigma[i];
-        if (data.place[i] >= place && data.place[i] < above)
+        if (data.place[i] >= position && data.place[i] < above)
             above = data.place[i], high = data.sigma[i];
     }
     if (!std::isfinite(below) || !std::isfinite(above) || above == below)
         return std::isfinite(below) ? low : high;
-    return std::lerp(low, high, (place - below) / (above - below));
+    return std::lerp(low, high, (position - below) / (above - below));
 }
 
 void write_curve(const std::filesystem::path& folder, const FitPlan& plan, std::size_t index,

@@ -84,11 +84,11 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
         names.push_back(scene.scan->file);
     if (scene.medium && scene.medium->measured)
         names.push_back(scene.medium->measured->file);
-    std::vector<fs::path> places = {scene.path};
+    std::vector<fs::path> candidates = {scene.path};
     for (const std::string& name : names)
         if (!name.empty())
-            places.insert(places.end(), {name, fs::path(scene.path).parent_path() / name});
-    return places;
+            candidates.insert(candidates.end(), {name, fs::path(scene.path).parent_path() / name});
+    return candidates;
 }
 
 /// In a folder that holds no run yet: an input that bears the name of a result would be replaced.

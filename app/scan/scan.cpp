@@ -303,15 +303,15 @@ private:
     scan::Columns columns() const { return of_beds() ? columns_of_beds(base_) : columns_of_rods(base_); }
 
     void require_fewer_runs(const scan::Design& design) const {
-        const std::int64_t places = scan::places(design), runs = scan::size(design);
+        const std::int64_t index = scan::places(design), runs = scan::size(design);
         if (runs > scan_.max_points)
             throw InputError(fmt::format("{}: the scan has {} points of {} runs, {} runs in all, more than "
                                          "scan.max_points = {}: take fewer points or granular.runs, or raise "
                                          "scan.max_points",
-                                         base_.path, places, design.runs, runs, scan_.max_points));
-        if (places > most_places_of_beds)
+                                         base_.path, index, design.runs, runs, scan_.max_points));
+        if (index > most_places_of_beds)
             throw InputError(fmt::format("{}: the scan has {} points; a scan of beds has at most {}",
-                                         base_.path, places, most_places_of_beds));
+                                         base_.path, index, most_places_of_beds));
     }
 
     void require_fewer(std::int64_t points, const char* when, const char* remedy) const {

@@ -56,8 +56,8 @@ double* PointProblem::place_of(const ScanPlan::VariedKey& key, const scene::Scen
         return nullptr;
     if (scene.coupling && scene.coupling->polar_basis != scene::PolarBasis::divergence &&
         scene.coupling->gamma_flow == 0.0)
-        if (double* place = of_coupling(key.key, problem.couplings))
-            return place;
+        if (double* position = of_coupling(key.key, problem.couplings))
+            return position;
     return of_rod(key.key, problem.rods);
 }
 
@@ -210,10 +210,10 @@ scan::Columns columns_of_beds(const scene::Scene& scene) {
 std::vector<double> costs_of_beds(const ScanPlan& plan) {
     const scan::PointList points(plan.design);
     std::vector<double> costs(static_cast<std::size_t>(scan::places(plan.design)), 0.0);
-    for (std::size_t place = 0; place < costs.size(); ++place)
+    for (std::size_t index = 0; index < costs.size(); ++index)
         try {
-            costs[place] =
-                sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
+            costs[index] =
+                sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(index))).problem);
         } catch (const InputError&) { // its point fails, with this cause
         }
     return costs;

@@ -177,18 +177,18 @@ void flatten(const std::string& prefix, const Node::Table& table, std::vector<Ov
             flatten(path + ".", *inner, out);
             continue;
         }
-        SourcePosition place = entry.key_place;
-        place.overriding = true;
-        out.push_back({path, entry.value, place});
+        SourcePosition position = entry.key_place;
+        position.overriding = true;
+        out.push_back({path, entry.value, position});
     }
 }
 
 /// The override's nodes stand where the setting stands, and win over alternatives.
-void move_to(Node& node, const SourcePosition& place) {
-    node.place = place;
+void move_to(Node& node, const SourcePosition& position) {
+    node.place = position;
     if (auto* list = node.as<Node::List>())
         for (auto& item : *list)
-            move_to(item, place);
+            move_to(item, position);
 }
 
 } // namespace

@@ -44,7 +44,8 @@ public:
     virtual ~Faults() = default;
     /// `below` leads from the key to what is wrong ("[1]", ".eta"); the message goes on after the path (":
     /// expected...").
-    virtual void add(const SourcePosition& place, const std::string& below, const std::string& message) = 0;
+    virtual void add(const SourcePosition& position, const std::string& below,
+                     const std::string& message) = 0;
     /// As `add`, of a physical unit in a scene without [scales].
     virtual void add_missing_scales(const SourcePosition& place, const std::string& below,
                                     const std::string& message) {

@@ -40,8 +40,8 @@ std::string Diagnostic::text() const {
 SceneError::SceneError(std::vector<Diagnostic> diagnostics, std::size_t unstored)
     : InputError(listing(in_order(diagnostics), unstored)), diagnostics_(in_order(std::move(diagnostics))) {}
 
-void Diagnostics::add(const SourcePosition& place, std::string key, std::string message) {
-    add(Diagnostic{place.source ? *place.source : "", place.line, place.column, std::move(key),
+void Diagnostics::add(const SourcePosition& position, std::string key, std::string message) {
+    add(Diagnostic{position.source ? *position.source : "", position.line, position.column, std::move(key),
                    std::move(message)});
 }
 

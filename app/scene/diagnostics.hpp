@@ -18,7 +18,7 @@ class Diagnostics {
 public:
     static constexpr std::size_t stored_at_most = 1000;
 
-    void add(const SourcePosition& place, std::string key, std::string message);
+    void add(const SourcePosition& position, std::string key, std::string message);
     void add(Diagnostic problem);
     bool empty() const { return list_.empty(); }
     const std::vector<Diagnostic>& list() const { return list_; }
@@ -61,7 +61,7 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, D
 
 /// One TOML value ("-2.5", "[1, 2]", "{ a = 1 }"), every node of it at `place`. Nothing, and the reason in
 /// `why`, if it is not one.
-std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& place, std::string& why);
+std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& position, std::string& why);
 
 /// Whether the text is a number beyond the range of a double, such as 1e400.
 bool is_too_large(const std::string& text);

@@ -132,19 +132,19 @@ int Reader::form_given(Forms forms) {
 
 void Reader::report_forms(std::span<const std::string_view> given, Forms forms) {
     const Node& table = *frames_.back().table;
-    std::string places;
+    std::string locations;
     const Entry* last = table.find(given.front());
     for (const auto name : given) {
         const Entry* entry = table.find(name);
-        places +=
-            fmt::format("{}{}{}", places.empty() ? "" : " and ", name,
+        locations +=
+            fmt::format("{}{}{}", locations.empty() ? "" : " and ", name,
                         entry->key_place.line > 0 ? fmt::format(" (line {})", entry->key_place.line) : "");
         if (entry->key_place.line > last->key_place.line)
             last = entry;
     }
     diagnostics_.add(
         last->key_place, path_of(last->key),
-        fmt::format("{} gives {}: give one of {}", frames_.back().path, places, forms_text(forms)));
+        fmt::format("{} gives {}: give one of {}", frames_.back().path, locations, forms_text(forms)));
 }
 
 void Reader::complain(std::string_view name, const std::string& message) {
@@ -161,23 +161,24 @@ void Reader::visit(const Key& key, void* value, const Codec& codec) {
         codec.parse({key, entry->value, &units_, *this}, value);
 }
 
-void Reader::add(const SourcePosition& place, const std::string& below, const std::string& message) {
+void Reader::add(const SourcePosition& position, const std::string& below, const std::string& message) {
     const std::string path = path_of(current_) + below;
-    diagnostics_.add(place, path, path + message);
+    diagnostics_.add(position, path, path + message);
 }
 
-void Reader::add_missing_scales(const SourcePosition& place, const std::string& below,
+void Reader::add_missing_scales(const SourcePosition& position, const std::string& below,
                                 const std::string& message) {
     const std::string path = path_of(current_) + below;
-    missing_scales(place, path, path + message);
+    missing_scales(position, path, path + message);
 }
 
-void Reader::missing_scales(const SourcePosition& place, const std::string& path, const std::string& what) {
+void Reader::missing_scales(const SourcePosition& position, const std::string& path,
+                            const std::string& what) {
     if (scales_reported_)
         return;
     scales_reported_ = true;
     diagnostics_.add(
-        place, path,
+        position, path,
         what + " needs [scales] with f_over_mu and v0, what one reduced unit of length and speed is worth");
 }
 

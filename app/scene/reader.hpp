@@ -38,7 +38,7 @@ private:
 
     const Entry* find(const Key& key);
     std::string path_of(std::string_view key) const;
-    void add(const SourcePosition& place, const std::string& below, const std::string& message) override;
+    void add(const SourcePosition& position, const std::string& below, const std::string& message) override;
     void add_missing_scales(const SourcePosition& place, const std::string& below,
                             const std::string& message) override;
     void wrong_type(const Node& node, const std::string& path, const std::string& expected);

@@ -77,7 +77,7 @@ private:
     std::string misfit(const Key& key, const TargetProgress& p, const void* value, const Codec& codec) const;
     void learn(const Key& key, const TargetProgress& p, bool is_quantity);
     void note_given(const Key& key, bool is_present, bool is_overriding);
-    void add(const SourcePosition& place, const std::string& below, const std::string& message) override;
+    void add(const SourcePosition& position, const std::string& below, const std::string& message) override;
 
     bool enter(std::size_t segments, const Key& key, long index);
     void not_found(TargetProgress& p);

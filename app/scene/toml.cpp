@@ -88,7 +88,8 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, D
     }
 }
 
-std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& place, std::string& why) {
+std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& position,
+                                     std::string& why) {
     if (text.find_first_of("\r\n") != std::string_view::npos) {
         why = "a value is one line";
         return std::nullopt;
@@ -100,7 +101,7 @@ std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition
     }
     try {
         const toml::table parsed = toml::parse(document);
-        return Converter{nullptr, &place}.convert(*parsed.get("value"));
+        return Converter{nullptr, &position}.convert(*parsed.get("value"));
     } catch (const toml::parse_error& error) {
         why = error.description();
         return std::nullopt;

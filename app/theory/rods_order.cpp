@@ -160,11 +160,11 @@ StageEnd order_of_theory(const Session& session) {
 /// Apolar rods have no heading, and are left out.
 std::vector<measure::RodPosition> motile(const measure::Frame& frame,
                                          const granular::GranularProblem& problem) {
-    std::vector<measure::RodPosition> places;
+    std::vector<measure::RodPosition> positions;
     for (std::size_t r = 0; r < frame.rods.size(); ++r)
         if (problem.rods[r].shape.kind == granular::RodKind::motile)
-            places.push_back(frame.rods[r]);
-    return places;
+            positions.push_back(frame.rods[r]);
+    return positions;
 }
 
 RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& problem,

@@ -94,11 +94,11 @@ struct Waves {
     Eigen::VectorXd q;
     MatrixXd cosine, sine;
 
-    Waves(std::span<const double> places, double side, double width) {
+    Waves(std::span<const double> positions, double side, double width) {
         const double first = 2.0 * std::numbers::pi / side;
         const auto modes = static_cast<Index>(std::ceil(cutoff / (first * width))) + 1;
         q = first * Eigen::VectorXd::LinSpaced(modes, 0.0, static_cast<double>(modes - 1));
-        const Eigen::Map<const Eigen::VectorXd> at(places.data(), static_cast<Index>(places.size()));
+        const Eigen::Map<const Eigen::VectorXd> at(positions.data(), static_cast<Index>(positions.size()));
         const MatrixXd phase = at * q.transpose();
         cosine = phase.array().cos();
         sine = phase.array().sin();
@@ -170,7 +170,7 @@ DisplacementMap AnisotropicField::Impl::sum(Solve solve) const {
 AnisotropicField::AnisotropicField(const RodFrame& frame, std::span<const double> x,
                                    std::span<const double> y) {
     check_frame(frame);
-    const auto finite = [](double place) { return std::isfinite(place); };
+    const auto finite = [](double position) { return std::isfinite(position); };
     if (!std::ranges::all_of(x, finite) || !std::ranges::all_of(y, finite))
         throw InputError("places of a map must be finite numbers");
     impl_ = std::make_shared<const Impl>(frame, x, y);

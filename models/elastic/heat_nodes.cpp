@@ -128,18 +128,18 @@ HWY_INLINE PartVectors<FullKind> NearAt(const Setting<FullKind>& with, const Nea
     const V dx = hn::Mul(hn::Sub(hn::Set(d, x), load(sources.x)), scale),
             dy = hn::Mul(hn::Sub(hn::Set(d, y), load(sources.y)), scale);
     const V X[1] = {Fma(d, cosine, dx, hn::Mul(sine, dy))}, Y[1] = {Fms(d, cosine, dy, hn::Mul(sine, dx))};
-    Radial<Lanes> place;
-    place.s = hn::Sqrt(Fma(d, dx, dx, hn::Mul(dy, dy)));
-    place.inverse = hn::Div(hn::Set(d, 1.0), place.s);
-    const Radial<Lanes>* const shown[1] = {&place};
+    Radial<Lanes> position;
+    position.s = hn::Sqrt(Fma(d, dx, dx, hn::Mul(dy, dy)));
+    position.inverse = hn::Div(hn::Set(d, 1.0), position.s);
+    const Radial<Lanes>* const shown[1] = {&position};
     Bearing<Lanes> bearing[1];
     BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
     V f[NearHeat::functions];
-    const auto nearest = FunctionsAt(heat, place.s, f);
-    WakeLanes<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+    const auto nearest = FunctionsAt(heat, position.s, f);
+    WakeLanes<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], position.s, bearing[0], with.medium.nu);
     if (HWY_LIKELY(hn::AllFalse(d, nearest)))
         return LabParts<polar>(wake, cosine, sine, with.unit);
-    const auto in_range = AddExact<polar>(with, X, Y, place.s, nearest, wake);
+    const auto in_range = AddExact<polar>(with, X, Y, position.s, nearest, wake);
     PartVectors<FullKind> parts = LabParts<polar>(wake, cosine, sine, with.unit);
     if (HWY_UNLIKELY(!hn::AllTrue(d, in_range)))
         ReplaceLanes<polar, FullKind>(parts, in_range, [&](std::size_t lane, double* exact) {
@@ -157,16 +157,16 @@ void PartsAt(const WakeFunctions& functions, const KernelMedium& medium, const F
     V f[NearHeat::functions];
     for (std::size_t k = 0; k < NearHeat::functions; ++k)
         f[k] = hn::Set(d, functions[k]);
-    Radial<Lanes> place;
-    place.s = hn::Set(d, s);
-    place.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
-    const Radial<Lanes>* const shown[1] = {&place};
+    Radial<Lanes> position;
+    position.s = hn::Set(d, s);
+    position.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
+    const Radial<Lanes>* const shown[1] = {&position};
     for (std::size_t k = 0; k < heat_lanes; k += hn::Lanes(d)) {
-        const V X[1] = {hn::Mul(place.s, hn::LoadU(d, cosine + k))},
-                Y[1] = {hn::Mul(place.s, hn::LoadU(d, sine + k))};
+        const V X[1] = {hn::Mul(position.s, hn::LoadU(d, cosine + k))},
+                Y[1] = {hn::Mul(position.s, hn::LoadU(d, sine + k))};
         Bearing<Lanes> bearing[1];
         BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
-        const WakeLanes<Lanes> wake = WakeOf<true>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+        const WakeLanes<Lanes> wake = WakeOf<true>(f, X[0], Y[0], position.s, bearing[0], with.medium.nu);
         const PartVectors<FullKind> lab = LabParts<true>(wake, hn::Set(d, 1.0), hn::Zero(d), with.unit);
         for (int part = 0; part < all_parts; ++part)
             hn::StoreU(lab.part[part], d, parts[part] + k);

@@ -221,8 +221,8 @@ struct Line {
 };
 
 /// s((place - from)/width), by place.
-Line smooth_step(double place, double width) {
-    const double t = std::clamp(place / width, 0.0, 1.0), r = 1.0 - t, per = 1.0 / width;
+Line smooth_step(double position, double width) {
+    const double t = std::clamp(position / width, 0.0, 1.0), r = 1.0 - t, per = 1.0 / width;
     return {t * t * t * t * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t))), 140.0 * t * t * t * r * r * r * per,
             420.0 * t * t * r * r * (r - t) * per * per,
             840.0 * t * r * (r * r - 3.0 * t * r + t * t) * per * per * per};

@@ -124,9 +124,9 @@ void MeasuredField::mutual(std::span<const Source> rods, FieldRequest request,
             if (&rods[a] == &source)
                 continue;
             const Vector at = turned(Vector{rods[a].x - source.x, rods[a].y - source.y}, cosine, -sine);
-            images.visit(*residual_, at.x, at.y, [&](Vector place, Vector) {
+            images.visit(*residual_, at.x, at.y, [&](Vector position, Vector) {
                 FieldValues more{};
-                residual_->add_to(more, place.x, place.y);
+                residual_->add_to(more, position.x, position.y);
                 add(sums[a], turned(more, cosine, sine));
             });
         }

@@ -107,7 +107,7 @@ public:
     static std::size_t grid_of(std::size_t half);
 
     /// Where the points are: x and y of point a are places[3 a] and places[3 a + 1] (layout of poses).
-    void place(std::span<const double> places);
+    void place(std::span<const double> positions);
 
     /// C_q of the last placed points, at (m + half) side() + n + half.
     std::span<Complex> modes() { return modes_; }
@@ -146,7 +146,7 @@ private:
 
 /// Places of points `first` to `last` from their coordinates in grid points; layout of poses.
 void cover_points(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
-                  std::size_t first, std::size_t last, SpreadPlaces& places);
+                  std::size_t first, std::size_t last, SpreadPlaces& positions);
 /// Adds a weighted point to rows of the grid from `begin` to `end`.
 void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
                   std::size_t end, std::size_t line, Complex* grid);

@@ -19,7 +19,7 @@ struct LocalPoint {
 
 /// The circle's places, none on an axis.
 const std::array<LocalPoint, samples>& circle() {
-    static const auto places = [] {
+    static const auto positions = [] {
         std::array<LocalPoint, samples> p;
         for (int j = 0; j < samples; ++j) {
             const double angle = 2.0 * std::numbers::pi * (j + 0.5) / samples;
@@ -27,7 +27,7 @@ const std::array<LocalPoint, samples>& circle() {
         }
         return p;
     }();
-    return places;
+    return positions;
 }
 
 /// e^(-i m angle_j) radius^-m (2 - [m = 0])/samples

@@ -223,8 +223,8 @@ private:
 };
 
 FieldValues BoxTableWake::at(double x, double y, FieldRequest request) const {
-    const Vector place = to_lab(x, y);
-    const FieldValues lab = table_.at(source_, place.x, place.y, request);
+    const Vector position = to_lab(x, y);
+    const FieldValues lab = table_.at(source_, position.x, position.y, request);
     FieldValues f = to_rod(lab);
     if (!request.gradients)
         return f;
@@ -241,12 +241,12 @@ FieldValues BoxTableWake::at(double x, double y, FieldRequest request) const {
 /// At a fixed place in the rod's frame the one in the lab's goes around the rod, and the rod's axes turn.
 FieldValues BoxTableWake::heading_derivative(double x, double y, FieldRequest request) const {
     request.displacement = request.dipole = request.gradients = false;
-    const Vector place = to_lab(x, y);
-    FieldValues change = table_.heading_derivative(source_, place.x, place.y, request);
+    const Vector position = to_lab(x, y);
+    FieldValues change = table_.heading_derivative(source_, position.x, position.y, request);
     request.gradients = true;
-    const FieldValues lab = table_.at(source_, place.x, place.y, request);
-    add_times(change, -place.y, gradient_x(lab));
-    add_times(change, place.x, gradient_y(lab));
+    const FieldValues lab = table_.at(source_, position.x, position.y, request);
+    add_times(change, -position.y, gradient_x(lab));
+    add_times(change, position.x, gradient_y(lab));
     FieldValues f = to_rod(change);
     add_times(f, -1.0, turning(to_rod(lab)));
     return f;

@@ -128,11 +128,12 @@ std::vector<double> CellFit<components>::fit(const Square& cell) const {
 template<std::size_t components>
 bool CellFit<components>::good(const Square& cell, const std::vector<double>& coefficients) const {
     const int points = degree_ + 2;
-    const auto place = [&](int i) { return std::cos(std::numbers::pi * i / (points - 1)); };
+    const auto position = [&](int i) { return std::cos(std::numbers::pi * i / (points - 1)); };
     for (int a = 0; a < points; ++a)
         for (int b = 0; b < points; ++b) {
-            const auto value = evaluate_cell<components>(degree_, coefficients.data(), place(a), place(b)).f;
-            if (!(relative_error(value, exact(cell, place(a), place(b))) <= tolerance_))
+            const auto value =
+                evaluate_cell<components>(degree_, coefficients.data(), position(a), position(b)).f;
+            if (!(relative_error(value, exact(cell, position(a), position(b))) <= tolerance_))
                 return false;
         }
     return true;

@@ -45,7 +45,7 @@ Linear linear_of_block(const PhaseBlock& block, const std::vector<double>& sums,
         for (std::size_t k = 0; k < 3; ++k) {
             const auto z =
                 times({sums[j * strain_channels + 2 * k], sums[j * strain_channels + 2 * k + 1]}, back[k]);
-            row << block.g[k].x * place, block.g[k].y * place;
+            row << block.g[k].x * position, block.g[k].y * position;
             matrix.noalias() += std::abs(z) * row * row.transpose();
             right += std::abs(z) * std::arg(z) * row;
         }
@@ -101,8 +101,8 @@ Linear linear_of_field(const RodGrid& grid, const std::vector<bool>& has, double
         ++bins;
         const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
         matrix += place * place.transpose();
-        right.x += u[j].x * place;
-        right.y += u[j].y * place;
+        right.x += u[j].x * position;
+        right.y += u[j].y * position;
     }
     const Eigen::LDLT<Eigen::Matrix3d> solver(matrix);
     if (bins < least_bins || !solver.isPositive())

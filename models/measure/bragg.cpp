@@ -28,11 +28,11 @@ struct Wave {
 };
 
 /// exp(2 pi i m place/box) for m = 0..most: [m][place].
-std::vector<std::vector<Complex>> powers(std::span<const double> places, double box, int most) {
+std::vector<std::vector<Complex>> powers(std::span<const double> positions, double box, int most) {
     std::vector<std::vector<Complex>> rows(static_cast<std::size_t>(most) + 1,
-                                           std::vector<Complex>(places.size(), Complex{1.0, 0.0}));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const Complex step = turn_by(2.0 * M_PI * places[i] / box);
+                                           std::vector<Complex>(positions.size(), Complex{1.0, 0.0}));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Complex step = turn_by(2.0 * M_PI * positions[i] / box);
         for (std::size_t m = 1; m < rows.size(); ++m)
             rows[m][i] = times(rows[m - 1][i], step);
     }

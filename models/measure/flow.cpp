@@ -216,15 +216,15 @@ void FlowAccumulator::travel(const Past& now) {
 void FlowAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
     times_.next(frame.time, "flow", layout_.grid);
-    BeadPlaces places = places_of(frame);
-    if (places.x.empty())
+    BeadPlaces positions = places_of(frame);
+    if (positions.x.empty())
         return;
     Past now{frame.time,
              times_.tick,
-             std::move(places.x),
-             std::move(places.y),
+             std::move(positions.x),
+             std::move(positions.y),
              frame.rods[options_.rod],
-             std::move(places.bead)};
+             std::move(positions.bead)};
     if (started_)
         follow_marked(now);
     else if (now.rod.known())
@@ -266,9 +266,9 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
     const RodView view(halfway(before.rod, now.rod), images);
     FlowBlock& block = block_at((before.time + now.time) / 2.0);
     for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
-        const RelativePosition place = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
-                                               into_box((before.y[j] + now.y[i]) / 2.0, images.y));
-        const auto bin = grid_.bin(place.x, place.y);
+        const RelativePosition position = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
+                                                  into_box((before.y[j] + now.y[i]) / 2.0, images.y));
+        const auto bin = grid_.bin(position.x, position.y);
         if (!bin)
             return;
         const RelativePosition v =

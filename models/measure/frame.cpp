@@ -25,11 +25,11 @@ void want_values(const char* what, const std::vector<double>& values, std::size_
         throw RunError(fmt::format("measure: {} that are not finite", what));
 }
 
-void want_inside(const std::vector<double>& places, double box, bool with_border) {
-    for (const double place : places)
-        if (!(place >= 0.0 && (place < box || (with_border && place == box))))
+void want_inside(const std::vector<double>& positions, double box, bool with_border) {
+    for (const double position : positions)
+        if (!(position >= 0.0 && (position < box || (with_border && position == box))))
             throw RunError(
-                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", place, box));
+                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", position, box));
 }
 
 } // namespace
@@ -144,9 +144,9 @@ namespace {
 constexpr double finest = 512.0; ///< bins in x or y: a block of the displacement then takes 19 MB
 
 /// Column or row of a coordinate: n stands for the periodic image of 0.
-std::optional<std::size_t> column(double place, double spacing, std::size_t n) {
+std::optional<std::size_t> column(double position, double spacing, std::size_t n) {
     const std::size_t middle = n / 2;
-    const double k = std::floor(place / spacing + 0.5) + static_cast<double>(middle);
+    const double k = std::floor(position / spacing + 0.5) + static_cast<double>(middle);
     if (!(k >= 0.0 && k <= static_cast<double>(n)))
         return std::nullopt;
     return static_cast<std::size_t>(k) % n;

@@ -24,12 +24,12 @@ LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const Displac
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
-    const RodPosition place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, image_box(layout_));
+    const RodPosition position = place_of(options_.rod, layout_, frame);
+    const RodView rod(position, image_box(layout_));
     if (samples_.empty())
         start(frame, rod);
     drift(frame);
-    double* sums = blocks_.at(frame.time, place.heading).sums.data();
+    double* sums = blocks_.at(frame.time, position.heading).sums.data();
     for_each_named(frame, [&](std::size_t bead, std::size_t at) {
         note_zone(bead, at, frame, rod.at(frame.x[at], frame.y[at]));
         if (samples_[bead] > 0.0)

@@ -156,10 +156,10 @@ std::size_t late_row(const PairTrack& track, double fraction) {
 PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late, const Row (&turn)[2]) {
     const std::size_t last = track.t.size() - 1;
     const double duration = track.t[last] - track.t[late];
-    const PairOffset place = apart(track, box, last), way = moved(track, late, last);
+    const PairOffset position = apart(track, box, last), way = moved(track, late, last);
     PairEnd end;
-    end.x = place.x;
-    end.y = place.y;
+    end.x = position.x;
+    end.y = position.y;
     end.vx = way.x / duration;
     end.vy = way.y / duration;
     for (const int i : {0, 1}) {
@@ -167,7 +167,7 @@ PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late,
         end.late.max_turning =
             std::max(end.late.max_turning, std::abs(turn[i][last] - turn[i][late]) / duration);
     }
-    end.late.min_separation = end.late.max_separation = std::hypot(place.x, place.y);
+    end.late.min_separation = end.late.max_separation = std::hypot(position.x, position.y);
     for (std::size_t row = late; row <= last; ++row) {
         end.angle = std::max(end.angle, angle_between(track.heading[0][row], track.heading[1][row]));
         const double r = separation(track, box, row);

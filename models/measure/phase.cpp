@@ -233,9 +233,9 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
     const auto reference = far_phases(frame);
     if (!reference)
         return false;
-    const RodPosition place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, image_box(layout_));
-    BlockSums& block = blocks_.at(frame.time, place.heading);
+    const RodPosition position = place_of(options_.rod, layout_, frame);
+    const RodView rod(position, image_box(layout_));
+    BlockSums& block = blocks_.at(frame.time, position.heading);
     const auto turned = seen_along(peaks.G, block.first_heading);
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
         const RelativePosition now = rod.at(frame.x[i], frame.y[i]);

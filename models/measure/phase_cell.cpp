@@ -182,10 +182,10 @@ constexpr double window_width = 0.75,
 using BinSums = std::vector<double>;
 
 /// Adds w times the sums of a bin `apart` away along one axis.
-void add_bin(double* to, const double* from, double w, double apart, std::size_t place) {
+void add_bin(double* to, const double* from, double w, double apart, std::size_t index) {
     for (std::size_t c = 0; c < phase_channels; ++c)
         to[c] += w * from[c];
-    to[place] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
+    to[index] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
 }
 
 /// Weighted means along x or y of the periodic grid.
@@ -198,14 +198,14 @@ BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool alo
     for (long k = -reach; k <= reach; ++k)
         weight.push_back(std::exp(-0.5 * std::pow(static_cast<double>(k) * spacing / width, 2)));
     const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
-    const std::size_t place = along_x ? PhaseAccumulator::place_x : PhaseAccumulator::place_y;
+    const std::size_t index = along_x ? PhaseAccumulator::place_x : PhaseAccumulator::place_y;
     for (long j = 0; j < n * m; ++j)
         for (long k = -reach; k <= reach; ++k) {
             const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + m) % m * n + j % n;
             const double apart = static_cast<double>(k) * spacing;
             add_bin(&result[static_cast<std::size_t>(j) * phase_channels],
                     &sums[static_cast<std::size_t>(from) * phase_channels],
-                    weight[static_cast<std::size_t>(k + reach)] / total, apart, place);
+                    weight[static_cast<std::size_t>(k + reach)] / total, apart, index);
         }
     return result;
 }

@@ -134,11 +134,11 @@ Basis basis(double x, double y) { return {1.0, x, y, x * x, x * y, y * y}; }
 
 } // namespace
 
-Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& places, const RodGrid& grid)
-    : samples_(samples), places_(places), grid_(grid), in_cell_(grid.bins()) {
-    for (std::size_t j = 0; j < places.size(); ++j)
+Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid)
+    : samples_(samples), places_(positions), grid_(grid), in_cell_(grid.bins()) {
+    for (std::size_t j = 0; j < positions.size(); ++j)
         if (samples.count[j] > 0.0)
-            in_cell_[cell(column(places[j].x), row(places[j].y))].push_back(j);
+            in_cell_[cell(column(positions[j].x), row(positions[j].y))].push_back(j);
 }
 
 long Scattered::column(double x) const {

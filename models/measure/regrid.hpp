@@ -37,7 +37,7 @@ struct NearSample {
 /// Samples with data, found by their places; the box is periodic. Keeps references to what it is made from.
 class Scattered {
 public:
-    Scattered(const BinSamples& samples, const std::vector<Vector2>& places, const RodGrid& grid);
+    Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid);
     /// Within so many spacings of the middle of a bin, at most 4; in the order of bins and samples.
     std::vector<NearSample> around(std::size_t bin, double reach) const;
     const BinSamples& samples() const { return samples_; }

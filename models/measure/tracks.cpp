@@ -207,20 +207,20 @@ private:
     }
 
     /// False: outside of the window.
-    bool put_in(BoxPosition& place) const {
+    bool put_in(BoxPosition& position) const {
         if (scale_.box) {
-            const BoxPosition given = place;
-            place.x = into_box(given.x, out_.box.x);
-            place.y = into_box(given.y, out_.box.y);
-            place.image_x += static_cast<std::int32_t>(std::lround((given.x - place.x) / out_.box.x));
-            place.image_y += static_cast<std::int32_t>(std::lround((given.y - place.y) / out_.box.y));
+            const BoxPosition given = position;
+            position.x = into_box(given.x, out_.box.x);
+            position.y = into_box(given.y, out_.box.y);
+            position.image_x += static_cast<std::int32_t>(std::lround((given.x - position.x) / out_.box.x));
+            position.image_y += static_cast<std::int32_t>(std::lround((given.y - position.y) / out_.box.y));
             return true;
         }
-        place.x -= low_.x;
-        place.y -= low_.y;
-        const bool inside = hull_ || out_.window->inside_by(place.x, place.y) >= 0.0;
-        place.x = std::clamp(place.x, 0.0, out_.box.x); // rounding, of a circle
-        place.y = std::clamp(place.y, 0.0, out_.box.y);
+        position.x -= low_.x;
+        position.y -= low_.y;
+        const bool inside = hull_ || out_.window->inside_by(position.x, position.y) >= 0.0;
+        position.x = std::clamp(position.x, 0.0, out_.box.x); // rounding, of a circle
+        position.y = std::clamp(position.y, 0.0, out_.box.y);
         return inside;
     }
 
@@ -249,16 +249,16 @@ private:
         constexpr double far = 20.0; // interquartile ranges from the median
         double farthest = far;
         std::optional<std::size_t> row;
-        for (const auto* places : {&rows_.x, &rows_.y}) {
-            std::vector<double> sorted = *places;
+        for (const auto* positions : {&rows_.x, &rows_.y}) {
+            std::vector<double> sorted = *positions;
             const auto at = [&](std::size_t quarter) {
                 const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(quarter * sorted.size() / 4);
                 std::ranges::nth_element(sorted, nth);
                 return *nth;
             };
             const double low = at(1), middle = at(2), range = at(3) - low;
-            for (std::size_t i = 0; i < places->size(); ++i)
-                if (const double off = std::abs((*places)[i] - middle);
+            for (std::size_t i = 0; i < positions->size(); ++i)
+                if (const double off = std::abs((*positions)[i] - middle);
                     off > farthest * range && range > 0.0) {
                     farthest = off / range;
                     row = i;

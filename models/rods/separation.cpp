@@ -321,7 +321,7 @@ Words NoisePlace::bits(Use use, std::size_t rod) const {
 }
 
 std::optional<Meeting> bridge_contact(const integrate::Step& step, double distance, double rate, Box box,
-                                      const NoisePlace& place) {
+                                      const NoisePlace& position) {
     const double spread = rate * (step.time - step.time_before);
     // A pair farther apart than the reach has met with a probability below exp(-36).
     const double reach = distance + 2.0 * longest_move(step) + std::sqrt(18.0 * spread);
@@ -335,7 +335,7 @@ std::optional<Meeting> bridge_contact(const integrate::Step& step, double distan
         if (d0 > reach - distance)
             return;
         const double d1 = gap(step.state, a, b);
-        const Words of_rod = place.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
+        const Words of_rod = position.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
         if (d1 > 0.0 && integrate::uniform_of(bits[0], bits[1]) >= std::exp(-2.0 * d0 * d1 / spread))
             return;
         const double share = meeting_share(d0, d1, spread, bits_of_pair(of_rod, b, 1),

@@ -190,7 +190,7 @@ public:
     std::vector<std::int64_t> ids() const {
         std::vector<std::int64_t> all;
         all.reserve(places.size());
-        for (const auto& [id, place] : places)
+        for (const auto& [id, place] : positions)
             all.push_back(id);
         std::ranges::sort(all);
         return all;
@@ -203,18 +203,18 @@ public:
         std::unordered_map<std::uint32_t, Bytes> records;
         std::size_t bytes = 0;
         for (const std::int64_t id : ids) {
-            const RecordNumber place = places.at(id);
-            auto found = records.find(place.record);
+            const RecordNumber position = places.at(id);
+            auto found = records.find(position.record);
             if (found == records.end()) {
                 if (bytes > most_bytes)
                     records.clear(), bytes = 0;
-                found = records.emplace(place.record, journal_->read(place.record)).first;
+                found = records.emplace(position.record, journal_->read(position.record)).first;
                 bytes += found->second.size();
             }
             const std::size_t size = packed_size(head_);
-            store::ByteReader in(std::span(found->second).subspan(place.number * size), "ledger");
+            store::ByteReader in(std::span(found->second).subspan(position.number * size), "ledger");
             Result r = unpack(in, head_);
-            if (journal_->layout(place.record) == cause_record) {
+            if (journal_->layout(position.record) == cause_record) {
                 r.status = in.get<Status>();
                 r.set_cause(in.get_text());
             }

@@ -29,8 +29,8 @@ void Refinement::learn(const Result& result) {
     known_[result.point.id] = {result.ok() ? result.outcome : -1, row, (side > 0.0) - (side < 0.0)};
 }
 
-std::int32_t Refinement::outcome(const LatticePoint& place) const {
-    const auto found = known_.find(lattice_.id(place));
+std::int32_t Refinement::outcome(const LatticePoint& position) const {
+    const auto found = known_.find(lattice_.id(position));
     return found == known_.end() ? -1 : found->second.outcome;
 }
 
@@ -40,10 +40,10 @@ std::vector<Point> Refinement::next() {
         Cells asked;
         for (const auto& [low, level] : fresh_)
             for (std::size_t c = 0; c < corners(); ++c) {
-                const LatticePoint place = corner(low, lattice_.stride(level), c);
-                const std::int64_t id = lattice_.id(place);
+                const LatticePoint position = corner(low, lattice_.stride(level), c);
+                const std::int64_t id = lattice_.id(position);
                 if (!known_.contains(id) && asked.insert(id).second)
-                    wanted.push_back(lattice_.point(place));
+                    wanted.push_back(lattice_.point(position));
             }
         if (!wanted.empty())
             break;
@@ -83,18 +83,18 @@ void Refinement::follow(const LatticePoint& low, int level) {
         }
 }
 
-void Refinement::divide_at(const LatticePoint& place) {
+void Refinement::divide_at(const LatticePoint& position) {
     for (int level = 0; level < lattice_.levels(); ++level)
-        divide(low_of(place, level), level);
+        divide(low_of(position, level), level);
 }
 
 Refinement::LatticePoint Refinement::corner(const LatticePoint& low, std::int64_t side,
                                             std::size_t which) const {
-    LatticePoint place = low;
+    LatticePoint position = low;
     for (std::size_t k = 0; k < lattice_.axes(); ++k)
         if (which >> k & 1U)
-            place[k] += side;
-    return place;
+            position[k] += side;
+    return position;
 }
 
 bool Refinement::holds(const LatticePoint& low, std::int64_t side) const {
@@ -105,11 +105,11 @@ bool Refinement::holds(const LatticePoint& low, std::int64_t side) const {
 }
 
 /// Low corner of the cell of this level that holds a place; at the far end of an axis that of the last.
-Refinement::LatticePoint Refinement::low_of(const LatticePoint& place, int level) const {
+Refinement::LatticePoint Refinement::low_of(const LatticePoint& position, int level) const {
     const std::int64_t side = lattice_.stride(level);
-    LatticePoint low = place;
+    LatticePoint low = position;
     for (std::size_t k = 0; k < lattice_.axes(); ++k)
-        low[k] = std::min(place[k] / side * side, lattice_.steps(k) - side);
+        low[k] = std::min(position[k] / side * side, lattice_.steps(k) - side);
     return low;
 }
 
@@ -176,12 +176,12 @@ Leaf Refinement::leaf(const LatticePoint& low, int level) const {
     return leaf;
 }
 
-Leaf Refinement::leaf_at(const LatticePoint& place) const {
+Leaf Refinement::leaf_at(const LatticePoint& position) const {
     int level = 0;
     while (level < lattice_.levels() &&
-           divided_[static_cast<std::size_t>(level)].contains(lattice_.id(low_of(place, level))))
+           divided_[static_cast<std::size_t>(level)].contains(lattice_.id(low_of(position, level))))
         ++level;
-    return leaf(low_of(place, level), level);
+    return leaf(low_of(position, level), level);
 }
 
 std::vector<Leaf> Refinement::leaves() const {

@@ -126,8 +126,8 @@ bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evalua
     }
     summary.audit.missed = static_cast<std::int64_t>(missed.size());
     summary.found_by_audit += summary.audit.missed;
-    for (const Lattice::LatticePoint& place : missed)
-        refinement.divide_at(place);
+    for (const Lattice::LatticePoint& position : missed)
+        refinement.divide_at(position);
     return true;
 }
 

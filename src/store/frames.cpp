@@ -107,12 +107,12 @@ PeriodicCoordinate wrap(double x, double side) {
     double image = std::floor(x / side);
     if (!(std::abs(image) <= 0x1p30))
         throw RunError(fmt::format("frames: position {} is no place near the box of side {}", x, side));
-    double place = std::fma(-side, image, x);
-    if (place < 0.0) // x/side was rounded up
-        place = std::fma(-side, --image, x);
-    if (place >= side) // just below a multiple of the side: rounded to it
-        place = std::max(0.0, std::fma(-side, ++image, x));
-    return {place, static_cast<std::int32_t>(image)};
+    double position = std::fma(-side, image, x);
+    if (position < 0.0) // x/side was rounded up
+        position = std::fma(-side, --image, x);
+    if (position >= side) // just below a multiple of the side: rounded to it
+        position = std::max(0.0, std::fma(-side, ++image, x));
+    return {position, static_cast<std::int32_t>(image)};
 }
 
 WrappedVectors wrap(std::span<const double> positions, const FrameLayout& layout) {

@@ -326,14 +326,14 @@ struct H5mdReader::Impl {
 
     /// Places in the box are finite; what is not looked at otherwise must be, too.
     void check(std::size_t frame, const char* kind, std::size_t count,
-               const std::vector<double>& place) const {
+               const std::vector<double>& position) const {
         for (std::size_t i = 0; i < count; ++i) {
-            const double x = place[3 * i], y = place[3 * i + 1];
+            const double x = position[3 * i], y = position[3 * i + 1];
             if (!(x >= 0.0 && x < info.box[0] && y >= 0.0 && y < info.box[1]))
                 refuse(frame, fmt::format("{} {} is at ({}, {}) m, outside the box of {} x {} m", kind, i, x,
                                           y, info.box[0], info.box[1]));
         }
-        if (!finite(place))
+        if (!finite(position))
             refuse(frame, "positions that are not finite");
     }
 

@@ -85,7 +85,7 @@ public:
     /// The number of the point of this id; nothing if the design has none.
     std::optional<std::int64_t> number_of(std::int64_t id) const;
     /// The point of a place, whose id is the place.
-    Point at_place(std::int64_t place) const;
+    Point at_place(std::int64_t index) const;
 
 private:
     const Design& design_;

@@ -20,7 +20,7 @@ public:
     std::int64_t stride(int level) const { return std::int64_t{1} << (depth_ - level); }
     std::int64_t steps(std::size_t axis) const { return steps_[axis]; }
 
-    std::int64_t id(const LatticePoint& place) const;
+    std::int64_t id(const LatticePoint& position) const;
     LatticePoint place(std::int64_t id) const;
     /// 0 at one end of the axis, 1 at the other.
     double fraction(std::size_t axis, std::int64_t step) const {

@@ -34,7 +34,7 @@ public:
     void learn(const Result& result);
 
     /// Divides the cells that hold this place down to the finest: something is there.
-    void divide_at(const LatticePoint& place);
+    void divide_at(const LatticePoint& position);
 
     const Lattice& lattice() const { return lattice_; }
     bool knows(std::int64_t id) const { return known_.contains(id); }
