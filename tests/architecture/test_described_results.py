@@ -54,7 +54,7 @@ QUOTED = {
     "non_reciprocity": {PAIRS, "app/scan/scan_values.cpp", "app/scene/figure_kinds.cpp"},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
-    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
+    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
