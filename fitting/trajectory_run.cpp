@@ -77,7 +77,7 @@ SensitivityColumns columns_of(std::size_t index, std::span<const Role> roles, st
         if (!wanted[j] || role.diffusion || !role.matters_to(index))
             continue;
         if (role.of_start()) {
-            (role.component == 2 ? headings : positions).push_back(j);
+            (role.component == 2 ? headings : places).push_back(j);
             (role.component == 2 ? columns.headings : columns.places)
                 .push_back(role.component == 2 ? role.rod : 2 * role.rod + role.component);
             continue;

@@ -53,9 +53,9 @@ private:
     }
 };
 template<class Result>
-using ValueEntry = ResultEntry<ValueInfo, Value, Result>; ///< of measure.json
+using ResultValue = ResultEntry<ValueInfo, Value, Result>; ///< of measure.json
 template<class Result>
-using ColumnEntry = ResultEntry<ColumnInfo, Column, Result>; ///< of a table
+using ResultColumn = ResultEntry<ColumnInfo, Column, Result>; ///< of a table
 template<class Row>
 using RowColumn = ResultEntry<ColumnInfo, double, Row>; ///< of a table with a row for each of something
 
@@ -67,17 +67,17 @@ constexpr std::array<Info, N> infos_of(const ResultEntry<Info, Out, From> (&list
 }
 
 template<class Result, std::size_t N>
-Values values_of(const ValueEntry<Result> (&list)[N], const Result& result) {
+Values values_of(const ResultValue<Result> (&list)[N], const Result& result) {
     Values values;
-    for (const ValueEntry<Result>& entry : list)
+    for (const ResultValue<Result>& entry : list)
         values.push_back({std::string(entry.info.key), entry.get(result)});
     return values;
 }
 
 template<class Result, std::size_t N>
-std::vector<Column> columns_of(const ColumnEntry<Result> (&list)[N], const Result& result) {
+std::vector<Column> columns_of(const ResultColumn<Result> (&list)[N], const Result& result) {
     std::vector<Column> columns;
-    for (const ColumnEntry<Result>& entry : list)
+    for (const ResultColumn<Result>& entry : list)
         columns.push_back(entry.get(result));
     return columns;
 }

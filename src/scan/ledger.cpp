@@ -190,7 +190,7 @@ public:
     std::vector<std::int64_t> ids() const {
         std::vector<std::int64_t> all;
         all.reserve(places.size());
-        for (const auto& [id, place] : positions)
+        for (const auto& [id, place] : places)
             all.push_back(id);
         std::ranges::sort(all);
         return all;

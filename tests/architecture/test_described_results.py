@@ -107,8 +107,8 @@ class DescribedResultsTest(unittest.TestCase):
             self.assertIn(why, said)
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
-        self.assertEqual(compiled("ValueEntry<Found>", '"speed", "Speed", "a/s", "of the rod"', source=ENTRY), (True, ""))
-        for kind, wrong in (("ValueEntry<Found>", '"speed", "Speed", "a/s", ""'), ("ValueEntry<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
+        self.assertEqual(compiled("ResultValue<Found>", '"speed", "Speed", "a/s", "of the rod"', source=ENTRY), (True, ""))
+        for kind, wrong in (("ResultValue<Found>", '"speed", "Speed", "a/s", ""'), ("ResultValue<Found>", '"speed", "Speed", "a/ss", "of the rod"'),
                             ("RowColumn<Found>", '"speed", "", "of the rod"')):
             good, said = compiled(kind, wrong, source=ENTRY)
             self.assertFalse(good, wrong)

@@ -54,7 +54,7 @@ struct ProfileFound {
     const measure::Profile& p;
     double a; ///< m
 };
-constexpr ColumnEntry<ProfileFound> profile_columns[] = {
+constexpr ResultColumn<ProfileFound> profile_columns[] = {
     {{"x", "a", "place along the line"}, [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
     {{"value", "a", "displacement"}, [](const ProfileFound& f) { return scaled(f.p.value, 1.0 / f.a); }},
     {{"sigma", "a", "standard error; empty: unknown, as with one block of time"},
@@ -116,7 +116,7 @@ struct DisplacementValues {
 };
 using F = const DisplacementValues&;
 
-constexpr ValueEntry<DisplacementValues> values[] = {
+constexpr ResultValue<DisplacementValues> values[] = {
     {{.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
      [](F f) { return measure::to_string(f.r.method); }},
     {{.key = "reference",

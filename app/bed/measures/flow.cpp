@@ -84,7 +84,7 @@ struct FlowValues {
 };
 using F = const FlowValues&;
 
-constexpr ValueEntry<FlowValues> values[] = {
+constexpr ResultValue<FlowValues> values[] = {
     {{"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
      [](F f) { return f.r.drag.scaled(1.0 / f.a); }},
     {{"drag_share", "Share dragged", "", "the same over the rod's own way"},

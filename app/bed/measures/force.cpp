@@ -29,7 +29,7 @@ struct ForceValues {
 };
 using F = const ForceValues&;
 
-constexpr ValueEntry<ForceValues> values[] = {
+constexpr ResultValue<ForceValues> values[] = {
     {{"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
      [](F f) { return f.force; }},
     {{"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},

@@ -74,7 +74,7 @@ struct HeadingDiffusionValues {
 };
 using F = const HeadingDiffusionValues&;
 
-constexpr ValueEntry<HeadingDiffusionValues> values[] = {
+constexpr ResultValue<HeadingDiffusionValues> values[] = {
     {{"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
      [](F f) { return f.r.diffusion; }},
     {{"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"}, [](F f) { return f.r.low; }},
@@ -110,7 +110,7 @@ constexpr ValueEntry<HeadingDiffusionValues> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ColumnEntry<HeadingDiffusionValues> columns[] = {
+constexpr ResultColumn<HeadingDiffusionValues> columns[] = {
     {{"lag", "s", "time between two headings"}, [](F f) { return f.r.lag; }},
     {{"square", "rad^2", "mean-square heading change"}, [](F f) { return f.r.square; }},
     {{"square_error", "rad^2", "standard error; empty: unknown"}, [](F f) { return f.r.square_error; }},

@@ -171,7 +171,7 @@ Value only_if(bool known, double value) { return known ? Value(value) : Value();
 /// Null without a rod.
 Value of_rod(F f, double value) { return only_if(f.r.speed.count > 0, value); }
 
-constexpr ValueEntry<MechanicsValues> values[] = {
+constexpr ResultValue<MechanicsValues> values[] = {
     {{"force", "Force on the bed", "\u00b5N", "momentum handed over by all rods or the body force, a second",
       1e6},
      [](F f) { return f.r.force; }},

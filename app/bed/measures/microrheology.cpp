@@ -73,7 +73,7 @@ struct MicrorheologyValues {
 };
 using F = const MicrorheologyValues&;
 
-constexpr ValueEntry<MicrorheologyValues> values[] = {
+constexpr ResultValue<MicrorheologyValues> values[] = {
     {{"stiffness", "Stiffness", "a^-2", R"($1/(s \tilde{\Delta}(s))$ for $s \to 0$)"},
      [](F f) { return f.r.stiffness_zero.scaled(f.a * f.a); }},
     {{"scatter", "", "a^-2", "part of the error of the stiffness: from noise"},
@@ -100,17 +100,17 @@ constexpr ValueEntry<MicrorheologyValues> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ColumnEntry<MicrorheologyValues> msd_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> msd_columns[] = {
     {{"lag", "s", "time between two places of a bead"}, [](F f) { return f.r.lag; }},
     {{"msd", "a^2", "mean-square displacement, drift removed"}, [](F f) { return scaled(f.r.msd, f.area); }},
     {{"sigma", "a^2", "standard error; empty: unknown"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
     {{"origins", "1", "starting times behind the value"}, [](F f) { return f.r.origins; }}};
-constexpr ColumnEntry<MicrorheologyValues> stiffness_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> stiffness_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.r.s; }},
     {{"value", "1/a^2", "1/(s MSD~(s))"}, [](F f) { return scaled(f.r.stiffness, f.a * f.a); }},
     {{"sigma", "1/a^2", "standard error; empty: unknown"},
      [](F f) { return scaled(f.r.stiffness_error, f.a * f.a); }}};
-constexpr ColumnEntry<MicrorheologyValues> kernel_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> kernel_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.kernel.s; }},
     {{"total", "N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}, [](F f) { return f.kernel.total; }},
     {{"total_error", "N/m", "standard error, also that of with_drag; empty: unknown"},
@@ -142,8 +142,9 @@ void add_camera(const MicrorheologyResult& r, const Localisation& asked, double 
         report.line +=
             fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);
     if (asked.find && !is_known)
-        report.line += "; no correction for localisation: frames are too far apart to distinguish it from the "
-                     "beads' motion";
+        report.line +=
+            "; no correction for localisation: frames are too far apart to distinguish it from the "
+            "beads' motion";
     if (!asked.find && asked.given == 0.0 && is_known && found.value > 3.0 * found.error)
         report.line += fmt::format(
             "; localisation seems to be {} a: tracks.localisation = \"auto\" takes it off", text(found));

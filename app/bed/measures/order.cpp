@@ -59,7 +59,7 @@ struct OrderValues {
 };
 using F = const OrderValues&;
 
-constexpr ValueEntry<OrderValues> values[] = {
+constexpr ResultValue<OrderValues> values[] = {
     {{"psi6", R"($\psi_6$, measured frames)", "",
       R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
      [](F f) { return f.r.psi6; }},
@@ -99,11 +99,11 @@ constexpr ValueEntry<OrderValues> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ColumnEntry<OrderValues> gr_columns[] = {
+constexpr ResultColumn<OrderValues> gr_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.r, 1.0 / f.a); }},
     {{"g", "1", "pair correlation g(r)"}, [](F f) { return f.r.g; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_error; }}};
-constexpr ColumnEntry<OrderValues> gB_columns[] = {
+constexpr ResultColumn<OrderValues> gB_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.order_r, 1.0 / f.a); }},
     {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_B_error; }},

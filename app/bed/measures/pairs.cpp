@@ -126,7 +126,7 @@ struct PairValues {
 };
 using F = const PairValues&;
 
-constexpr ValueEntry<PairValues> values[] = {
+constexpr ResultValue<PairValues> values[] = {
     {{"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
      [](F f) { return f.r.half_box_change.scaled(f.to_a); }},
     {{"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},

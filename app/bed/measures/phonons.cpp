@@ -160,7 +160,7 @@ struct PhononValues {
 };
 using F = const PhononValues&;
 
-constexpr ValueEntry<PhononValues> values[] = {
+constexpr ResultValue<PhononValues> values[] = {
     {{"c_Lx", "Longitudinal sound along $x$", "a/s", "from $\\omega = cq$ of the first two waves"},
      [](F f) { return f.r.c_Lx.scaled(f.to_a); }},
     {{"c_Ly", "Longitudinal sound along $y$", "a/s", "the same"},
