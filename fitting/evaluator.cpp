@@ -56,7 +56,7 @@ bool Evaluator::guarded(std::span<const double> values, SearchPoint& point, Eige
 double Evaluator::sum_of_losses(const Eigen::VectorXd& r) const {
     long double sum = 0.0L;
     for (const double one : r)
-        sum += loss_of(loss_, one * item).rho;
+        sum += loss_of(loss_, one * one).rho;
     return static_cast<double>(sum);
 }
 

@@ -21,7 +21,7 @@ void want_places(const std::vector<double>& x, const std::vector<double>& y, con
     if (x.size() != y.size())
         throw InputError(fmt::format("measure: {} x and {} y coordinates", x.size(), y.size()));
     for (const auto& [places, side] : {std::pair(&x, box.x), std::pair(&y, box.y)})
-        for (const double position : *positions)
+        for (const double position : *places)
             if (!(position >= 0.0 && position < side))
                 throw InputError(fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?",
                                              position, side));
