@@ -54,7 +54,7 @@ struct Flown {
 };
 
 Flown fly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
-    Range range = Range::empty();
+    BodyRange range = BodyRange::empty();
     std::vector<std::uint32_t> out;
     drift(position.data(), velocity.data(), begin, end, {2e-5, 9.81, -5e-4, 5e-4}, range, out);
     return {bits(position), bits(velocity), bits(std::vector<double>(range.low, range.low + 3)),
@@ -63,7 +63,7 @@ Flown fly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
 
 /// What drift has to do, one bead after the other.
 Flown fly_plainly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
-    Range range = Range::empty();
+    BodyRange range = BodyRange::empty();
     std::vector<std::uint32_t> out;
     for (std::size_t i = begin; i < end; ++i) {
         double *x = &position[4 * i], *v = &velocity[4 * i];
