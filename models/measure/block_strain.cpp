@@ -41,7 +41,7 @@ Linear linear_of_block(const PhaseBlock& block, const std::vector<double>& sums,
             continue;
         ++bins;
         const PhaseFactors back = plane_waves(block.g, -u[j].x, -u[j].y);
-        const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
+        const Eigen::Vector3d position(1.0, grid.x_of(j), grid.y_of(j));
         for (std::size_t k = 0; k < 3; ++k) {
             const auto z =
                 times({sums[j * strain_channels + 2 * k], sums[j * strain_channels + 2 * k + 1]}, back[k]);
@@ -99,8 +99,8 @@ Linear linear_of_field(const RodGrid& grid, const std::vector<bool>& has, double
         if (!has[j] || distance(grid, j) < far_from)
             continue;
         ++bins;
-        const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
-        matrix += place * place.transpose();
+        const Eigen::Vector3d position(1.0, grid.x_of(j), grid.y_of(j));
+        matrix += position * position.transpose();
         right.x += u[j].x * position;
         right.y += u[j].y * position;
     }
