@@ -36,7 +36,7 @@ std::vector<std::string> value_lines(const FitPlan& plan, const FitResults& resu
                             fmt::format(" (at its {} bound), 95 % interval {:.5g} to {:.5g}",
                                         e.at_lower ? "lower" : "upper", e.low, e.high));
         else if (std::isfinite(e.standard_error))
-            lines.push_back(value + with_error(e.name) + unit);
+            lines.push_back(fmt::format("{}{}{}", value, with_error(e.name), unit));
         else
             lines.push_back(value + unit + (errors_known ? ", not fixed by the data" : ", error unknown"));
     }
