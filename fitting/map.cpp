@@ -376,6 +376,7 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     Problem problem;
     double values = 0.0;
     std::vector<double> starts;
+    starts.reserve(parameters.size());
     for (const Parameter& p : parameters)
         starts.push_back(p.start);
     for (const Map& map : maps) {

@@ -163,6 +163,7 @@ void require_solvable(const Problem& problem) {
                         "share less, or fix some of the parameters",
                         problem.residuals, fitting::independent_values(problem), free.size()));
     std::vector<double> start;
+    start.reserve(free.size());
     for (const std::size_t i : free)
         start.push_back(problem.parameters[i].start);
     const std::vector<double> values = fitting::all_values(problem, start);
