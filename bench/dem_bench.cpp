@@ -85,7 +85,7 @@ void elastic(benchmark::State& state, std::size_t beads, double phi_b) {
         *surface = {0.0, 1.0};
     problem.start_speed = 0.005 * problem.bead_radius / problem.time_step;
     Simulation simulation = shaken(problem);
-    const Tallies before = simulation.tallies();
+    const Counters before = simulation.tallies();
     for (auto _ : state)
         simulation.advance(period);
     if (simulation.failure())
@@ -93,7 +93,7 @@ void elastic(benchmark::State& state, std::size_t beads, double phi_b) {
     const auto rate = [](std::int64_t things) {
         return Counter(static_cast<double>(things), Counter::kIsRate);
     };
-    const Tallies& now = simulation.tallies();
+    const Counters& now = simulation.tallies();
     state.counters["collisions"] = rate(now.bead_bead - before.bead_bead);
     state.counters["bounces"] = rate(now.bead_plate - before.bead_plate);
     state.counters["a_step"] =
@@ -161,7 +161,7 @@ struct Near {
     std::vector<std::uint32_t> found;
 
     explicit Near(double skin) {
-        rodwake::Team team(1);
+        rodwake::ThreadPool team(1);
         near_pairs(bodies, box, skin * bodies.bead_radius, team, list);
         found.resize(list.size() + 8);
     }

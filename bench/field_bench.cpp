@@ -20,7 +20,7 @@ using namespace rodwake::elastic;
 
 constexpr Medium medium = plain_medium;
 
-using Places = std::vector<Place>;
+using FieldPoints = std::vector<Place>;
 
 constexpr int points = 4096; // fits the first cache, far beyond what a branch predictor remembers
 
@@ -30,9 +30,9 @@ void per_point(benchmark::State& state) {
     state.counters["s_per_point"] = Counter(points, Counter::kIsIterationInvariantRate | Counter::kInvert);
 }
 
-Places near_points() { // r/xi from 1e-3 to 1
+FieldPoints near_points() { // r/xi from 1e-3 to 1
     RandomStream random(1);
-    Places set;
+    FieldPoints set;
     for (int k = 0; k < points; ++k) {
         const double r = random.log_uniform(1e-3, 1.0), angle = random.uniform(0.0, 2.0 * std::numbers::pi);
         set.push_back({r * std::cos(angle), r * std::sin(angle)});
@@ -40,29 +40,29 @@ Places near_points() { // r/xi from 1e-3 to 1
     return set;
 }
 
-Places box(double left, double right, double half_height) {
+FieldPoints box(double left, double right, double half_height) {
     RandomStream random(2);
-    Places set;
+    FieldPoints set;
     for (int k = 0; k < points; ++k)
         set.push_back({random.uniform(left, right), random.uniform(-half_height, half_height)});
     return set;
 }
 
-Places mid_points() { return box(-5.0, 5.0, 5.0); }
-Places wake_points() { return box(-1e3, -10.0, 30.0); }
+FieldPoints mid_points() { return box(-5.0, 5.0, 5.0); }
+FieldPoints wake_points() { return box(-1e3, -10.0, 30.0); }
 
 using Formula = double (*)(Place);
 
-void run_plain(benchmark::State& state, Formula formula, Places (*make)()) {
-    const Places set = make();
+void run_plain(benchmark::State& state, Formula formula, FieldPoints (*make)()) {
+    const FieldPoints set = make();
     for (auto _ : state)
         for (const Place& p : set)
             benchmark::DoNotOptimize(formula(p));
     per_point(state);
 }
 
-void run_field(benchmark::State& state, FieldRequest request, Places (*make)()) {
-    const Places set = make();
+void run_field(benchmark::State& state, FieldRequest request, FieldPoints (*make)()) {
+    const FieldPoints set = make();
     const Field field(medium);
     for (auto _ : state)
         for (const Place& p : set)

@@ -65,8 +65,9 @@ void gradients(benchmark::State& state) {
 }
 
 void heading_derivatives(benchmark::State& state) {
-    over_box(state,
-             [](const PeriodicField& f, Vector p) { return f.by_heading(p.x, p.y, {.strain = true}); });
+    over_box(state, [](const PeriodicField& f, Vector p) {
+        return f.heading_derivative(p.x, p.y, {.strain = true});
+    });
 }
 
 /// What a pair's right-hand side takes of the field: the strain of each rod at the other's place and of its
@@ -87,7 +88,7 @@ void pair_by_field(benchmark::State& state) {
         const PeriodicField field(medium(state), 1.0, a.heading);
         const Vector at = turned(Vector{b.x - a.x, b.y - a.y}, std::cos(a.heading), -std::sin(a.heading));
         return field.at(at.x, at.y, {.strain = true}).strain.xy +
-               field.at_own_place({.strain = true}).strain.xy;
+               field.self_image_field({.strain = true}).strain.xy;
     });
 }
 
@@ -97,7 +98,7 @@ void pair_by_table(benchmark::State& state) {
     state.counters["bytes"] = static_cast<double>(table.bytes());
     pair(state, [&](const Source& a, const Source& b) {
         return table.at(a, b.x, b.y, {.strain = true}).strain.xy +
-               table.at_own_place(a.heading, {.strain = true}).strain.xy;
+               table.self_image_field(a.heading, {.strain = true}).strain.xy;
     });
 }
 

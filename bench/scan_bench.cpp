@@ -1,5 +1,5 @@
 // What a point of a scan costs beside its integration: its values made a problem, and
-// its way through the dispenser into the ledger and out to a table.
+// its way through the queue into the ledger and out to a table.
 //
 //   build/release/bench/bench_scan --benchmark_min_time=0.5
 

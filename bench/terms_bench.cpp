@@ -183,8 +183,8 @@ private:
     granular::PlateMotion plates_;
     granular::PairFinder finder_;
     granular::PairContacts contacts_;
-    Team team_{1};
-    granular::Tallies tallies_;
+    ThreadPool team_{1};
+    granular::Counters tallies_;
     granular::PlateTally tally_;
     std::vector<std::uint32_t> hits_;
     std::int64_t step_ = 0;

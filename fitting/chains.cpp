@@ -55,8 +55,8 @@ public:
             warm ? block_samples
                  : std::min(block_samples, all - (index - warm_up_blocks(method_)) * block_samples);
         RandomStream random(method_.seed, number(), of_blocks + static_cast<std::uint32_t>(index));
-        State state{Eigen::Map<const Eigen::VectorXd>(from.z.data(), density_.size()), from.log_density,
-                    from.log_scale, proposal.common_root()};
+        ChainState state{Eigen::Map<const Eigen::VectorXd>(from.z.data(), density_.size()), from.log_density,
+                         from.log_scale, proposal.common_root()};
         ChainBlock block = from;
         block.index = index;
         block.kept.clear(), block.kept_density.clear();
@@ -75,7 +75,7 @@ public:
     }
 
 private:
-    struct State {
+    struct ChainState {
         Eigen::VectorXd z;
         double log_density, log_scale;
         Eigen::MatrixXd root; ///< of the near steps
@@ -84,14 +84,14 @@ private:
 
     std::uint32_t number() const { return static_cast<std::uint32_t>(chain_); }
 
-    void step(State& state, const Mixture& proposal, RandomStream& random, double gain) const {
+    void step(ChainState& state, const Mixture& proposal, RandomStream& random, double gain) const {
         if (random.uniform() < 0.5)
             far(state, proposal, random);
         else
             near(state, random, gain);
     }
 
-    void far(State& state, const Mixture& proposal, RandomStream& random) const {
+    void far(ChainState& state, const Mixture& proposal, RandomStream& random) const {
         const Eigen::VectorXd there = proposal.draw(random);
         const double density = density_.at(there), odds = density - state.log_density +
                                                           proposal.log_density(state.z) -
@@ -100,7 +100,7 @@ private:
     }
 
     /// Now and then a long or a short one: for tails and bends that the covariance does not show.
-    void near(State& state, RandomStream& random, double gain) const {
+    void near(ChainState& state, RandomStream& random, double gain) const {
         const double kind = random.uniform(), factor = kind < 0.1 ? 0.1 : kind < 0.2 ? 3.0 : 1.0;
         const Eigen::VectorXd there = state.z + factor * std::exp(state.log_scale) *
                                                     (state.root * normal_draws(random, state.z.size()));
@@ -111,7 +111,7 @@ private:
             state.log_scale += gain * (odds - 0.3);
     }
 
-    static void take(State& state, const Eigen::VectorXd& there, double density, double odds,
+    static void take(ChainState& state, const Eigen::VectorXd& there, double density, double odds,
                      RandomStream& random) {
         if (!(random.uniform() < odds))
             return;
@@ -154,7 +154,7 @@ public:
         const std::lock_guard lock(mutex_);
         return stopped_ = stopped_ || (method_.stop_requested && method_.stop_requested());
     }
-    void tell(const ChainBlock& block) {
+    void report(const ChainBlock& block) {
         const std::lock_guard lock(mutex_);
         if (method_.on_block_done)
             method_.on_block_done(block);
@@ -187,9 +187,9 @@ namespace {
 
 /// All chains, block by block: together while they warm up, for they learn from each other, then each by
 /// itself.
-class Run {
+class ChainRun {
 public:
-    Run(const Density& density, const Mixture& start, const PosteriorMethod& method)
+    ChainRun(const Density& density, const Mixture& start, const PosteriorMethod& method)
         : density_(density), method_(method), progress_(method), proposal_(start) {
         for (std::size_t c = 0; c < method.chains; ++c)
             at_.push_back(Chain(density, method, c).begin(start));
@@ -215,8 +215,8 @@ public:
         return true;
     }
 
-    std::optional<Sampled> sample() {
-        Sampled out{std::vector<Draws>(method_.chains), proposal_};
+    std::optional<SampledChains> sample() {
+        SampledChains out{std::vector<Draws>(method_.chains), proposal_};
         const std::size_t blocks = block_count(method_) / method_.chains;
         std::vector<char> done(method_.chains, 1);
         parallel_for(method_.chains, method_.threads, [&](std::size_t c) {
@@ -237,7 +237,7 @@ private:
         if (progress_.stopped())
             return false;
         at_[c] = Chain(density_, method_, c).next(at_[c], i, proposal_);
-        progress_.tell(at_[c]);
+        progress_.report(at_[c]);
         return true;
     }
 
@@ -250,9 +250,9 @@ private:
 
 } // namespace
 
-std::optional<Sampled> run_chains(const Density& density, const Mixture& start,
-                                  const PosteriorMethod& method) {
-    Run run(density, start, method);
+std::optional<SampledChains> run_chains(const Density& density, const Mixture& start,
+                                        const PosteriorMethod& method) {
+    ChainRun run(density, start, method);
     return run.warm_up() ? run.sample() : std::nullopt;
 }
 

@@ -20,15 +20,15 @@ struct Draws {
     double accepted = 0.0;
 };
 
-struct Sampled {
+struct SampledChains {
     std::vector<Draws> draws;
     Mixture proposal; ///< of the far steps
 };
 
 /// Nothing if stop_requested said so.
-std::optional<Sampled> run_chains(const Density& density, const Mixture& start,
-                                  const PosteriorMethod& method);
-std::optional<rodwake::Estimate> evidence(const Density& density, const Sampled& chains,
+std::optional<SampledChains> run_chains(const Density& density, const Mixture& start,
+                                        const PosteriorMethod& method);
+std::optional<rodwake::Estimate> evidence(const Density& density, const SampledChains& chains,
                                           const PosteriorMethod& method);
 
 /// Of draws by chain, of the values themselves.

@@ -143,7 +143,7 @@ void add_distance(Diagnostics& diagnostics, const Fit& fit, const Report& report
 }
 
 /// What the data allow of a parameter on a bound.
-std::string allowed(const Parameter& p, const Estimate& e) {
+std::string allowed(const Parameter& p, const ParameterEstimate& e) {
     if (e.at_lower ? e.high == p.upper : e.low == p.lower)
         return fmt::format("the data do not constrain it: any value {} fits within 95 %",
                            std::isfinite(p.upper - p.lower) ? "between its bounds" : "beyond the bound");
@@ -153,7 +153,7 @@ std::string allowed(const Parameter& p, const Estimate& e) {
 
 void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
-        const Estimate& e = report.estimates[i];
+        const ParameterEstimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
         if (e.at_lower || e.at_upper)
             diagnostics.push_back(fmt::format(
@@ -169,7 +169,7 @@ void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& 
 /// Couplings turn a rod by some radians while it goes f/mu; far above that the data are in other units.
 void add_sizes(Diagnostics& diagnostics, const Report& report) {
     constexpr double largest = 1e5;
-    for (const Estimate& e : report.estimates)
+    for (const ParameterEstimate& e : report.estimates)
         if (rods::find_coupling(e.name) && std::abs(e.value) > largest)
             diagnostics.push_back(fmt::format(
                 "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
@@ -278,8 +278,8 @@ void add_starts(Diagnostics& diagnostics, const Problem& problem, const Fit& fit
             fmt::format("only {} of {} starts reached the best optimum: more starts may find a better one",
                         report.same_optimum, n));
     const bool poor = problem.sigma_known && report.dof > 0 && report.probability < poor_chi2;
-    const bool bound =
-        std::ranges::any_of(report.estimates, [](const Estimate& e) { return e.at_lower || e.at_upper; });
+    const bool bound = std::ranges::any_of(
+        report.estimates, [](const ParameterEstimate& e) { return e.at_lower || e.at_upper; });
     if (n == 1 && (poor || bound))
         diagnostics.push_back("a single start may have ended in a minimum that is not the deepest: try "
                               "fit.starts = 20");
@@ -323,7 +323,7 @@ std::vector<bool> held_by_bounds(const SearchSpace& space, const Eigen::VectorXd
     return held;
 }
 
-Stationarity stationarity(const Evaluator& evaluator, const Point& point) {
+Stationarity stationarity(const Evaluator& evaluator, const SearchPoint& point) {
     Weighted w = evaluator.weighted(point);
     const Eigen::VectorXd g = w.a.transpose() * w.b;
     const std::vector<bool> held = held_by_bounds(evaluator.space(), point.u, g);
@@ -351,7 +351,8 @@ namespace {
 
 constexpr double takes_part = 1e-6; // component of a unit vector; far above the rounding errors of the SVD
 
-std::vector<bool> at_bounds(const SearchSpace& space, const Point& point, const Eigen::VectorXd& gradient) {
+std::vector<bool> at_bounds(const SearchSpace& space, const SearchPoint& point,
+                            const Eigen::VectorXd& gradient) {
     std::vector<bool> held(static_cast<std::size_t>(point.u.size()));
     for (Eigen::Index k = 0; k < point.u.size(); ++k) {
         const double near = 1e-9 * std::max(1.0, std::abs(point.u[k]));
@@ -376,7 +377,7 @@ void add_errors(Curvature& c, const Eigen::VectorXd& per_length, double largest)
 
 } // namespace
 
-Curvature curvature(const SearchSpace& space, const Point& point, const Eigen::VectorXd& gradient,
+Curvature curvature(const SearchSpace& space, const SearchPoint& point, const Eigen::VectorXd& gradient,
                     double rank_tolerance) {
     Curvature c;
     c.held = at_bounds(space, point, gradient);
@@ -406,7 +407,7 @@ Curvature curvature(const SearchSpace& space, const Point& point, const Eigen::V
 }
 
 // Huber, Robust Statistics, section 7.6: C (n/(n - p)) mean(psi^2)/mean(psi')^2, psi = rho' r.
-ErrorScale error_scale(const Problem& problem, const LossShape& loss, const Point& point, long dof) {
+ErrorScale error_scale(const Problem& problem, const LossShape& loss, const SearchPoint& point, long dof) {
     const bool robust = loss.loss != Loss::squares;
     if (problem.sigma_known && !robust)
         return {};

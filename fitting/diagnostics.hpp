@@ -13,7 +13,7 @@ struct Stationarity {
     double distance = 0.0; ///< norm of the gradient of objective/2, each entry times its standard error
     double newton = 0.0;   ///< largest relative change of a coordinate by a full Gauss-Newton step
 };
-Stationarity stationarity(const Evaluator& evaluator, const Point& point);
+Stationarity stationarity(const Evaluator& evaluator, const SearchPoint& point);
 
 /// Stationarity::newton below which a point is stationary whatever the distance: data fitted to rounding
 /// errors have standard errors of their size.
@@ -34,14 +34,14 @@ struct Curvature {
     long rank = 0;
 };
 
-Curvature curvature(const SearchSpace& space, const Point& point, const Eigen::VectorXd& gradient,
+Curvature curvature(const SearchSpace& space, const SearchPoint& point, const Eigen::VectorXd& gradient,
                     double rank_tolerance);
 
 /// Multiplier of the errors and rise of the objective that belongs to one standard error.
 struct ErrorScale {
     double factor = 1.0, rise = 1.0;
 };
-ErrorScale error_scale(const Problem& problem, const LossShape& loss, const Point& point, long dof);
+ErrorScale error_scale(const Problem& problem, const LossShape& loss, const SearchPoint& point, long dof);
 
 /// Exactly flat and nearly flat directions (relative singular value below 1e-3).
 std::vector<FlatDirection> flat_directions(const Problem& problem, const Fit& fit, const SearchSpace& space,

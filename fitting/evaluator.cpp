@@ -22,7 +22,7 @@ Evaluator::Evaluator(const Problem& problem, const SearchSpace& space, LossShape
                      std::function<bool()> stop)
     : problem_(problem), space_(space), loss_(loss), stop_(std::move(stop)) {}
 
-bool Evaluator::all_finite(const Point& point, const Eigen::MatrixXd* in_values) {
+bool Evaluator::all_finite(const SearchPoint& point, const Eigen::MatrixXd* in_values) {
     for (Eigen::Index i = 0; i < point.r.size(); ++i) {
         const bool fine = std::isfinite(point.r[i]);
         if (fine && (!in_values || in_values->row(i).allFinite()))
@@ -36,7 +36,7 @@ bool Evaluator::all_finite(const Point& point, const Eigen::MatrixXd* in_values)
     return true;
 }
 
-bool Evaluator::guarded(std::span<const double> values, Point& point, Eigen::MatrixXd* in_values) {
+bool Evaluator::guarded(std::span<const double> values, SearchPoint& point, Eigen::MatrixXd* in_values) {
     try {
         problem_.evaluate(values, point.r, in_values);
     } catch (const std::bad_alloc&) {
@@ -60,8 +60,8 @@ double Evaluator::sum_of_losses(const Eigen::VectorXd& r) const {
     return static_cast<double>(sum);
 }
 
-Point Evaluator::operator()(const Eigen::VectorXd& u, bool with_jacobian) {
-    Point point;
+SearchPoint Evaluator::operator()(const Eigen::VectorXd& u, bool with_jacobian) {
+    SearchPoint point;
     point.u = u;
     stopped_ = stopped_ || (stop_ && stop_());
     if (stopped_)
@@ -91,7 +91,7 @@ Point Evaluator::operator()(const Eigen::VectorXd& u, bool with_jacobian) {
 
 // Outliers of a robust loss bend the objective less than its slope says, or the other way; a tenth of the
 // usual reweighting is kept so that the curvature stays positive.
-Weighted Evaluator::weighted(const Point& point) const {
+Weighted Evaluator::weighted(const SearchPoint& point) const {
     Weighted w{point.jacobian, point.r, Eigen::VectorXd::Ones(point.r.size())};
     if (loss_.loss == Loss::squares)
         return w;
@@ -106,7 +106,7 @@ Weighted Evaluator::weighted(const Point& point) const {
     return w;
 }
 
-Eigen::VectorXd Evaluator::gradient(const Point& point) const {
+Eigen::VectorXd Evaluator::gradient(const SearchPoint& point) const {
     Eigen::VectorXd slope = point.r;
     for (double& r : slope)
         r *= 2.0 * loss_of(loss_, r * r).first;

@@ -26,7 +26,7 @@ struct LossValue {
 LossValue loss_of(const LossShape& shape, double s);
 
 /// A point of the search. Not finite: the residuals threw or were not finite there; nothing else is set.
-struct Point {
+struct SearchPoint {
     Eigen::VectorXd u;
     Eigen::VectorXd r;
     Eigen::MatrixXd jacobian; ///< d r/d u; empty if not asked for
@@ -47,10 +47,10 @@ public:
     Evaluator(const Problem& problem, const SearchSpace& space, LossShape loss,
               std::function<bool()> stop = {});
 
-    Point operator()(const Eigen::VectorXd& u, bool with_jacobian);
-    Weighted weighted(const Point& point) const;
+    SearchPoint operator()(const Eigen::VectorXd& u, bool with_jacobian);
+    Weighted weighted(const SearchPoint& point) const;
     /// Of the objective, in u.
-    Eigen::VectorXd gradient(const Point& point) const;
+    Eigen::VectorXd gradient(const SearchPoint& point) const;
 
     const SearchSpace& space() const { return space_; }
     long evaluations() const { return evaluations_; }
@@ -68,9 +68,9 @@ public:
     const std::string& trouble() const { return trouble_; }
 
 private:
-    bool guarded(std::span<const double> values, Point& point, Eigen::MatrixXd* in_values);
+    bool guarded(std::span<const double> values, SearchPoint& point, Eigen::MatrixXd* in_values);
     double sum_of_losses(const Eigen::VectorXd& r) const;
-    bool all_finite(const Point& point, const Eigen::MatrixXd* in_values);
+    bool all_finite(const SearchPoint& point, const Eigen::MatrixXd* in_values);
 
     const Problem& problem_;
     const SearchSpace& space_;

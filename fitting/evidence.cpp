@@ -79,7 +79,7 @@ private:
 
 } // namespace
 
-std::optional<rodwake::Estimate> evidence(const Density& density, const Sampled& chains,
+std::optional<rodwake::Estimate> evidence(const Density& density, const SampledChains& chains,
                                           const PosteriorMethod& method) {
     std::vector<Eigen::VectorXd> first;
     for (const Draws& chain : chains.draws)

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::array names = {"converged", "roundoff", "budget", "interrupted", "failed"};
 
-/// StartResult::termination is "converged: reason", so that the words alone bring back both.
+/// StartResult::termination is "converged: reason".
 Termination termination_in(const std::string& words) {
     for (std::size_t i = 0; i < names.size(); ++i)
         if (words.starts_with(names[i]))
@@ -29,12 +29,7 @@ Termination termination_in(const std::string& words) {
     return Termination::failed;
 }
 
-std::string reason_in(const std::string& words) {
-    const std::size_t colon = words.find(": ");
-    return colon == std::string::npos ? words : words.substr(colon + 2);
-}
-
-/// A search that could not begin (stopped, no derivatives there) leaves the point where it was.
+/// A search that could not begin (stopped, or no derivatives) leaves the point unchanged.
 SearchResult with_levenberg_marquardt(Evaluator& evaluator, const SearchResult& end) {
     SearchResult refined = levenberg_marquardt(evaluator, end.u);
     if (!std::isfinite(refined.objective)) {
@@ -47,15 +42,9 @@ SearchResult with_levenberg_marquardt(Evaluator& evaluator, const SearchResult& 
     return refined;
 }
 
-/// How the end of the search from the start compares, ends that are equal but for rounding being one.
-std::string compared(const SearchResult& first, const SearchResult& second) {
-    const double rise = second.objective - first.objective, same = 1e-6 * first.objective + 1e-8;
-    return rise > same ? "higher" : rise < -same ? "lower" : "as low";
-}
-
-/// NLopt's stage knows the sum of squares only and may leap over a minimum that the residuals themselves lead
-/// to, or the other way round: the better end counts, the first unless the second is lower by more than the
-/// sum's last digits or as low and alone stationary.
+/// The better of two ends. NLopt sees only the sum of squares and may leap over a minimum to which the
+/// residuals lead, or the other way round. The first counts unless the second is lower by more than rounding,
+/// or as low and alone stationary.
 SearchResult better_of(SearchResult first, SearchResult second) {
     if (!std::isfinite(second.objective)) {
         first.reason += "; from the start itself " + second.reason;
@@ -65,7 +54,8 @@ SearchResult better_of(SearchResult first, SearchResult second) {
     const bool steadier = second.objective <= first.objective * (1.0 + 1e-13) &&
                           second.termination == Termination::converged &&
                           first.termination != Termination::converged;
-    const std::string how = compared(first, second);
+    const double rise = second.objective - first.objective, same = 1e-6 * first.objective + 1e-8;
+    const std::string how = rise > same ? "higher" : rise < -same ? "lower" : "as low";
     if (!lower && !steadier) {
         first.reason += "; the polish from the start itself ends " + how;
         return first;
@@ -124,69 +114,14 @@ StartResult run_start(const Problem& problem, const Method& method, std::size_t 
     return result;
 }
 
-/// All starts, those of an earlier run taken over; empty: not begun before the stop.
-class Starts {
-public:
-    Starts(const Problem& problem, const Method& method)
-        : problem_(problem), method_(method), ends_(method.starts) {
-        for (const StartResult& done : method.done)
-            ends_[done.index] = done;
-    }
-
-    void run() {
-        parallel_for(ends_.size(), std::max<std::size_t>(method_.threads, 1), [this](std::size_t i) {
-            if (!ends_[i] && !stopped())
-                ends_[i] = finished(run_start(problem_, method_, i, [this] { return stopped(); }));
-        });
-    }
-
-    std::vector<StartResult> ends() const {
-        std::vector<StartResult> all;
-        for (const auto& end : ends_)
-            if (end)
-                all.push_back(*end);
-        return all;
-    }
-    bool complete() const { return !interrupted_; }
-
-private:
-    bool stopped() {
-        if (!method_.stop_requested)
-            return false;
-        const std::lock_guard lock(mutex_);
-        return interrupted_ = interrupted_ || method_.stop_requested();
-    }
-
-    StartResult finished(StartResult end) {
-        const std::lock_guard lock(mutex_);
-        if (method_.on_start_done && termination_in(end.termination) != Termination::interrupted)
-            method_.on_start_done(end);
-        return end;
-    }
-
-    const Problem& problem_;
-    const Method& method_;
-    std::mutex mutex_;
-    bool interrupted_ = false;
-    std::vector<std::optional<StartResult>> ends_;
-};
-
-/// The first of those that differ by rounding errors only: with one minimum that is where the user's own
-/// start ended.
-std::vector<StartResult>::const_iterator best_of(const std::vector<StartResult>& ends) {
-    const auto least = std::ranges::min_element(ends, {}, &StartResult::objective);
-    return std::ranges::find_if(
-        ends, [&](const StartResult& end) { return !(end.objective > least->objective * (1.0 + 1e-13)); });
-}
-
-/// What the best end is like: chi2 and how far from stationary.
+/// Sets chi2 and the distance from stationarity of the best end.
 void look_at(const Problem& problem, const Method& method, Fit& fit) {
     std::vector<double> free;
     for (const std::size_t i : free_parameters(problem))
         free.push_back(fit.values[i]);
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, {method.loss, method.loss_width});
-    const Point point = evaluator(space.coordinates(free), true);
+    const SearchPoint point = evaluator(space.coordinates(free), true);
     evaluator.require_memory();
     fit.chi2 = fit.distance = std::numeric_limits<double>::infinity();
     if (!point.finite())
@@ -205,15 +140,43 @@ std::string to_string(Termination termination) { return names[static_cast<std::s
 Fit fit(const Problem& problem, const Method& method) {
     validate(problem);
     check_method(problem, method);
-    Starts starts(problem, method);
-    starts.run();
+
+    // All starts in parallel; those of an earlier run are taken over, and those not begun before a stop stay
+    // empty.
+    std::vector<std::optional<StartResult>> ends(method.starts);
+    for (const StartResult& done : method.done)
+        ends[done.index] = done;
+    std::mutex mutex;
+    bool interrupted = false;
+    const auto stopped = [&] {
+        if (!method.stop_requested)
+            return false;
+        const std::lock_guard lock(mutex);
+        return interrupted = interrupted || method.stop_requested();
+    };
+    parallel_for(ends.size(), std::max<std::size_t>(method.threads, 1), [&](std::size_t i) {
+        if (ends[i] || stopped())
+            return;
+        ends[i] = run_start(problem, method, i, stopped);
+        const std::lock_guard lock(mutex);
+        if (method.on_start_done && termination_in(ends[i]->termination) != Termination::interrupted)
+            method.on_start_done(*ends[i]);
+    });
+
+    // The best is the first of those that differ by rounding only: with one minimum the end of the user's own
+    // start.
     Fit fit;
     fit.loss = method.loss;
     fit.loss_width = method.loss_width;
-    fit.starts = starts.ends();
-    for (const StartResult& end : fit.starts)
-        fit.evaluations += end.evaluations;
-    const auto best = best_of(fit.starts);
+    for (const auto& end : ends)
+        if (end) {
+            fit.starts.push_back(*end);
+            fit.evaluations += end->evaluations;
+        }
+    const auto least = std::ranges::min_element(fit.starts, {}, &StartResult::objective);
+    const auto best = std::ranges::find_if(fit.starts, [&](const StartResult& end) {
+        return !(end.objective > least->objective * (1.0 + 1e-13));
+    });
     if (best == fit.starts.end()) {
         fit.values = all_values(problem, start_values(problem, method, 0));
         fit.termination = Termination::interrupted;
@@ -223,8 +186,9 @@ Fit fit(const Problem& problem, const Method& method) {
     }
     fit.values = all_values(problem, best->end);
     fit.objective = best->objective;
-    fit.termination = starts.complete() ? termination_in(best->termination) : Termination::interrupted;
-    fit.reason = reason_in(best->termination);
+    fit.termination = interrupted ? Termination::interrupted : termination_in(best->termination);
+    const std::size_t colon = best->termination.find(": ");
+    fit.reason = colon == std::string::npos ? best->termination : best->termination.substr(colon + 2);
     look_at(problem, method, fit);
     return fit;
 }
@@ -257,31 +221,6 @@ std::string to_string(Algorithm algorithm) {
     throw InputError("fit: no such algorithm");
 }
 
-namespace {
-
-void check_done(const Problem& problem, const Method& method) {
-    const std::size_t free = free_parameters(problem).size();
-    for (const StartResult& done : method.done)
-        if (done.index >= method.starts || done.end.size() != free || done.start.size() != free)
-            throw InputError(
-                fmt::format("fit: the finished start {} (of {} parameters) is not one of these {} starts "
-                            "of {} parameters: it belongs to another fit",
-                            done.index, done.end.size(), method.starts, free));
-}
-
-void check_box(const Problem& problem, const Method& method) {
-    for (const Parameter& p : problem.parameters) {
-        const bool open = !std::isfinite(p.upper) || !std::isfinite(p.lower);
-        if (p.free() && open)
-            throw InputError(
-                fmt::format("fit: {} searches the whole box of the bounds, so {} needs a lower and an "
-                            "upper bound; or choose a local method such as slsqp with several starts",
-                            to_string(method.algorithm), p.name));
-    }
-}
-
-} // namespace
-
 void check_method(const Problem& problem, const Method& method) {
     if (!(method.tolerance > 0.0 && method.tolerance < 1.0))
         throw InputError(fmt::format("fit: tolerance {}: must be above 0 and below 1", method.tolerance));
@@ -293,9 +232,19 @@ void check_method(const Problem& problem, const Method& method) {
         throw InputError(fmt::format("fit: spread {}: must be above 1", method.spread));
     if (!(method.loss_width > 0.0 && std::isfinite(method.loss_width)))
         throw InputError(fmt::format("fit: loss_width {}: must be above 0", method.loss_width));
-    check_done(problem, method);
-    if (is_global(method.algorithm))
-        check_box(problem, method);
+    const std::size_t free = free_parameters(problem).size();
+    for (const StartResult& done : method.done)
+        if (done.index >= method.starts || done.end.size() != free || done.start.size() != free)
+            throw InputError(
+                fmt::format("fit: the finished start {} (of {} parameters) is not one of these {} starts "
+                            "of {} parameters: it belongs to another fit",
+                            done.index, done.end.size(), method.starts, free));
+    for (const Parameter& p : problem.parameters)
+        if (is_global(method.algorithm) && p.free() && (!std::isfinite(p.upper) || !std::isfinite(p.lower)))
+            throw InputError(
+                fmt::format("fit: {} searches the whole box of the bounds, so {} needs a lower and an "
+                            "upper bound; or choose a local method such as slsqp with several starts",
+                            to_string(method.algorithm), p.name));
 }
 
 } // namespace rodwake::fitting

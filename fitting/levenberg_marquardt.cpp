@@ -11,8 +11,8 @@ namespace rodwake::fitting {
 
 namespace {
 
-/// Of the columns in `movable`: QR of the augmented system, which unlike the normal equations does not square
-/// the condition number.
+/// Damped least squares in the columns of `movable`, by QR of the augmented system: unlike the normal
+/// equations it does not square the condition number.
 Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
                       const std::vector<Eigen::Index>& movable, const Eigen::VectorXd& weights,
                       double lambda) {
@@ -26,15 +26,7 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
     return augmented.householderQr().solve(right);
 }
 
-std::vector<Eigen::Index> not_held(const std::vector<bool>& held) {
-    std::vector<Eigen::Index> movable;
-    for (std::size_t k = 0; k < held.size(); ++k)
-        if (!held[k])
-            movable.push_back(static_cast<Eigen::Index>(k));
-    return movable;
-}
-
-/// Puts coordinates that left the box on its side and holds them there; true if there were any.
+/// Moves coordinates that left the box to its side and holds them there. Returns true if there were any.
 bool clip(const SearchSpace& space, const Eigen::VectorXd& u, Eigen::VectorXd& step,
           std::vector<bool>& held) {
     bool any = false;
@@ -61,7 +53,10 @@ DampedStep damped_step(const Weighted& model, const SearchSpace& space, const Ei
     std::vector<bool> held = held_by_bounds(space, u, gradient);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
     do {
-        const auto movable = not_held(held);
+        std::vector<Eigen::Index> movable;
+        for (Eigen::Index k = 0; k < n; ++k)
+            if (!held[static_cast<std::size_t>(k)])
+                movable.push_back(k);
         if (movable.empty())
             break;
         Eigen::VectorXd fixed_part = step;
@@ -78,43 +73,14 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr long patience = 20;
 constexpr double tight = 1e-6; // standard errors, far below anything that matters
 
-/// Steps measured by the columns' lengths; Nielsen's rule for the damping.
-class Damping {
-public:
-    void rescale(const Eigen::MatrixXd& a) { scale = a.colwise().stableNorm().transpose(); }
-    Eigen::VectorXd weights() const {
-        return scale.unaryExpr([](double s) { return s > 0.0 ? s : 1.0; });
-    }
-    void better(double gain) {
-        const double root = 2.0 * gain - 1.0;
-        lambda = std::max(1e-20, lambda * std::clamp(1.0 - root * root * root, 1.0 / 10.0, 2.0));
-        growth = 2.0;
-    }
-    void worse() {
-        lambda *= growth;
-        growth *= 2.0;
-    }
-
-    Eigen::VectorXd scale;
-    double lambda = 1e-3, growth = 2.0;
-};
-
-struct Run {
+struct LevenbergMarquardt {
     Evaluator& evaluator;
-    Point here;
+    SearchPoint here;
     Weighted model{};
-    Damping damping{};
+    Eigen::VectorXd weights{};          ///< lengths of the columns, by which steps are measured
+    double lambda = 1e-3, growth = 2.0; ///< of the damping, by Nielsen's rule
     long iterations = 0;
-
-    void linearise() {
-        model = evaluator.weighted(here);
-        damping.rescale(model.a);
-    }
 };
-
-bool tiny(const Eigen::VectorXd& step, const Eigen::VectorXd& u) {
-    return (step.array().abs() <= eps * u.array().abs()).all();
-}
 
 bool inside(const SearchSpace& space, const Eigen::VectorXd& u) {
     return (u.array() > space.lower().array()).all() && (u.array() < space.upper().array()).all();
@@ -122,62 +88,66 @@ bool inside(const SearchSpace& space, const Eigen::VectorXd& u) {
 
 /// Geodesic acceleration (Transtrum and Sethna, arXiv:1201.5885): half the second-order correction of the
 /// step, from the residuals' second derivative along it. In long curved valleys it is worth its evaluation
-/// many times over, so it is tried once the search has proved to be long. Zero where it is not to be trusted.
-Eigen::VectorXd acceleration(Run& run, const Eigen::VectorXd& step) {
+/// many times over, so it is tried once the search has proved to be long. Zero if it cannot be trusted.
+Eigen::VectorXd acceleration(LevenbergMarquardt& run, const Eigen::VectorXd& step) {
     constexpr double h = 0.1;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(step.size()), &u = run.here.u;
     const SearchSpace& space = run.evaluator.space();
     if (run.iterations <= patience || !inside(space, u) || !inside(space, u + step))
         return none;
-    const Point ahead = run.evaluator(u + h * step, false);
+    const SearchPoint ahead = run.evaluator(u + h * step, false);
     if (!ahead.finite())
         return none;
     const Eigen::VectorXd bend = 2.0 / h * ((ahead.r - run.here.r) / h - run.here.jacobian * step);
-    const Eigen::VectorXd weights = run.damping.weights();
     const Eigen::VectorXd half =
         0.5 * damped_step({run.model.a, bend.cwiseProduct(run.model.roots), run.model.roots}, space, u,
-                          weights, run.damping.lambda)
+                          run.weights, run.lambda)
                   .step;
-    return half.cwiseProduct(weights).norm() <= 0.375 * step.cwiseProduct(weights).norm() ? half : none;
+    return half.cwiseProduct(run.weights).norm() <= 0.375 * step.cwiseProduct(run.weights).norm() ? half
+                                                                                                  : none;
 }
 
-/// Tries steps from `here`, ever shorter, until one is better. False: there is none.
-bool advance(Run& run, long max_iterations) {
+/// Tries steps from `here`, ever shorter, until one is better. Returns false if there is none.
+bool advance(LevenbergMarquardt& run, long max_iterations) {
     while (run.iterations < max_iterations) {
         ++run.iterations;
-        const DampedStep step = damped_step(run.model, run.evaluator.space(), run.here.u,
-                                            run.damping.weights(), run.damping.lambda);
+        const DampedStep step =
+            damped_step(run.model, run.evaluator.space(), run.here.u, run.weights, run.lambda);
         const Eigen::VectorXd to =
             run.evaluator.space().clamp(run.here.u + step.step + acceleration(run, step.step));
-        if (!(step.predicted > 0.0) || tiny(to - run.here.u, run.here.u))
+        const bool tiny = ((to - run.here.u).array().abs() <= eps * run.here.u.array().abs()).all();
+        if (!(step.predicted > 0.0) || tiny)
             return false;
         const bool measurable = step.predicted > 4.0 * eps * run.here.objective;
-        Point there = run.evaluator(to, true);
+        SearchPoint there = run.evaluator(to, true);
         if (run.evaluator.stopped())
             return false;
         if (there.objective < run.here.objective) {
-            run.damping.better((run.here.objective - there.objective) / step.predicted);
+            const double root = 2.0 * (run.here.objective - there.objective) / step.predicted - 1.0;
+            run.lambda = std::max(1e-20, run.lambda * std::clamp(1.0 - root * root * root, 1.0 / 10.0, 2.0));
+            run.growth = 2.0;
             run.here = std::move(there);
             return true;
         }
         if (!measurable)
             return false;
-        run.damping.worse();
+        run.lambda *= run.growth;
+        run.growth *= 2.0;
     }
     return false;
 }
 
-/// The objective cannot tell the last steps apart; they are taken, hardly damped, as long as each leaves less
-/// than 0.8 of the improvement the linear model still promises and the objective is as good but for rounding.
-void refine(Run& run) {
+/// Takes last steps whose objectives differ by rounding only, hardly damped, as long as each leaves less than
+/// 0.8 of the improvement that the linear model still promises.
+void refine(LevenbergMarquardt& run) {
     const double worst = run.here.objective * (1.0 + 4.0 * eps);
     const SearchSpace& space = run.evaluator.space();
-    const auto next = [&](const Run& at) {
-        return damped_step(at.model, space, at.here.u, run.damping.weights(), 1e-15);
+    const auto next = [&](const LevenbergMarquardt& at) {
+        return damped_step(at.model, space, at.here.u, run.weights, 1e-15);
     };
     DampedStep step = next(run);
     for (int i = 0; i < 50 && step.predicted > 0.0; ++i) {
-        Run there{run.evaluator, run.evaluator(space.clamp(run.here.u + step.step), true)};
+        LevenbergMarquardt there{run.evaluator, run.evaluator(space.clamp(run.here.u + step.step), true)};
         if (!(there.here.objective <= worst))
             return;
         there.model = run.evaluator.weighted(there.here);
@@ -190,7 +160,7 @@ void refine(Run& run) {
     }
 }
 
-SearchResult verdict(const Run& run, long max_iterations) {
+SearchResult verdict(const LevenbergMarquardt& run, long max_iterations) {
     SearchResult end{run.here.u, run.here.objective, Termination::roundoff, {}};
     const Stationarity s = stationarity(run.evaluator, run.here);
     if (run.evaluator.best() < run.here.objective * (1.0 - 8.0 * eps)) { // a probe, just before a stop
@@ -215,14 +185,16 @@ SearchResult verdict(const Run& run, long max_iterations) {
 } // namespace
 
 SearchResult levenberg_marquardt(Evaluator& evaluator, const Eigen::VectorXd& start, long max_iterations) {
-    Run run{evaluator, evaluator(start, true)};
+    LevenbergMarquardt run{evaluator, evaluator(start, true)};
     if (!run.here.finite())
         return {start, run.here.objective,
                 evaluator.stopped() ? Termination::interrupted : Termination::failed,
                 "polish: " + (evaluator.stopped() ? std::string("interrupted") : evaluator.trouble())};
-    do
-        run.linearise();
-    while (start.size() > 0 && run.here.objective > 0.0 && advance(run, max_iterations));
+    do {
+        run.model = evaluator.weighted(run.here);
+        run.weights = run.model.a.colwise().stableNorm().transpose();
+        run.weights = run.weights.unaryExpr([](double s) { return s > 0.0 ? s : 1.0; }).eval();
+    } while (start.size() > 0 && run.here.objective > 0.0 && advance(run, max_iterations));
     if (start.size() > 0 && run.here.objective > 0.0 && !evaluator.stopped())
         refine(run);
     return verdict(run, max_iterations);

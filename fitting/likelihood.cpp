@@ -17,7 +17,7 @@ constexpr double far_enough = 6.0;
 constexpr double limit = 1000.0; // standard errors
 
 /// A point of the profile: the others re-optimised.
-struct Place {
+struct LikelihoodPoint {
     double u = 0.0; ///< coordinate of the parameter
     double z = 0.0; ///< sqrt of the rise of the objective, in units of its rise for one standard error
     double value = 0.0, objective = std::numeric_limits<double>::infinity();
@@ -33,15 +33,15 @@ public:
         measure();
     }
 
-    Place centre() const {
+    LikelihoodPoint centre() const {
         const double value = best_.values[parameter_];
         return {space_.coordinate(k_, value), 0.0, value, best_.objective, best_.values};
     }
 
     /// At coordinate u, starting from a neighbour.
-    Place at(double u, const Place& from) const {
+    LikelihoodPoint at(double u, const LikelihoodPoint& from) const {
         Problem held = problem_;
-        Place place{u, 0.0, space_.value(k_, u), {}, {}};
+        LikelihoodPoint place{u, 0.0, space_.value(k_, u), {}, {}};
         for (std::size_t i = 0; i < held.parameters.size(); ++i)
             held.parameters[i].start = i == parameter_ ? place.value : from.values[i];
         held.parameters[parameter_].fixed = true;
@@ -86,7 +86,7 @@ private:
         std::vector<double> free;
         for (const std::size_t i : space_.free())
             free.push_back(best_.values[i]);
-        const Point point = evaluator(space_.coordinates(free), true);
+        const SearchPoint point = evaluator(space_.coordinates(free), true);
         evaluator.require_memory();
         if (!point.finite())
             throw RunError("fit: no profile likelihood: the residuals are not finite at the best values (" +
@@ -116,10 +116,10 @@ private:
 };
 
 /// Between neighbours below and above the threshold: Illinois' false position, to a millionth of the rise.
-double crossing(const LikelihoodProfile& profile, Place inside, const Place& outside) {
+double crossing(const LikelihoodProfile& profile, LikelihoodPoint inside, const LikelihoodPoint& outside) {
     const double wanted = std::sqrt(threshold);
     double low = inside.z - wanted, high = outside.z - wanted, a = inside.u, b = outside.u;
-    Place nearest = inside;
+    LikelihoodPoint nearest = inside;
     for (int i = 0; i < 40 && !profile.stopped(); ++i) {
         const double u = std::isfinite(high) ? a + (b - a) * low / (low - high) : 0.5 * (a + b);
         nearest = profile.at(u, nearest.values.empty() || !std::isfinite(nearest.z) ? inside : nearest);
@@ -141,16 +141,16 @@ double crossing(const LikelihoodProfile& profile, Place inside, const Place& out
 }
 
 /// Outward until the objective has risen enough, a bound or the limit is reached. The first is the centre.
-std::vector<Place> walk(const LikelihoodProfile& profile, int side, std::size_t steps) {
-    std::vector<Place> places{profile.centre()};
+std::vector<LikelihoodPoint> walk(const LikelihoodProfile& profile, int side, std::size_t steps) {
+    std::vector<LikelihoodPoint> places{profile.centre()};
     const double end = profile.end(side), wanted = std::sqrt(far_enough) / static_cast<double>(steps);
     double step = wanted * profile.error();
     for (std::size_t i = 0; i < 8 * steps && places.back().z * places.back().z < far_enough; ++i) {
-        const Place& here = places.back();
+        const LikelihoodPoint& here = places.back();
         if (here.u == end || profile.stopped())
             break;
         const double to = here.u + side * step;
-        Place there = profile.at(side * (end - to) <= 0.0 ? end : to, here);
+        LikelihoodPoint there = profile.at(side * (end - to) <= 0.0 ? end : to, here);
         const double climbed = std::abs(there.z - here.z);
         if (!std::isfinite(there.z) || climbed > 4.0 * wanted) {
             step *= 0.25;
@@ -164,11 +164,11 @@ std::vector<Place> walk(const LikelihoodProfile& profile, int side, std::size_t 
     return places;
 }
 
-std::optional<double> bound_of(const LikelihoodProfile& profile, const std::vector<Place>& places) {
+std::optional<double> bound_of(const LikelihoodProfile& profile, const std::vector<LikelihoodPoint>& points) {
     const double wanted = std::sqrt(threshold);
-    for (std::size_t i = 1; i < places.size(); ++i)
-        if (places[i].z >= wanted && !profile.stopped()) {
-            const double value = crossing(profile, places[i - 1], places[i]);
+    for (std::size_t i = 1; i < points.size(); ++i)
+        if (points[i].z >= wanted && !profile.stopped()) {
+            const double value = crossing(profile, points[i - 1], points[i]);
             return profile.stopped() ? std::nullopt : std::optional(value);
         }
     return {};
@@ -183,9 +183,6 @@ void check(const Problem& problem, std::size_t parameter) {
                                          : std::to_string(parameter)));
 }
 
-/// Whether it rises with the coordinate: then the parameter is on its lower bound.
-bool on_lower_bound(const Parameter& p, double value) { return value - p.lower <= p.upper - value; }
-
 } // namespace
 
 std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, std::size_t parameter) {
@@ -194,7 +191,9 @@ std::optional<double> one_sided_limit(const Problem& problem, const Fit& best, s
     method.loss = best.loss;
     method.loss_width = best.loss_width;
     const LikelihoodProfile profile(problem, method, best, parameter);
-    const int side = on_lower_bound(problem.parameters[parameter], best.values[parameter]) ? +1 : -1;
+    const Parameter& p = problem.parameters[parameter];
+    const double value = best.values[parameter];
+    const int side = value - p.lower <= p.upper - value ? +1 : -1; // away from the nearer bound
     return bound_of(profile, walk(profile, side, 6));
 }
 
@@ -203,14 +202,14 @@ ProfileLikelihood profile_likelihood(const Problem& problem, const Method& metho
     check(problem, parameter);
     const LikelihoodProfile profile(problem, method, best, parameter);
     const std::size_t steps = std::max<std::size_t>(points / 2, 2);
-    const std::vector<Place> down = walk(profile, -1, steps), up = walk(profile, +1, steps);
+    const std::vector<LikelihoodPoint> down = walk(profile, -1, steps), up = walk(profile, +1, steps);
     ProfileLikelihood result;
     result.parameter = parameter;
     result.low = bound_of(profile, down);
     result.high = bound_of(profile, up);
-    for (auto place = down.rbegin(); place != down.rend(); ++place) {
-        result.value.push_back(place->value);
-        result.chi2.push_back(place->objective);
+    for (auto position = down.rbegin(); position != down.rend(); ++position) {
+        result.value.push_back(position->value);
+        result.chi2.push_back(position->objective);
     }
     for (std::size_t i = 1; i < up.size(); ++i) {
         result.value.push_back(up[i].value);

@@ -20,26 +20,26 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Of so large a chi2 or a larger one.
+/// Probability of a chi2 at least as large.
 double chi2_tail(double chi2, double dof) {
     return dof > 0.0 ? boost::math::gamma_q(0.5 * dof, 0.5 * std::max(chi2, 0.0)) : 1.0;
 }
 
 double normal_tail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
-/// Of the smallest of `count` probabilities.
+/// Probability that the smallest of `count` probabilities is as small.
 double among(double probability, double count) {
     return probability >= 1.0 ? 1.0 : -std::expm1(count * std::log1p(-probability));
 }
 
-/// Residuals of the scale that is known, or told by their scatter.
-struct Group {
+/// Residuals of one scale, which is known or follows from their scatter.
+struct ResidualGroup {
     std::string name;
     std::vector<std::size_t> residuals;
     double dof = 0.0;
 };
 
-/// What each test finds in residuals.
+/// Results of the tests on residuals.
 struct Findings {
     std::optional<double> chi2, runs, largest, region; ///< probabilities
     double runs_value = 0.0, runs_expected = 0.0, largest_value = 0.0;
@@ -47,8 +47,8 @@ struct Findings {
 
     double least() const {
         double p = 1.0;
-        for (const auto& one : {chi2, runs, largest, region})
-            p = std::min(p, one.value_or(1.0));
+        for (const auto& probability : {chi2, runs, largest, region})
+            p = std::min(p, probability.value_or(1.0));
         return p;
     }
 };
@@ -59,25 +59,21 @@ public:
 
     Eigen::VectorXd r; ///< of the fit
     Findings look(const Eigen::VectorXd& residuals) const;
-    /// Residuals as the right model leaves them.
+    /// Residuals that the right model would leave, drawn at random.
     Eigen::VectorXd drawn(std::uint64_t seed, std::uint32_t draw) const;
     double dof() const { return static_cast<double>(r.size() - basis_.cols()); }
     double independent_dof() const {
         return problem_.independent * static_cast<double>(r.size()) - static_cast<double>(basis_.cols());
     }
-    /// Mean square below which signs are those of rounding: a tenth of a sigma, or 1e-7 of an unknown one's
-    /// unit.
-    double least_scatter() const { return problem_.sigma_known ? 1e-2 : 1e-14; }
     bool white() const { return problem_.independent >= 1.0; }
-    /// What r^2 is to be multiplied by: 1 with known sigmas.
+    /// Factor of r^2: 1 with known sigmas.
     double scale(const Eigen::VectorXd& residuals) const {
         const double chi2 = residuals.squaredNorm();
         return problem_.sigma_known || !(chi2 > 0.0) ? 1.0 : independent_dof() / chi2;
     }
-    const std::vector<Group>& groups() const { return groups_; }
+    const std::vector<ResidualGroup>& groups() const { return groups_; }
 
 private:
-    void find_basis(const Eigen::MatrixXd& by_coordinate);
     void find_groups();
     void look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const;
 
@@ -85,7 +81,7 @@ private:
     std::vector<Series> series_;
     Eigen::MatrixXd basis_;  ///< Q
     Eigen::VectorXd remain_; ///< 1 - |Q_i|^2
-    std::vector<Group> groups_;
+    std::vector<ResidualGroup> groups_;
 };
 
 ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
@@ -94,26 +90,23 @@ ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
     r = Eigen::VectorXd::Zero(rows);
     Eigen::MatrixXd by_value = Eigen::MatrixXd::Zero(rows, static_cast<Index>(problem.parameters.size()));
     problem.evaluate(fit.values, r, &by_value);
-    const SearchSpace space(problem);
-    find_basis(space.chain(by_value, fit.values));
-    find_groups();
-}
 
-/// Columns of one length each, so that the rank is that of directions, not of units.
-void ResidualSet::find_basis(const Eigen::MatrixXd& by_coordinate) {
+    // A basis of the directions that the parameters take up. Columns get one length, so that the rank does
+    // not depend on units.
     constexpr double rank_tolerance = 1e-10; // as ReportOptions
-    Eigen::MatrixXd columns = by_coordinate;
+    Eigen::MatrixXd columns = SearchSpace(problem).chain(by_value, fit.values);
     for (Index k = 0; k < columns.cols(); ++k)
         if (const double length = columns.col(k).norm(); length > 0.0)
             columns.col(k) /= length;
     basis_ = Eigen::MatrixXd(columns.rows(), 0);
     remain_ = Eigen::VectorXd::Ones(columns.rows());
-    if (columns.cols() == 0)
-        return;
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-    qr.setThreshold(rank_tolerance);
-    basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-    remain_ -= basis_.rowwise().squaredNorm();
+    if (columns.cols() > 0) {
+        Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+        qr.setThreshold(rank_tolerance);
+        basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+        remain_ -= basis_.rowwise().squaredNorm();
+    }
+    find_groups();
 }
 
 /// Thirds of each quantity of a set of data; whole ones where there are many sets.
@@ -121,34 +114,35 @@ void ResidualSet::find_groups() {
     constexpr std::size_t few = 3;
     static constexpr const char* thirds[] = {", first third", ", middle third", ", last third"};
     std::map<std::string, std::size_t> sets, place;
-    for (const Series& one : series_)
-        sets.emplace(one.data, 0);
-    for (const Series& one : series_)
-        for (std::size_t i = 0; i < one.residuals.size(); ++i) {
-            std::string name = one.quantity == "values" ? one.data : one.data + ", " + one.quantity;
-            if (sets.size() <= few && one.residuals.size() > 2)
-                name += thirds[3 * i / one.residuals.size()];
+    for (const Series& series : series_)
+        sets.emplace(series.data, 0);
+    for (const Series& series : series_)
+        for (std::size_t i = 0; i < series.residuals.size(); ++i) {
+            std::string name =
+                series.quantity == "values" ? series.data : series.data + ", " + series.quantity;
+            if (sets.size() <= few && series.residuals.size() > 2)
+                name += thirds[3 * i / series.residuals.size()];
             const auto [at, fresh] = place.emplace(name, groups_.size());
             if (fresh)
                 groups_.push_back({name, {}, 0.0});
-            Group& group = groups_[at->second];
-            group.residuals.push_back(one.residuals[i]);
-            group.dof += problem_.independent - (1.0 - remain_[static_cast<Index>(one.residuals[i])]);
+            ResidualGroup& group = groups_[at->second];
+            group.residuals.push_back(series.residuals[i]);
+            group.dof += problem_.independent - (1.0 - remain_[static_cast<Index>(series.residuals[i])]);
         }
-    std::erase_if(groups_, [](const Group& group) { return group.dof < 1.0; });
+    std::erase_if(groups_, [](const ResidualGroup& group) { return group.dof < 1.0; });
 }
 
 /// Wald and Wolfowitz's runs of all series together, given how many of each sign there are.
 void ResidualSet::look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const {
     double runs = 0.0, expected = 0.0, variance = 0.0;
-    for (const Series& one : series_) {
+    for (const Series& series : series_) {
         double plus = 0.0, own = 0.0;
-        for (std::size_t i = 0; i < one.residuals.size(); ++i) {
-            const bool up = residuals[static_cast<Index>(one.residuals[i])] > 0.0;
+        for (std::size_t i = 0; i < series.residuals.size(); ++i) {
+            const bool up = residuals[static_cast<Index>(series.residuals[i])] > 0.0;
             plus += up ? 1.0 : 0.0;
-            own += i == 0 || up != (residuals[static_cast<Index>(one.residuals[i - 1])] > 0.0) ? 1.0 : 0.0;
+            own += i == 0 || up != (residuals[static_cast<Index>(series.residuals[i - 1])] > 0.0) ? 1.0 : 0.0;
         }
-        const auto n = static_cast<double>(one.residuals.size());
+        const auto n = static_cast<double>(series.residuals.size());
         if (n < 2.0)
             continue;
         const double both = 2.0 * plus * (n - plus);
@@ -183,7 +177,7 @@ Findings ResidualSet::look(const Eigen::VectorXd& residuals) const {
         found.region = among(least, static_cast<double>(groups_.size()));
     if (!white())
         return found;
-    if (residuals.squaredNorm() > least_scatter() * dof())
+    if (residuals.squaredNorm() > (problem_.sigma_known ? 1e-2 : 1e-14) * dof())
         look_at_signs(residuals, found);
     double most = 0.0;
     for (Index i = 0; i < residuals.size(); ++i)
@@ -213,26 +207,23 @@ Eigen::VectorXd ResidualSet::drawn(std::uint64_t seed, std::uint32_t draw) const
     return z;
 }
 
-/// Of so small a smallest probability. What no draw reaches is bounded by the sum of those of the tests.
+/// Probability of a smallest probability like this, from draws; beyond them bounded by the sum over the
+/// tests.
 double calibrated(const ResidualSet& data, const Findings& found, std::uint64_t seed) {
     constexpr double work = 4e6;
     const auto draws =
         static_cast<std::uint32_t>(std::clamp(work / static_cast<double>(data.r.size()), 200.0, 1000.0));
     double tests = 0.0;
-    for (const auto& one : {found.chi2, found.runs, found.largest, found.region})
-        tests += one ? 1.0 : 0.0;
+    for (const auto& probability : {found.chi2, found.runs, found.largest, found.region})
+        tests += probability ? 1.0 : 0.0;
     const double bound = std::min(1.0, tests * found.least());
-    if (!data.white()) // draws know nothing of noise that neighbours share
+    if (!data.white()) // draws have no noise that neighbours share
         return bound;
     std::uint32_t as_small = 0;
     for (std::uint32_t draw = 0; draw < draws; ++draw)
         as_small += data.look(data.drawn(seed, draw)).least() <= found.least() ? 1 : 0;
     const double share = (1.0 + as_small) / (1.0 + draws);
     return as_small == 0 ? std::min(share, bound) : share;
-}
-
-std::string residual_text(const Problem& problem, std::size_t i) {
-    return problem.residual_name ? problem.residual_name(i) : fmt::format("residual {}", i);
 }
 
 void add_tests(const Problem& problem, const ResidualSet& data, const Findings& found, Misfit& out) {
@@ -248,11 +239,15 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
                                          : *found.runs > 0.95 ? "change their sign too often"
                                                               : "change their sign as noise does",
                                          found.runs_value, found.runs_expected)});
-    if (found.largest)
-        out.tests.push_back({"largest", found.largest_value, 0.0, *found.largest,
-                             fmt::format("{} is {:.3g} standard errors off",
-                                         residual_text(problem, found.largest_at), found.largest_value)});
-    for (const Group& group : data.groups()) {
+    if (found.largest) {
+        const std::size_t at = found.largest_at;
+        out.tests.push_back(
+            {"largest", found.largest_value, 0.0, *found.largest,
+             fmt::format("{} is {:.3g} standard errors off",
+                         problem.residual_name ? problem.residual_name(at) : fmt::format("residual {}", at),
+                         found.largest_value)});
+    }
+    for (const ResidualGroup& group : data.groups()) {
         double chi2 = 0.0;
         for (const std::size_t i : group.residuals)
             chi2 += factor * data.r[static_cast<Index>(i)] * data.r[static_cast<Index>(i)];
@@ -266,11 +261,7 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
          fmt::format("{} has chi2 {:.3g} where {:.3g} is expected", worst.name, worst.chi2, worst.expected)});
 }
 
-} // namespace
-
-namespace {
-
-/// Without the logarithms of scales behind the data.
+/// The problem without the logarithms of scales behind its data.
 Problem data_alone(const Problem& problem) {
     Problem out = problem;
     out.residuals = data_count(problem);
@@ -308,7 +299,7 @@ Misfit misfit(const Problem& problem, const Fit& fit, std::uint64_t seed) {
 
 namespace {
 
-/// Residuals that are left out, or foretold.
+/// Residuals that are left out and predicted.
 struct Stretch {
     std::vector<bool> in;
 
@@ -317,9 +308,9 @@ struct Stretch {
 
 Stretch stretch_of(const Problem& problem, std::size_t block, std::size_t blocks) {
     Stretch stretch{std::vector<bool>(problem.residuals, false)};
-    for (const Series& one : series_of(problem))
-        for (std::size_t i = 0; i < one.residuals.size(); ++i)
-            stretch.in[one.residuals[i]] = blocks * i / one.residuals.size() == block;
+    for (const Series& series : series_of(problem))
+        for (std::size_t i = 0; i < series.residuals.size(); ++i)
+            stretch.in[series.residuals[i]] = blocks * i / series.residuals.size() == block;
     return stretch;
 }
 
@@ -350,22 +341,10 @@ Problem without(const Problem& problem, const Stretch& stretch) {
     return rest;
 }
 
-/// Of the stretch at these values; `variance` of a residual, from the others where sigmas are unknown.
-double foretold(const Problem& problem, const Stretch& stretch, std::span<const double> values,
-                double variance) {
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
-    problem.evaluate(values, r, nullptr);
-    double chi2 = 0.0;
-    for (Index i = 0; i < r.size(); ++i)
-        chi2 += stretch.in[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
-    const double count = problem.independent * static_cast<double>(stretch.count(true));
-    return -0.5 * (chi2 / variance + count * std::log(variance));
-}
-
-/// A stretch foretold by a fit of the others, which begins at the end of the fit of all. Nothing where that
-/// has no degree of freedom.
-std::optional<double> foretold(const Problem& problem, const Method& method, const Fit& fit,
-                               const Stretch& stretch) {
+/// Log-likelihood of a stretch as predicted by a fit of the others, which begins at the end of the fit of
+/// all. Nothing if that has no degree of freedom.
+std::optional<double> predicted(const Problem& problem, const Method& method, const Fit& fit,
+                                const Stretch& stretch) {
     const Problem rest = without(problem, stretch);
     const long dof = degrees_of_freedom(rest);
     if (dof < 1)
@@ -379,41 +358,49 @@ std::optional<double> foretold(const Problem& problem, const Method& method, con
     evaluator.require_memory();
     if (!std::isfinite(end.objective))
         throw RunError("no finite residuals: " + end.reason);
-    return foretold(problem, stretch, space.values(end.u),
-                    rest.sigma_known ? 1.0 : end.objective / static_cast<double>(dof));
+
+    // The variance of a residual comes from the others if sigmas are unknown.
+    const double variance = rest.sigma_known ? 1.0 : end.objective / static_cast<double>(dof);
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
+    problem.evaluate(space.values(end.u), r, nullptr);
+    double chi2 = 0.0;
+    for (Index i = 0; i < r.size(); ++i)
+        chi2 += stretch.in[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
+    const double count = problem.independent * static_cast<double>(stretch.count(true));
+    return -0.5 * (chi2 / variance + count * std::log(variance));
 }
 
 } // namespace
 
 double CrossValidation::sum() const {
     double sum = 0.0;
-    for (const double one : blocks)
-        sum += one;
+    for (const double block : blocks)
+        sum += block;
     return sum;
 }
 
 double CrossValidation::error() const {
     const auto n = static_cast<double>(blocks.size());
     double squares = 0.0;
-    for (const double one : blocks)
-        squares += (one - sum() / n) * (one - sum() / n);
+    for (const double block : blocks)
+        squares += (block - sum() / n) * (block - sum() / n);
     return n > 1.0 ? std::sqrt(n * squares / (n - 1.0)) : HUGE_VAL;
 }
 
 std::optional<CrossValidation> cross_validate(const Problem& problem, const Method& method, const Fit& fit,
                                               std::size_t blocks) {
-    if (problem.log_scales > 0) // what is left out is in what the filter foretells
+    if (problem.log_scales > 0) // the Kalman filter predicts from the residuals that are left out
         return std::nullopt;
-    for (const Series& one : series_of(problem))
-        if (one.residuals.size() > 1) // a time of contact stays with its stretch
-            blocks = std::min(blocks, one.residuals.size());
+    for (const Series& series : series_of(problem))
+        if (series.residuals.size() > 1) // a time of contact stays with its stretch
+            blocks = std::min(blocks, series.residuals.size());
     CrossValidation out;
     for (std::size_t block = 0; block < blocks; ++block) {
-        const auto one =
-            blocks < 2 ? std::nullopt : foretold(problem, method, fit, stretch_of(problem, block, blocks));
-        if (!one)
+        const auto log_likelihood =
+            blocks < 2 ? std::nullopt : predicted(problem, method, fit, stretch_of(problem, block, blocks));
+        if (!log_likelihood)
             return std::nullopt;
-        out.blocks.push_back(*one);
+        out.blocks.push_back(*log_likelihood);
     }
     return out;
 }

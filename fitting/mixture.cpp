@@ -19,29 +19,30 @@ constexpr double freedom = 5.0;
 constexpr std::size_t most_places = 2500;
 
 /// Evenly spread among all.
-std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& places) {
+std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& positions) {
     std::vector<const Eigen::VectorXd*> out;
-    const std::size_t count = std::min(most_places, places.size());
+    const std::size_t count = std::min(most_places, positions.size());
     for (std::size_t i = 0; i < count; ++i)
-        out.push_back(&places[i * places.size() / count]);
+        out.push_back(&positions[i * positions.size() / count]);
     return out;
 }
 
 /// By the share that it has in each place; held to what it was by as many places as it has dimensions, so
 /// that a few do not make it flat.
-Mixture::Part moved(Mixture::Part part, const std::vector<const Eigen::VectorXd*>& places,
-                    const std::vector<double>& shares) {
+Mixture::MixtureComponent moved(Mixture::MixtureComponent part,
+                                const std::vector<const Eigen::VectorXd*>& positions,
+                                const std::vector<double>& shares) {
     const auto hold = static_cast<double>(part.middle.size() + 1);
     const double count = std::accumulate(shares.begin(), shares.end(), 0.0);
-    part.weight = count / static_cast<double>(places.size());
+    part.weight = count / static_cast<double>(positions.size());
     if (count < 3.0 * hold)
         return part;
     Eigen::VectorXd middle = 0.0 * part.middle;
-    for (std::size_t i = 0; i < places.size(); ++i)
-        middle += shares[i] / count * *places[i];
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        middle += shares[i] / count * *positions[i];
     Eigen::MatrixXd found = 0.0 * part.covariance;
-    for (std::size_t i = 0; i < places.size(); ++i)
-        found += shares[i] * (*places[i] - middle) * (*places[i] - middle).transpose();
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        found += shares[i] * (*positions[i] - middle) * (*positions[i] - middle).transpose();
     part.middle = middle;
     part.covariance = (found + hold * part.covariance) / (count + hold);
     part.covariance.diagonal().array() += 1e-14; // of places that are all the same
@@ -57,18 +58,18 @@ Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size) {
     return out;
 }
 
-Mixture::Mixture(std::vector<Part> parts) : parts_(std::move(parts)) { settle(); }
+Mixture::Mixture(std::vector<MixtureComponent> parts) : parts_(std::move(parts)) { settle(); }
 
 void Mixture::settle() {
     double all = 0.0;
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         all += part.weight;
-    for (Part& part : parts_)
+    for (MixtureComponent& part : parts_)
         part.weight /= all;
     wide_ = {0.1, 0.0 * parts_.front().middle, 0.0 * parts_.front().covariance};
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         wide_.middle += part.weight * part.middle;
-    for (const Part& part : parts_) {
+    for (const MixtureComponent& part : parts_) {
         const Eigen::VectorXd off = part.middle - wide_.middle;
         wide_.covariance += 3.0 * part.weight * (part.covariance + off * off.transpose());
     }
@@ -121,13 +122,13 @@ Eigen::VectorXd Mixture::draw(RandomStream& random) const {
 
 Eigen::MatrixXd Mixture::common_root() const {
     Eigen::MatrixXd mean = 0.0 * parts_.front().covariance;
-    for (const Part& part : parts_)
+    for (const MixtureComponent& part : parts_)
         mean += part.weight * part.covariance;
     return mean.llt().matrixL();
 }
 
-Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const {
-    const Places some = some_of(places);
+Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& positions, std::size_t splits) const {
+    const Positions some = some_of(positions);
     const auto d = static_cast<double>(parts_.front().middle.size()),
                count = static_cast<double>(some.size());
     // of a criterion of Schwarz, with a fourth of the places for independent ones
@@ -143,45 +144,45 @@ Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& places, std::size_t
 }
 
 /// Expectation and maximisation.
-Mixture Mixture::followed(const Places& places, int rounds) const {
-    std::vector<std::vector<double>> shares(parts_.size(), std::vector<double>(places.size()));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const double all = log_density(*places[i]);
+Mixture Mixture::followed(const Positions& positions, int rounds) const {
+    std::vector<std::vector<double>> shares(parts_.size(), std::vector<double>(positions.size()));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const double all = log_density(*positions[i]);
         for (std::size_t k = 0; k < parts_.size(); ++k)
-            shares[k][i] = std::exp(log_density(k, *places[i]) - all);
+            shares[k][i] = std::exp(log_density(k, *positions[i]) - all);
     }
-    std::vector<Part> parts;
+    std::vector<MixtureComponent> parts;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
-        parts.push_back(moved(parts_[k], places, shares[k]));
+        parts.push_back(moved(parts_[k], positions, shares[k]));
         // one that is not seen for a while is not given up
         parts.back().weight = std::max(parts.back().weight, 0.2 / static_cast<double>(parts_.size()));
     }
     const Mixture next(std::move(parts));
-    return rounds > 1 ? next.followed(places, rounds - 1) : next;
+    return rounds > 1 ? next.followed(positions, rounds - 1) : next;
 }
 
 /// The heaviest part in two along its longest axis.
 Mixture Mixture::split() const {
     constexpr double apart = 0.8; // of its standard deviation there
-    std::vector<Part> parts = parts_;
-    Part& heavy = *std::ranges::max_element(parts, {}, &Part::weight);
+    std::vector<MixtureComponent> parts = parts_;
+    MixtureComponent& heavy = *std::ranges::max_element(parts, {}, &MixtureComponent::weight);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(heavy.covariance);
     const Eigen::Index last = heavy.middle.size() - 1;
     const Eigen::VectorXd step =
         apart * std::sqrt(std::max(0.0, axes.eigenvalues()[last])) * axes.eigenvectors().col(last);
     heavy.weight *= 0.5;
     heavy.covariance -= step * step.transpose();
-    Part other = heavy;
+    MixtureComponent other = heavy;
     heavy.middle -= step, other.middle += step;
     parts.push_back(std::move(other));
     return Mixture(std::move(parts));
 }
 
-double Mixture::mean_log_density(const Places& places) const {
+double Mixture::mean_log_density(const Positions& positions) const {
     double sum = 0.0;
-    for (const Eigen::VectorXd* z : places)
+    for (const Eigen::VectorXd* z : positions)
         sum += log_density(*z);
-    return sum / static_cast<double>(places.size());
+    return sum / static_cast<double>(positions.size());
 }
 
 } // namespace rodwake::fitting

@@ -15,13 +15,13 @@ inline constexpr std::size_t most_parts = 24;
 
 class Mixture {
 public:
-    struct Part {
+    struct MixtureComponent {
         double weight = 1.0;
         Eigen::VectorXd middle;
         Eigen::MatrixXd covariance; ///< of what it stands for; positive definite
     };
 
-    explicit Mixture(std::vector<Part> parts);
+    explicit Mixture(std::vector<MixtureComponent> parts);
 
     std::size_t parts() const { return parts_.size(); }
     /// From a normal distribution about a part, this many times as wide.
@@ -32,20 +32,21 @@ public:
     Eigen::MatrixXd common_root() const;
     /// Fitted to these places; a part that does not follow them becomes two, this many times at most, so that
     /// bends are followed.
-    Mixture learned(const std::vector<Eigen::VectorXd>& places, std::size_t splits) const;
+    Mixture learned(const std::vector<Eigen::VectorXd>& positions, std::size_t splits) const;
 
 private:
-    using Places = std::vector<const Eigen::VectorXd*>;
+    using Positions = std::vector<const Eigen::VectorXd*>;
 
-    const Part& part(std::size_t i) const { return i < parts_.size() ? parts_[i] : wide_; }
+    const MixtureComponent& part(std::size_t i) const { return i < parts_.size() ? parts_[i] : wide_; }
     double log_density(std::size_t i, const Eigen::VectorXd& z) const;
-    double mean_log_density(const Places& places) const;
-    Mixture followed(const Places& places, int rounds) const;
+    double mean_log_density(const Positions& places) const;
+    Mixture followed(const Positions& places, int rounds) const;
     Mixture split() const;
     void settle();
 
-    std::vector<Part> parts_;
-    Part wide_; ///< about all parts together, for places that they leave out; takes no part in learning
+    std::vector<MixtureComponent> parts_;
+    MixtureComponent
+        wide_; ///< about all parts together, for places that they leave out; takes no part in learning
     std::vector<Eigen::MatrixXd> roots_;
     std::vector<double> constants_; ///< logarithms of weight and normalisation
 };

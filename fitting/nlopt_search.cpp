@@ -19,7 +19,7 @@ using Handle = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, Destroy>;
 
 /// NLopt works on v = stretch u and objective/unit. With gradients, stretch makes the curvature's diagonal 1
 /// at the start, so that first steps along the gradient have a sensible length.
-struct Stage {
+struct NloptStage {
     Evaluator& evaluator;
     nlopt_opt handle = nullptr;
     Eigen::VectorXd stretch{};
@@ -31,7 +31,7 @@ struct Stage {
 };
 
 /// A wall that rises away from the best point, higher than anything met so far.
-double penalty(const Stage& stage, const Eigen::VectorXd& u, double* gradient) {
+double penalty(const NloptStage& stage, const Eigen::VectorXd& u, double* gradient) {
     if (!gradient)
         return 2.0 * stage.worst;
     Eigen::Map<Eigen::VectorXd> slope(gradient, u.size());
@@ -45,9 +45,9 @@ double penalty(const Stage& stage, const Eigen::VectorXd& u, double* gradient) {
 }
 
 double objective(unsigned, const double* v, double* gradient, void* data) {
-    Stage& stage = *static_cast<Stage*>(data);
+    NloptStage& stage = *static_cast<NloptStage*>(data);
     const Eigen::VectorXd u = stage.to_u(v);
-    const Point point = stage.evaluator(u, gradient != nullptr);
+    const SearchPoint point = stage.evaluator(u, gradient != nullptr);
     if (stage.evaluator.stopped())
         nlopt_force_stop(stage.handle);
     if (!point.finite())
@@ -122,7 +122,7 @@ double least_stretch(const SearchSpace& space, Eigen::Index k) {
     return space.scale_known(k) ? 0.1 : 1e-8;
 }
 
-Eigen::VectorXd stretch_of(const Evaluator& evaluator, const Point& start) {
+Eigen::VectorXd stretch_of(const Evaluator& evaluator, const SearchPoint& start) {
     const SearchSpace& space = evaluator.space();
     Eigen::VectorXd stretch = Eigen::VectorXd::Ones(start.u.size());
     if (start.jacobian.size() == 0 || start.objective == 0.0)
@@ -134,12 +134,7 @@ Eigen::VectorXd stretch_of(const Evaluator& evaluator, const Point& start) {
     return stretch;
 }
 
-/// A quarter of a natural step, and well within the bounds, as BOBYQA demands.
-Eigen::VectorXd first_steps(const SearchSpace& space, const Eigen::VectorXd& stretch) {
-    return (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stretch);
-}
-
-Handle make(const Method& method, Algorithm algorithm, const Stage& stage) {
+Handle make(const Method& method, Algorithm algorithm, const NloptStage& stage) {
     const auto n = static_cast<unsigned>(stage.stretch.size());
     Handle opt(nlopt_create(of_nlopt(algorithm), n));
     if (!opt)
@@ -152,16 +147,19 @@ Handle make(const Method& method, Algorithm algorithm, const Stage& stage) {
     nlopt_set_ftol_rel(opt.get(), method.tolerance);
     nlopt_set_xtol_rel(opt.get(), method.tolerance);
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min<long>(method.max_evaluations, 1'000'000'000)));
-    if (!is_global(algorithm) && !needs_gradient(algorithm))
-        nlopt_set_initial_step(opt.get(), first_steps(space, stage.stretch).data());
+    if (!is_global(algorithm) && !needs_gradient(algorithm)) {
+        const Eigen::VectorXd first_steps =
+            (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stage.stretch);
+        nlopt_set_initial_step(opt.get(), first_steps.data());
+    }
     return opt;
 }
 
 SearchResult one_stage(Evaluator& evaluator, const Method& method, Algorithm algorithm,
                        const Eigen::VectorXd& start) {
     const bool with_gradient = needs_gradient(algorithm);
-    const Point first = evaluator(start, with_gradient);
-    Stage stage{evaluator};
+    const SearchPoint first = evaluator(start, with_gradient);
+    NloptStage stage{evaluator};
     stage.stretch = stretch_of(evaluator, first);
     if (first.finite() && first.objective > 0.0)
         stage.unit = first.objective;

@@ -36,18 +36,18 @@ struct Belief {
     Eigen::MatrixXd covariance;
 };
 
-struct Diffusion {
+struct DiffusionCoefficients {
     double rotational = 0.0, translational = 0.0;
 
     double of(Index component) const { return component % 3 == 2 ? rotational : translational; }
 };
 
-double sigma_at(const Trajectory& one, Index component) {
-    return component % 3 == 2 ? one.sigma_heading : one.sigma_position;
+double sigma_at(const Trajectory& trajectory, Index component) {
+    return component % 3 == 2 ? trajectory.sigma_heading : trajectory.sigma_position;
 }
 
-Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> values) {
-    Diffusion out;
+DiffusionCoefficients diffusion_of(std::span<const Role> roles, std::span<const double> values) {
+    DiffusionCoefficients out;
     for (std::size_t j = 0; j < roles.size(); ++j)
         if (roles[j].diffusion)
             (*roles[j].diffusion == Role::Diffusion::rotational ? out.rotational : out.translational) =
@@ -57,9 +57,10 @@ Diffusion diffusion_of(std::span<const Role> roles, std::span<const double> valu
 
 /// The moments' equations between two rows in units of the data's errors, so that one tolerance serves all:
 /// how far the mean has moved, then the covariance's upper triangle, column by column.
-class Moments {
+class MomentEquations {
 public:
-    Moments(const rods::RodModel& model, const Diffusion& diffusion, const Trajectory& trajectory)
+    MomentEquations(const rods::RodModel& model, const DiffusionCoefficients& diffusion,
+                    const Trajectory& trajectory)
         : model_(model), box_(trajectory.box), n_(static_cast<Index>(3 * model.rods())), unit_(n_),
           driven_(n_), mean_(n_), rate_(n_), P_(n_, n_), J_(n_, n_), JP_transposed_(n_, n_) {
         for (Index i = 0; i < n_; ++i) {
@@ -136,13 +137,13 @@ private:
     long steps_ = 1; ///< of the last row: as many are tried in the next
 };
 
-Belief at_start(const Trajectory& one) {
-    const std::vector<double>& start = one.states.front();
+Belief at_start(const Trajectory& trajectory) {
+    const std::vector<double>& start = trajectory.states.front();
     const auto n = static_cast<Index>(start.size());
     Belief belief{Eigen::Map<const Eigen::VectorXd>(start.data(), n), Eigen::MatrixXd::Zero(n, n)};
     for (Index i = 0; i < n; ++i)
-        if (is_free(one, static_cast<std::size_t>(i)))
-            belief.covariance(i, i) = sigma_at(one, i) * sigma_at(one, i);
+        if (is_free(trajectory, static_cast<std::size_t>(i)))
+            belief.covariance(i, i) = sigma_at(trajectory, i) * sigma_at(trajectory, i);
     return belief;
 }
 
@@ -166,15 +167,15 @@ public:
             roles_.push_back(role_of(p.name, all));
             wanted_.push_back(!p.fixed);
         }
-        for (const Trajectory& one : all)
-            data_ += (one.times.size() - 1) * one.states.front().size();
+        for (const Trajectory& trajectory : all)
+            data_ += (trajectory.times.size() - 1) * trajectory.states.front().size();
     }
 
     std::size_t data() const { return data_; }
 
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
-        const Diffusion diffusion = diffusion_of(roles_, p);
+        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
         if (!(diffusion.rotational >= 0.0 && diffusion.translational >= 0.0))
             throw RunError("D_r and D_t must not be negative");
         fill(p, r);
@@ -190,10 +191,10 @@ public:
     /// Of each datum, then the zero that makes 1 + 2 ln(s/sigma) the logarithm of s.
     std::vector<double> log_sigma() const {
         std::vector<double> out;
-        for (const Trajectory& one : all_)
-            for (std::size_t row = 1; row < one.states.size(); ++row)
-                for (std::size_t i = 0; i < one.states[row].size(); ++i)
-                    out.push_back(std::log(sigma_at(one, static_cast<Index>(i))));
+        for (const Trajectory& track : all_)
+            for (std::size_t row = 1; row < track.states.size(); ++row)
+                for (std::size_t i = 0; i < track.states[row].size(); ++i)
+                    out.push_back(std::log(sigma_at(track, static_cast<Index>(i))));
         out.resize(2 * data_, -log_root_2pi - 0.5);
         return out;
     }
@@ -201,10 +202,10 @@ public:
     std::vector<Series> series() const {
         std::vector<Series> out;
         std::size_t first = 0;
-        for (const Trajectory& one : all_) {
-            const std::size_t n = one.states.front().size(), rows = one.times.size() - 1;
+        for (const Trajectory& item : all_) {
+            const std::size_t n = item.states.front().size(), rows = item.times.size() - 1;
             for (std::size_t i = 0; i < n; ++i) {
-                Series& s = out.emplace_back(Series{one.name, i % 3 == 2 ? "headings" : "places", {}});
+                Series& s = out.emplace_back(Series{item.name, i % 3 == 2 ? "headings" : "places", {}});
                 for (std::size_t row = 0; row < rows; ++row)
                     s.residuals.push_back(first + row * n + i);
             }
@@ -216,10 +217,10 @@ public:
     std::string name(std::size_t i) const {
         static constexpr const char* names[] = {"x", "y", "theta"};
         i %= data_;
-        for (const Trajectory& one : all_) {
-            const std::size_t n = one.states.front().size(), own = (one.times.size() - 1) * n;
+        for (const Trajectory& each : all_) {
+            const std::size_t n = each.states.front().size(), own = (each.times.size() - 1) * n;
             if (i < own)
-                return fmt::format("{} {}{}", row_name(one, i / n + 1), names[i % n % 3], i % n / 3);
+                return fmt::format("{} {}{}", row_name(each, i / n + 1), names[i % n % 3], i % n / 3);
             i -= own;
         }
         return "";
@@ -227,12 +228,12 @@ public:
 
 private:
     void fill(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
-        const Diffusion diffusion = diffusion_of(roles_, p);
+        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
         Index at = 0;
         for (std::size_t k = 0; k < all_.size(); ++k) {
             const Trajectory& one = all_[k];
             const rods::RodModel model = rods::model_of(rod_problem(one, k, roles_, p));
-            Moments moments(model, diffusion, one);
+            MomentEquations moments(model, diffusion, one);
             Belief belief = at_start(one);
             for (std::size_t row = 1; row < one.times.size(); ++row) {
                 moments.foretell(one.times[row] - one.times[row - 1], one.name, belief);
@@ -292,16 +293,17 @@ private:
 };
 
 void check_noisy(const std::vector<Trajectory>& trajectories) {
-    for (const Trajectory& one : trajectories) {
-        if (one.contact_time)
-            throw InputError(one.name +
+    for (const Trajectory& trajectory : trajectories) {
+        if (trajectory.contact_time)
+            throw InputError(trajectory.name +
                              ": contact_time is no datum of rods that diffuse (D_r, D_t): leave it "
                              "out, or fit without them");
-        if (one.independent < 1.0)
-            throw InputError(one.name + ": independent_time and the rods' own noise (D_r, D_t) both say why "
-                                        "neighbouring rows go together: leave one of them out");
-        if (one.times.size() < 2)
-            throw InputError(one.name + ": a single row says nothing of rods that diffuse");
+        if (trajectory.independent < 1.0)
+            throw InputError(trajectory.name +
+                             ": independent_time and the rods' own noise (D_r, D_t) both say why "
+                             "neighbouring rows go together: leave one of them out");
+        if (trajectory.times.size() < 2)
+            throw InputError(trajectory.name + ": a single row says nothing of rods that diffuse");
     }
 }
 
@@ -336,7 +338,7 @@ std::vector<std::vector<double>> drawn_states(const TrajectoryModel& model, cons
     rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
     for (const double t : trajectory.times)
         problem.output_times.push_back(t - trajectory.times.front());
-    const Diffusion diffusion = diffusion_of(roles, values);
+    const DiffusionCoefficients diffusion = diffusion_of(roles, values);
     const auto found = rods::simulate(problem, {},
                                       {diffusion.rotational, diffusion.translational,
                                        rods::suitable_time_step(problem, diffusion.rotational), seed},
@@ -356,11 +358,11 @@ std::vector<std::vector<double>> noise_variance(const Trajectory& trajectory, st
         roles.push_back(role_of(p.name, {trajectory}));
     std::vector<std::vector<double>> out(trajectory.times.size(),
                                          std::vector<double>(trajectory.states.front().size()));
-    const Diffusion diffusion = diffusion_of(roles, values);
+    const DiffusionCoefficients diffusion = diffusion_of(roles, values);
     if (diffusion.rotational == 0.0 && diffusion.translational == 0.0)
         return out;
     const rods::RodModel model = rods::model_of(rod_problem(trajectory, index, roles, values));
-    Moments moments(model, diffusion, trajectory);
+    MomentEquations moments(model, diffusion, trajectory);
     Belief belief = at_start(trajectory);
     for (std::size_t row = 0; row < out.size(); ++row) {
         if (row > 0)

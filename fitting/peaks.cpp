@@ -43,9 +43,9 @@ Peak climb(const Density& density, Eigen::VectorXd z) {
     if (r.size() == 0 || !std::isfinite(value))
         return {};
     Eigen::MatrixXd j = slopes(density, z, r.size()), curvature;
-    const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(z.size(), z.size());
+    const Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(z.size(), z.size());
     for (int step = 0; step < 60 && damping < 1e8; ++step) {
-        curvature = j.transpose() * j + one;
+        curvature = j.transpose() * j + matrix;
         Eigen::MatrixXd damped = curvature;
         damped.diagonal() *= 1.0 + damping;
         const Eigen::VectorXd next = z - damped.ldlt().solve(j.transpose() * r + z);
@@ -59,7 +59,7 @@ Peak climb(const Density& density, Eigen::VectorXd z) {
         if (gain < 1e-6)
             break;
     }
-    curvature = j.transpose() * j + one;
+    curvature = j.transpose() * j + matrix;
     const Peak peak{z, curvature.inverse(), value - 0.5 * std::log(curvature.determinant())};
     if (peak.covariance.llt().info() == Eigen::Success && std::isfinite(peak.log_mass))
         return peak;
@@ -117,7 +117,7 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
         if (peak.log_mass > most - negligible && kept.size() < most_peaks &&
             std::ranges::none_of(kept, [&](const Peak& other) { return same(peak, other); }))
             kept.push_back(peak);
-    std::vector<Mixture::Part> parts;
+    std::vector<Mixture::MixtureComponent> parts;
     for (const Peak& peak : kept)
         parts.push_back({std::exp(peak.log_mass - most), peak.z, peak.covariance});
     return Mixture(std::move(parts));

@@ -115,8 +115,8 @@ void judge(const Problem& problem, const std::vector<Prior>& priors, const std::
     for (std::size_t k = 0; k < names.size(); ++k) {
         std::vector<double> z;
         for (const Draws& chain : chains)
-            for (const Eigen::VectorXd& one : chain.z)
-                z.push_back(one[static_cast<Eigen::Index>(k)]);
+            for (const Eigen::VectorXd& vector : chain.z)
+                z.push_back(vector[static_cast<Eigen::Index>(k)]);
         judge_prior(names[k], priors[k], std::move(z), out);
     }
 }

@@ -140,12 +140,12 @@ namespace {
 using Range = std::pair<std::size_t, std::size_t>;
 
 /// Rows between turns of the direction in which the places go.
-std::vector<Range> stretches(std::span<const double> places) {
+std::vector<Range> stretches(std::span<const double> positions) {
     std::vector<Range> all;
     std::size_t first = 0;
     int direction = 0;
-    for (std::size_t i = 1; i < places.size(); ++i) {
-        const int step = (places[i] > places[i - 1]) - (places[i] < places[i - 1]);
+    for (std::size_t i = 1; i < positions.size(); ++i) {
+        const int step = (positions[i] > positions[i - 1]) - (positions[i] < positions[i - 1]);
         if (step != 0 && step == -direction) {
             all.emplace_back(first, i);
             first = i;
@@ -154,28 +154,28 @@ std::vector<Range> stretches(std::span<const double> places) {
             direction = step;
         }
     }
-    all.emplace_back(first, places.size());
+    all.emplace_back(first, positions.size());
     return all;
 }
 
 /// Runs one after the other; rows in no order, of which stretches are short, are one.
-std::vector<Range> runs_in(std::span<const double> places) {
+std::vector<Range> runs_in(std::span<const double> positions) {
     constexpr std::size_t shortest = 4; // in random order a stretch has 2 to 3 rows
-    std::vector<Range> all = stretches(places);
-    return shortest * all.size() > places.size() ? std::vector<Range>{{0, places.size()}} : all;
+    std::vector<Range> all = stretches(positions);
+    return shortest * all.size() > positions.size() ? std::vector<Range>{{0, positions.size()}} : all;
 }
 
 /// Of `order`, the rows of one run by place.
-void set_worth(std::span<const double> places, std::span<const std::size_t> order, double spacing,
+void set_worth(std::span<const double> positions, std::span<const std::size_t> order, double spacing,
                std::vector<double>& worth) {
     std::size_t low = 0, high = 0; // the rows closer than `spacing` are [low, high)
     for (const std::size_t row : order) {
-        while (places[row] - places[order[low]] >= spacing)
+        while (positions[row] - positions[order[low]] >= spacing)
             ++low;
-        while (high < order.size() && places[order[high]] - places[row] < spacing)
+        while (high < order.size() && positions[order[high]] - positions[row] < spacing)
             ++high;
         const auto count = static_cast<double>(high - low);
-        const double span = places[order[high - 1]] - places[order[low]];
+        const double span = positions[order[high - 1]] - positions[order[low]];
         worth[row] =
             count < 2.0 ? 1.0 : std::min(1.0, std::max(span / (spacing * (count - 1.0)), 1.0 / count));
     }
@@ -183,15 +183,15 @@ void set_worth(std::span<const double> places, std::span<const std::size_t> orde
 
 } // namespace
 
-std::vector<double> independent_worth(std::span<const double> places, double spacing) {
-    std::vector<double> worth(places.size(), 1.0);
-    if (places.empty())
+std::vector<double> independent_worth(std::span<const double> positions, double spacing) {
+    std::vector<double> worth(positions.size(), 1.0);
+    if (positions.empty())
         return worth;
-    for (const auto& [first, last] : runs_in(places)) {
+    for (const auto& [first, last] : runs_in(positions)) {
         std::vector<std::size_t> order(last - first);
         std::iota(order.begin(), order.end(), first);
-        std::ranges::sort(order, {}, [&](std::size_t row) { return places[row]; });
-        set_worth(places, order, spacing, worth);
+        std::ranges::sort(order, {}, [&](std::size_t row) { return positions[row]; });
+        set_worth(positions, order, spacing, worth);
     }
     return worth;
 }
@@ -213,7 +213,7 @@ double mean_worth(std::span<const double> worth) {
 namespace {
 
 /// One of the problems, and which parameter of the whole each of its parameters is.
-struct Part {
+struct ProblemPart {
     Problem problem;
     std::vector<std::size_t> index;
     std::size_t first_residual = 0;
@@ -238,7 +238,7 @@ std::size_t slot_of(const Parameter& parameter, std::vector<Parameter>& all) {
     return static_cast<std::size_t>(found - all.begin());
 }
 
-void evaluate(const Part& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+void evaluate(const ProblemPart& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
               Eigen::MatrixXd* jacobian) {
     const auto rows = static_cast<Eigen::Index>(part.problem.residuals),
                first = static_cast<Eigen::Index>(part.first_residual);
@@ -254,9 +254,9 @@ void evaluate(const Part& part, std::span<const double> p, Eigen::Ref<Eigen::Vec
             slopes.col(static_cast<Eigen::Index>(j));
 }
 
-std::string name_of(const std::vector<Part>& parts, std::size_t i) {
-    const Part* of = &parts.front();
-    for (const Part& part : parts)
+std::string name_of(const std::vector<ProblemPart>& parts, std::size_t i) {
+    const ProblemPart* of = &parts.front();
+    for (const ProblemPart& part : parts)
         if (part.first_residual <= i)
             of = &part;
     const std::size_t own = i - of->first_residual;
@@ -271,21 +271,21 @@ Problem joined(const std::vector<Problem>& problems) {
     Problem whole;
     whole.sigma_known = problems.front().sigma_known;
     double values = 0.0;
-    const auto parts = std::make_shared<std::vector<Part>>();
+    const auto parts = std::make_shared<std::vector<ProblemPart>>();
     for (const Problem& problem : problems) {
         if (problem.sigma_known != whole.sigma_known)
             throw InputError(
                 "fit: standard errors are known for one kind of data and not for the other: their "
                 "weights cannot be compared; give all of them, or none");
-        Part part{problem, {}, whole.residuals};
+        ProblemPart part{problem, {}, whole.residuals};
         for (const Parameter& parameter : problem.parameters)
             part.index.push_back(slot_of(parameter, whole.parameters));
         whole.residuals += problem.residuals;
         whole.log_sigma.insert(whole.log_sigma.end(), problem.log_sigma.begin(), problem.log_sigma.end());
-        for (Series one : series_of(problem)) {
-            for (std::size_t& i : one.residuals)
+        for (Series item : series_of(problem)) {
+            for (std::size_t& i : item.residuals)
                 i += part.first_residual;
-            whole.series.push_back(std::move(one));
+            whole.series.push_back(std::move(item));
         }
         whole.remarks.insert(whole.remarks.end(), problem.remarks.begin(), problem.remarks.end());
         values += problem.independent * static_cast<double>(data_count(problem));
@@ -297,7 +297,7 @@ Problem joined(const std::vector<Problem>& problems) {
                              Eigen::MatrixXd* jacobian) {
         if (jacobian)
             jacobian->setZero();
-        for (const Part& part : *parts)
+        for (const ProblemPart& part : *parts)
             evaluate(part, p, r, jacobian);
     };
     whole.residual_name = [parts](std::size_t i) { return name_of(*parts, i); };

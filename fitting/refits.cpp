@@ -12,9 +12,9 @@ namespace {
 
 std::vector<double> mean(const std::vector<std::vector<double>>& values) {
     std::vector<double> sum(values.front().size(), 0.0);
-    for (const auto& one : values)
+    for (const auto& item : values)
         for (std::size_t k = 0; k < sum.size(); ++k)
-            sum[k] += one[k] / static_cast<double>(values.size());
+            sum[k] += item[k] / static_cast<double>(values.size());
     return sum;
 }
 
@@ -24,9 +24,9 @@ std::vector<double> sum_of_squares(const std::vector<std::vector<double>>& value
         throw InputError(fmt::format("a spread needs two values or more; there are {}", values.size()));
     const std::vector<double> middle = mean(values);
     std::vector<double> sum(middle.size(), 0.0);
-    for (const auto& one : values)
+    for (const auto& item : values)
         for (std::size_t k = 0; k < sum.size(); ++k)
-            sum[k] += (one[k] - middle[k]) * (one[k] - middle[k]);
+            sum[k] += (item[k] - middle[k]) * (item[k] - middle[k]);
     return sum;
 }
 

@@ -14,7 +14,7 @@ namespace rodwake::fitting {
 namespace {
 
 /// Errors in coordinates of the search, what they are multiplied by, and how many make the 95 % interval.
-struct Errors {
+struct CurvatureErrors {
     const SearchSpace& space;
     const Curvature& curvature;
     double factor, quantile;
@@ -30,7 +30,7 @@ double shifted(const SearchSpace& space, Eigen::Index k, double value, double sh
     return value * std::exp(space.slope(k, 1.0) * shift);
 }
 
-void set_free(Estimate& e, Eigen::Index k, const Errors& errors, const Parameter& p) {
+void set_free(ParameterEstimate& e, Eigen::Index k, const CurvatureErrors& errors, const Parameter& p) {
     if (errors.curvature.held[k]) {
         e.at_lower = e.value - p.lower <= p.upper - e.value;
         e.at_upper = !e.at_lower;
@@ -45,7 +45,7 @@ void set_free(Estimate& e, Eigen::Index k, const Errors& errors, const Parameter
 }
 
 /// Of a parameter on a bound: the interval to the side that is free.
-void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, Estimate& e) {
+void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, ParameterEstimate& e) {
     if (!e.at_lower && !e.at_upper)
         return;
     const Parameter& p = problem.parameters[i];
@@ -56,13 +56,13 @@ void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, Estima
         e.low = limit.value_or(p.lower);
 }
 
-void follow_ties(const Problem& problem, std::vector<Estimate>& estimates) {
+void follow_ties(const Problem& problem, std::vector<ParameterEstimate>& estimates) {
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const Parameter& p = problem.parameters[i];
         if (p.tied_to.empty())
             continue;
-        Estimate& e = estimates[i];
-        const Estimate& to = *std::ranges::find(estimates, p.tied_to, &Estimate::name);
+        ParameterEstimate& e = estimates[i];
+        const ParameterEstimate& to = *std::ranges::find(estimates, p.tied_to, &ParameterEstimate::name);
         e.tied_to = p.tied_to;
         e.tie_factor = p.tie_factor;
         e.standard_error = product(std::abs(p.tie_factor), to.standard_error);
@@ -80,10 +80,11 @@ double quantile95(bool normal, long dof) {
     return boost::math::quantile(boost::math::students_t(static_cast<double>(dof)), 0.975);
 }
 
-std::vector<Estimate> estimates_of(const Problem& problem, const Fit& fit, const Errors& errors) {
-    std::vector<Estimate> estimates;
+std::vector<ParameterEstimate> estimates_of(const Problem& problem, const Fit& fit,
+                                            const CurvatureErrors& errors) {
+    std::vector<ParameterEstimate> estimates;
     for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
-        Estimate e;
+        ParameterEstimate e;
         e.name = problem.parameters[i].name;
         e.value = e.low = e.high = fit.values[i];
         e.free = problem.parameters[i].free();
@@ -99,7 +100,7 @@ std::vector<Estimate> estimates_of(const Problem& problem, const Fit& fit, const
 }
 
 /// Covariance and correlation in values, NaN-free.
-void set_matrices(Report& report, const Fit& fit, const Errors& errors) {
+void set_matrices(Report& report, const Fit& fit, const CurvatureErrors& errors) {
     const Eigen::Index n = errors.space.size();
     Eigen::VectorXd slope(n);
     for (Eigen::Index k = 0; k < n; ++k)
@@ -167,7 +168,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     const SearchSpace space(problem);
     const LossShape loss{fit.loss, fit.loss_width};
     Evaluator evaluator(problem, space, loss);
-    const Point point = evaluator(space.coordinates(free_values(fit, space)), true);
+    const SearchPoint point = evaluator(space.coordinates(free_values(fit, space)), true);
     evaluator.require_memory();
     if (!point.finite()) {
         Report report = without_curvature(problem, fit);
@@ -185,7 +186,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     if (problem.sigma_known && report.dof > 0)
         report.probability = measure::chi2_probability(report.chi2, report.dof);
     const bool normal = problem.sigma_known && fit.loss == Loss::squares;
-    const Errors errors{space, c, scale.factor, quantile95(normal, report.dof)};
+    const CurvatureErrors errors{space, c, scale.factor, quantile95(normal, report.dof)};
     report.estimates = estimates_of(problem, fit, errors);
     set_matrices(report, fit, errors);
     report.flat = flat_directions(problem, fit, space, c);
@@ -199,7 +200,7 @@ Eigen::VectorXd propagated(const Report& report, const Eigen::MatrixXd& gradient
     Eigen::MatrixXd g(gradients.rows(), static_cast<Eigen::Index>(report.free.size()));
     for (Eigen::Index k = 0; k < g.cols(); ++k) {
         g.col(k) = gradients.col(report.free[k]);
-        const Estimate& to = report.estimates[report.free[k]];
+        const ParameterEstimate& to = report.estimates[report.free[k]];
         for (std::size_t i = 0; i < report.estimates.size(); ++i)
             if (report.estimates[i].tied_to == to.name)
                 g.col(k) += report.estimates[i].tie_factor * gradients.col(i);
@@ -213,18 +214,18 @@ Eigen::VectorXd propagated(const Report& report, const Eigen::MatrixXd& gradient
     return errors;
 }
 
-bool at_bound(const Report& report, const Estimate& estimate) {
-    const auto to = std::ranges::find(report.estimates, estimate.tied_to, &Estimate::name);
-    const Estimate& e = to == report.estimates.end() ? estimate : *to;
+bool at_bound(const Report& report, const ParameterEstimate& estimate) {
+    const auto to = std::ranges::find(report.estimates, estimate.tied_to, &ParameterEstimate::name);
+    const ParameterEstimate& e = to == report.estimates.end() ? estimate : *to;
     return e.at_lower || e.at_upper;
 }
 
-bool has_error(const Report& report, const Estimate& estimate) {
+bool has_error(const Report& report, const ParameterEstimate& estimate) {
     return (estimate.free || !estimate.tied_to.empty()) && !at_bound(report, estimate);
 }
 
 std::optional<double> fitted_value(const Report& report, const std::string& name) {
-    const auto at = std::ranges::find(report.estimates, name, &Estimate::name);
+    const auto at = std::ranges::find(report.estimates, name, &ParameterEstimate::name);
     return at == report.estimates.end() ? std::nullopt : std::optional(at->value);
 }
 
@@ -271,7 +272,7 @@ std::string bounds(const Parameter& p) {
     return below ? fmt::format(">= {:.5g}", p.lower) : above ? fmt::format("<= {:.5g}", p.upper) : "";
 }
 
-std::string kind(const Parameter& p, const Estimate& e) {
+std::string kind(const Parameter& p, const ParameterEstimate& e) {
     if (p.fixed)
         return "fixed";
     if (!e.tied_to.empty())
@@ -302,7 +303,7 @@ std::string table(const std::vector<Row>& rows) {
 std::string estimates(const Problem& problem, const Report& report) {
     std::vector<Row> rows{{"parameter", "value +- error", "95 % interval", "start", "bounds", ""}};
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
-        const Estimate& e = report.estimates[i];
+        const ParameterEstimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
         const bool known = std::isfinite(report.error_factor);
         rows.push_back({e.name, with_error(e.value, e.standard_error, known),

@@ -85,7 +85,7 @@ Eigen::MatrixXd SearchSpace::chain(const Eigen::MatrixXd& in_values, std::span<c
     Eigen::MatrixXd in_u(in_values.rows(), size());
     for (Eigen::Index k = 0; k < size(); ++k)
         in_u.col(k) = in_values.col(free_[k]);
-    for (const Tie& tie : ties_)
+    for (const TiedValue& tie : ties_)
         in_u.col(tie.to) += tie.factor * in_values.col(tie.parameter);
     for (Eigen::Index k = 0; k < size(); ++k)
         in_u.col(k) *= slope(k, values[free_[k]]);

@@ -36,7 +36,7 @@ public:
     Eigen::VectorXd clamp(const Eigen::VectorXd& u) const { return u.cwiseMax(lower_).cwiseMin(upper_); }
 
 private:
-    struct Tie {
+    struct TiedValue {
         std::size_t parameter;
         Eigen::Index to; ///< among the free ones
         double factor;
@@ -45,7 +45,7 @@ private:
 
     const Problem* problem_;
     std::vector<std::size_t> free_;
-    std::vector<Tie> ties_;
+    std::vector<TiedValue> ties_;
     Eigen::VectorXd scale_, lower_, upper_;
 };
 

@@ -20,59 +20,62 @@ using Row = Eigen::Index;
 
 /// The residuals of a trajectory in order: what is free of the first row, x, y, heading of each rod in each
 /// row after it, the time of contact.
-struct Residuals {
+struct ResidualLayout {
     std::size_t start, rows, contact;
 
-    explicit Residuals(const Trajectory& one)
-        : start(one.states.front().size() / (one.free_start ? 1 : 3) * (is_free(one, 2) ? 1 : 0)),
-          rows((one.times.size() - 1) * one.states.front().size()), contact(one.contact_time ? 1 : 0) {}
+    explicit ResidualLayout(const Trajectory& trajectory)
+        : start(trajectory.states.front().size() / (trajectory.free_start ? 1 : 3) *
+                (is_free(trajectory, 2) ? 1 : 0)),
+          rows((trajectory.times.size() - 1) * trajectory.states.front().size()),
+          contact(trajectory.contact_time ? 1 : 0) {}
     std::size_t count() const { return start + rows + contact; }
 };
 
-double sigma_of(const Trajectory& one, std::size_t component) {
-    return (component % 3 == 2 ? one.sigma_heading : one.sigma_position) / std::sqrt(one.independent);
+double sigma_of(const Trajectory& trajectory, std::size_t component) {
+    return (component % 3 == 2 ? trajectory.sigma_heading : trajectory.sigma_position) /
+           std::sqrt(trajectory.independent);
 }
 
 /// Of the residuals; a time of contact counts in full.
 double mean_independent(const std::vector<Trajectory>& all) {
     double values = 0.0, residuals = 0.0;
-    for (const Trajectory& one : all) {
-        const Residuals size(one);
+    for (const Trajectory& trajectory : all) {
+        const ResidualLayout size(trajectory);
         residuals += static_cast<double>(size.count());
         values += static_cast<double>(size.contact) +
-                  one.independent * static_cast<double>(size.count() - size.contact);
+                  trajectory.independent * static_cast<double>(size.count() - size.contact);
     }
     return values / residuals;
 }
 
-std::string residual_name(const Trajectory& one, std::size_t i) {
+std::string residual_name(const Trajectory& trajectory, std::size_t i) {
     static constexpr const char* names[] = {"x", "y", "theta"};
-    const Residuals size(one);
-    const std::size_t n = one.states.front().size();
+    const ResidualLayout size(trajectory);
+    const std::size_t n = trajectory.states.front().size();
     if (i < size.start) {
-        const std::size_t of_row = one.free_start ? i : 3 * i + 2;
-        return fmt::format("{} {}{}", row_name(one, 0), names[of_row % 3], of_row / 3);
+        const std::size_t of_row = trajectory.free_start ? i : 3 * i + 2;
+        return fmt::format("{} {}{}", row_name(trajectory, 0), names[of_row % 3], of_row / 3);
     }
     const std::size_t in_rows = i - size.start, component = in_rows % n;
     if (in_rows >= size.rows)
-        return one.name + " contact time";
-    return fmt::format("{} {}{}", row_name(one, in_rows / n + 1), names[component % 3], component / 3);
+        return trajectory.name + " contact time";
+    return fmt::format("{} {}{}", row_name(trajectory, in_rows / n + 1), names[component % 3], component / 3);
 }
 
 /// Of x, y and heading of each rod, from residual `first` on; a time of contact stands alone.
-void add_series(const Trajectory& one, std::size_t first, std::vector<Series>& all) {
-    const Residuals size(one);
-    const std::size_t n = one.states.front().size();
+void add_series(const Trajectory& trajectory, std::size_t first, std::vector<Series>& all) {
+    const ResidualLayout size(trajectory);
+    const std::size_t n = trajectory.states.front().size();
     for (std::size_t component = 0; component < n; ++component) {
-        Series series{one.name, component % 3 == 2 ? "headings" : "places", {}};
-        if (is_free(one, component))
-            series.residuals.push_back(first + (one.free_start ? component : component / 3));
+        Series series{trajectory.name, component % 3 == 2 ? "headings" : "places", {}};
+        if (is_free(trajectory, component))
+            series.residuals.push_back(first + (trajectory.free_start ? component : component / 3));
         for (std::size_t row = 0; row < size.rows / n; ++row)
             series.residuals.push_back(first + size.start + row * n + component);
         all.push_back(std::move(series));
     }
     if (size.contact > 0)
-        all.push_back({one.name, "contact time", {first + size.start + size.rows}});
+        all.push_back({trajectory.name, "contact time", {first + size.start + size.rows}});
 }
 
 class Trajectories {
@@ -88,8 +91,8 @@ public:
 
     std::size_t residuals() const {
         std::size_t count = 0;
-        for (const Trajectory& one : all_)
-            count += Residuals(one).count();
+        for (const Trajectory& trajectory : all_)
+            count += ResidualLayout(trajectory).count();
         return count;
     }
 
@@ -103,22 +106,22 @@ public:
 
     std::vector<double> log_sigma() const {
         std::vector<double> out;
-        for (const Trajectory& one : all_) {
-            for (std::size_t row = 0; row < one.states.size(); ++row)
-                for (std::size_t i = 0; i < one.states[row].size(); ++i)
-                    if (row > 0 || is_free(one, i))
-                        out.push_back(std::log(sigma_of(one, i)));
-            if (one.contact_time)
-                out.push_back(std::log(one.sigma_contact));
+        for (const Trajectory& track : all_) {
+            for (std::size_t row = 0; row < track.states.size(); ++row)
+                for (std::size_t i = 0; i < track.states[row].size(); ++i)
+                    if (row > 0 || is_free(track, i))
+                        out.push_back(std::log(sigma_of(track, i)));
+            if (track.contact_time)
+                out.push_back(std::log(track.sigma_contact));
         }
         return out;
     }
 
     std::string name(std::size_t i) const {
-        for (const Trajectory& one : all_) {
-            if (i < Residuals(one).count())
-                return residual_name(one, i);
-            i -= Residuals(one).count();
+        for (const Trajectory& item : all_) {
+            if (i < ResidualLayout(item).count())
+                return residual_name(item, i);
+            i -= ResidualLayout(item).count();
         }
         return fmt::format("residual {} beyond the last", i);
     }
@@ -127,7 +130,7 @@ private:
     /// Residuals of one trajectory from `at` on; returns where the next one starts.
     Row add(std::size_t k, const ModelRun& run, Row at, Eigen::Ref<Eigen::VectorXd> r,
             Eigen::MatrixXd* jacobian) const {
-        const Trajectory& one = all_[k];
+        const Trajectory& each = all_[k];
         const bool slopes = jacobian && !run.derivatives.empty();
         const auto put = [&](double model, double datum, double sigma, const auto& slope) {
             r[at] = (model - datum) / sigma;
@@ -137,13 +140,13 @@ private:
                 jacobian->row(at) = slope() / sigma;
             ++at;
         };
-        for (std::size_t row = 0; row < one.states.size(); ++row)
-            for (std::size_t i = 0; i < one.states[row].size(); ++i)
-                if (row > 0 || is_free(one, i))
-                    put(run.states[row][static_cast<Row>(i)], one.states[row][i], sigma_of(one, i),
+        for (std::size_t row = 0; row < each.states.size(); ++row)
+            for (std::size_t i = 0; i < each.states[row].size(); ++i)
+                if (row > 0 || is_free(each, i))
+                    put(run.states[row][static_cast<Row>(i)], each.states[row][i], sigma_of(each, i),
                         [&] { return run.derivatives[row].row(static_cast<Row>(i)); });
-        if (one.contact_time)
-            put(run.contact_time, *one.contact_time - one.times.front(), one.sigma_contact,
+        if (each.contact_time)
+            put(run.contact_time, *each.contact_time - each.times.front(), each.sigma_contact,
                 [&] { return run.contact_time_by_parameter.transpose(); });
         return at;
     }
@@ -218,9 +221,9 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     problem.log_sigma = all->log_sigma();
     problem.independent = mean_independent(trajectories);
     std::size_t first = 0;
-    for (const Trajectory& one : trajectories) {
-        add_series(one, first, problem.series);
-        first += Residuals(one).count();
+    for (const Trajectory& trajectory : trajectories) {
+        add_series(trajectory, first, problem.series);
+        first += ResidualLayout(trajectory).count();
     }
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
@@ -258,56 +261,62 @@ void require(bool legal, const std::string& where, const std::string& message) {
         throw InputError(fmt::format("{}: {}", where, message));
 }
 
-void check_row(const Trajectory& one, std::size_t row) {
-    const std::string where = row_name(one, row);
-    const std::vector<double>& state = one.states[row];
-    require(state.size() == one.states.front().size(), where,
-            fmt::format("{} numbers, but the first row has {}", state.size(), one.states.front().size()));
-    require(std::isfinite(one.times[row]), where, "the time must be a finite number");
-    require(row == 0 || one.times[row] > one.times[row - 1], where,
-            fmt::format("the time is {}, not after {} of the row before", one.times[row],
-                        one.times[row == 0 ? 0 : row - 1]));
+void check_row(const Trajectory& trajectory, std::size_t row) {
+    const std::string where = row_name(trajectory, row);
+    const std::vector<double>& state = trajectory.states[row];
+    require(
+        state.size() == trajectory.states.front().size(), where,
+        fmt::format("{} numbers, but the first row has {}", state.size(), trajectory.states.front().size()));
+    require(std::isfinite(trajectory.times[row]), where, "the time must be a finite number");
+    require(row == 0 || trajectory.times[row] > trajectory.times[row - 1], where,
+            fmt::format("the time is {}, not after {} of the row before", trajectory.times[row],
+                        trajectory.times[row == 0 ? 0 : row - 1]));
     require(std::ranges::all_of(state, [](double v) { return std::isfinite(v); }), where,
             "positions and headings must be finite numbers");
 }
 
-void check_shape(const Trajectory& one) {
-    require(!one.times.empty() && one.times.size() == one.states.size(), one.name,
-            fmt::format("{} times and {} rows: there must be as many, one at least", one.times.size(),
-                        one.states.size()));
-    const std::size_t size = one.states.front().size();
-    require(size % 3 == 0 && size >= 6, one.name,
+void check_shape(const Trajectory& trajectory) {
+    require(!trajectory.times.empty() && trajectory.times.size() == trajectory.states.size(), trajectory.name,
+            fmt::format("{} times and {} rows: there must be as many, one at least", trajectory.times.size(),
+                        trajectory.states.size()));
+    const std::size_t size = trajectory.states.front().size();
+    require(size % 3 == 0 && size >= 6, trajectory.name,
             fmt::format("{} numbers a row: x, y and heading of two rods or more are needed", size));
-    require(one.times.size() > 1 || one.contact_time, one.name,
+    require(trajectory.times.size() > 1 || trajectory.contact_time, trajectory.name,
             "a single row is only the start: give a second one or contact_time");
 }
 
-void check_sigma(const Trajectory& one, const char* name, double sigma) {
-    require(sigma > 0.0 && std::isfinite(sigma), one.name,
+void check_sigma(const Trajectory& trajectory, const char* name, double sigma) {
+    require(sigma > 0.0 && std::isfinite(sigma), trajectory.name,
             fmt::format("{} = {}: must be above 0 and finite", name, sigma));
 }
 
-void check_domain(const Trajectory& one) {
-    require(!one.box || valid_sides(*one.box), one.name,
-            fmt::format("box = {}: must be above 0 and finite", to_string(one.box.value_or(0.0))));
-    require(one.independent > 0.0 && one.independent <= 1.0, one.name,
-            fmt::format("independent = {}: a row is worth more than 0 and at most 1 row", one.independent));
+void check_domain(const Trajectory& trajectory) {
+    require(!trajectory.box || valid_sides(*trajectory.box), trajectory.name,
+            fmt::format("box = {}: must be above 0 and finite", to_string(trajectory.box.value_or(0.0))));
+    require(trajectory.independent > 0.0 && trajectory.independent <= 1.0, trajectory.name,
+            fmt::format("independent = {}: a row is worth more than 0 and at most 1 row",
+                        trajectory.independent));
 }
 
-void check_contact(const Trajectory& one) {
-    require(!one.contact_time || one.contact_distance, one.name, "contact_time needs a contact_distance");
-    require(!one.contact_time || (*one.contact_time > one.times.front() && std::isfinite(*one.contact_time)),
-            one.name,
+void check_contact(const Trajectory& trajectory) {
+    require(!trajectory.contact_time || trajectory.contact_distance, trajectory.name,
+            "contact_time needs a contact_distance");
+    require(!trajectory.contact_time || (*trajectory.contact_time > trajectory.times.front() &&
+                                         std::isfinite(*trajectory.contact_time)),
+            trajectory.name,
             fmt::format("contact_time = {}: must be finite and after the first row, {}",
-                        one.contact_time.value_or(0.0), one.times.front()));
-    const double start = rods::closest_pair(one.states.front(), one.box).distance;
-    for (std::size_t row = 0; row < one.states.size(); ++row)
-        require(rods::closest_pair(one.states[row], one.box).distance > 0.0, row_name(one, row),
-                "two rods are in the same place");
+                        trajectory.contact_time.value_or(0.0), trajectory.times.front()));
+    const double start = rods::closest_pair(trajectory.states.front(), trajectory.box).distance;
+    for (std::size_t row = 0; row < trajectory.states.size(); ++row)
+        require(rods::closest_pair(trajectory.states[row], trajectory.box).distance > 0.0,
+                row_name(trajectory, row), "two rods are in the same place");
     require(
-        !one.contact_distance || (*one.contact_distance > 0.0 && *one.contact_distance < start), one.name,
+        !trajectory.contact_distance ||
+            (*trajectory.contact_distance > 0.0 && *trajectory.contact_distance < start),
+        trajectory.name,
         fmt::format("contact_distance = {}: must be above 0 and below the smallest starting separation, {}",
-                    one.contact_distance.value_or(0.0), start));
+                    trajectory.contact_distance.value_or(0.0), start));
 }
 
 } // namespace
@@ -320,15 +329,15 @@ std::string row_name(const Trajectory& trajectory, std::size_t row) {
 void check_trajectories(const std::vector<Trajectory>& trajectories) {
     if (trajectories.empty())
         throw InputError("fit of trajectories: there are none");
-    for (const Trajectory& one : trajectories) {
-        check_shape(one);
-        check_domain(one);
-        for (std::size_t row = 0; row < one.times.size(); ++row)
-            check_row(one, row);
-        check_sigma(one, "sigma_position", one.sigma_position);
-        check_sigma(one, "sigma_heading", one.sigma_heading);
-        check_sigma(one, "sigma_contact", one.sigma_contact);
-        check_contact(one);
+    for (const Trajectory& trajectory : trajectories) {
+        check_shape(trajectory);
+        check_domain(trajectory);
+        for (std::size_t row = 0; row < trajectory.times.size(); ++row)
+            check_row(trajectory, row);
+        check_sigma(trajectory, "sigma_position", trajectory.sigma_position);
+        check_sigma(trajectory, "sigma_heading", trajectory.sigma_heading);
+        check_sigma(trajectory, "sigma_contact", trajectory.sigma_contact);
+        check_contact(trajectory);
     }
 }
 

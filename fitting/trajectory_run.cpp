@@ -36,7 +36,7 @@ const std::map<std::string, Role>& physical_roles() {
 }
 
 /// What the sensitivities are taken by, and how it follows from the parameters of the fit.
-struct Columns {
+struct SensitivityColumns {
     std::vector<rods::Parameter> physical;
     std::vector<std::size_t> headings, places;
     Eigen::MatrixXd by_parameter; ///< d column / d parameter
@@ -66,9 +66,9 @@ double gamma_flow_of(std::span<const Role> roles, std::span<const double> values
     return at == roles.end() ? 0.0 : values[static_cast<std::size_t>(at - roles.begin())];
 }
 
-Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<const double> values,
-                   const std::vector<bool>& wanted, const elastic::Medium& medium) {
-    Columns columns;
+SensitivityColumns columns_of(std::size_t index, std::span<const Role> roles, std::span<const double> values,
+                              const std::vector<bool>& wanted, const elastic::Medium& medium) {
+    SensitivityColumns columns;
     std::vector<std::size_t> headings, places; // which parameters they are
     std::vector<std::tuple<std::size_t, std::size_t, double>> entries;
     const double flow = gamma_flow_of(roles, values);
@@ -100,7 +100,9 @@ Columns columns_of(std::size_t index, std::span<const Role> roles, std::span<con
 }
 
 /// From the columns of a run to those of the fit.
-Eigen::MatrixXd spread(const Columns& columns, const Eigen::MatrixXd& S) { return S * columns.by_parameter; }
+Eigen::MatrixXd spread(const SensitivityColumns& columns, const Eigen::MatrixXd& S) {
+    return S * columns.by_parameter;
+}
 
 Eigen::VectorXd vector(const std::vector<double>& v) {
     return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Column>(v.size()));
@@ -124,7 +126,7 @@ integrate::OdeOptions tightened(integrate::OdeOptions options) {
 }
 
 /// Solves with sensitivities if there is something to differentiate by.
-integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Columns& columns,
+integrate::SensitivitySolution solve(const rods::RodProblem& rods, const SensitivityColumns& columns,
                                      const integrate::OdeOptions& options, std::span<const double> times) {
     const auto problem =
         rods::to_sensitivity_problem(rods, columns.physical, columns.headings, columns.places);
@@ -145,7 +147,7 @@ Eigen::VectorXd slope_at_end(const rods::RodProblem& problem, const integrate::S
 
 /// The end and its derivatives; at a contact those of the moving end.
 void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::SensitivitySolution& solved,
-             const Columns& columns, std::size_t rows) {
+             const SensitivityColumns& columns, std::size_t rows) {
     Eigen::MatrixXd S = solved.final_sensitivity;
     if (solved.event_time_by_parameter.size() > 0)
         S += slope_at_end(problem, solved.solution) * solved.event_time_by_parameter.transpose();
@@ -159,7 +161,7 @@ void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::Se
 /// A run that has not met by the end counts as if its closest pair closed in at speed 1 from there: the
 /// residual then goes on where contact moves out of the run, and its slope says in which direction to look.
 void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::SensitivitySolution& solved,
-                 const Columns& columns) {
+                 const SensitivityColumns& columns) {
     const bool met = solved.solution.status.termination == integrate::Termination::stopped_at_event;
     const rods::Separation pair = rods::closest_pair(solved.solution.final_state, trajectory.box);
     run.contact_time =
@@ -217,8 +219,8 @@ Role role_of(const std::string& name, const std::vector<Trajectory>& trajectorie
     if (const auto known = physical_roles().find(name); known != physical_roles().end())
         return known->second;
     if (const auto pose = pose_of(name); pose && pose->trajectory < trajectories.size())
-        if (const Trajectory& one = trajectories[pose->trajectory];
-            is_free(one, pose->component) && pose->rod < one.states.front().size() / 3)
+        if (const Trajectory& trajectory = trajectories[pose->trajectory];
+            is_free(trajectory, pose->component) && pose->rod < trajectory.states.front().size() / 3)
             return *pose;
     throw InputError(
         fmt::format("fit of trajectories: no parameter \"{}\"; there are {} and, of trajectories "
@@ -251,7 +253,8 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
                    std::span<const Role> roles, std::span<const double> values,
                    const std::vector<bool>* wanted) {
     const rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
-    const Columns columns = wanted ? columns_of(index, roles, values, *wanted, *problem.medium) : Columns{};
+    const SensitivityColumns columns =
+        wanted ? columns_of(index, roles, values, *wanted, *problem.medium) : SensitivityColumns{};
     const integrate::SensitivitySolution solved =
         solve(problem, columns, tightened(options), times_to_solve(trajectory));
     if (!solved.solution.status.ok())

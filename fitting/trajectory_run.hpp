@@ -18,15 +18,15 @@ struct Role {
     std::size_t trajectory = 0, rod = 0, component = 2; ///< 0, 1, 2: x, y, heading
 
     bool of_start() const { return !physical && !flow && !diffusion; }
-    bool matters_to(std::size_t one) const { return !of_start() || trajectory == one; }
+    bool matters_to(std::size_t item) const { return !of_start() || trajectory == item; }
 };
 
 /// "heading.<trajectory>.<rod>", "x. ...", "y. ..."
 std::string pose_name(std::size_t trajectory, std::size_t rod, std::size_t component);
 
 /// Whether the component of the first row is a parameter.
-inline bool is_free(const Trajectory& one, std::size_t component) {
-    return one.free_start || (one.free_headings && component % 3 == 2);
+inline bool is_free(const Trajectory& track, std::size_t component) {
+    return track.free_start || (track.free_headings && component % 3 == 2);
 }
 
 /// Throws InputError for a name that means nothing here.

@@ -16,10 +16,13 @@
 
 namespace rodwake::fitting {
 
-// Which terms of the wake take part, and the field they need: the model of wake.hpp at one set of parameter
-// values.
+std::vector<std::string> wake_parameter_names() {
+    return {"f_over_mu", "f2d_over_mu", "eta", "xi", "alpha", "x0", "offset", "offset_y"};
+}
 
-/// Places of the known names in the list of parameters; -1: absent.
+namespace {
+
+/// Index of each known name among the parameters; -1: absent.
 struct WakeTerms {
     long f_over_mu = -1, f2d_over_mu = -1, eta = -1, xi = -1, alpha = -1, x0 = -1, offset = -1, offset_y = -1;
 
@@ -27,37 +30,106 @@ struct WakeTerms {
 };
 
 /// Throws InputError for names that are unknown or missing.
-WakeTerms wake_terms(const std::vector<Parameter>& parameters);
+WakeTerms wake_terms(const std::vector<Parameter>& parameters) {
+    WakeTerms terms;
+    long* const indices[] = {&terms.f_over_mu, &terms.f2d_over_mu, &terms.eta,    &terms.xi,
+                             &terms.alpha,     &terms.x0,          &terms.offset, &terms.offset_y};
+    const auto names = wake_parameter_names();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const auto at = std::ranges::find(names, parameters[i].name);
+        if (at == names.end())
+            throw InputError(fmt::format("unknown parameter \"{}\" of a wake; known: {}", parameters[i].name,
+                                         fmt::join(names, ", ")));
+        *indices[at - names.begin()] = static_cast<long>(i);
+    }
+    if (!terms.field())
+        return terms;
+    if (terms.eta < 0)
+        throw InputError(
+            "eta is needed by monopole and dipole: make it a parameter, or give it a fixed value");
+    if ((terms.xi < 0) == (terms.alpha < 0))
+        throw InputError(
+            "monopole and dipole need exactly one of xi and alpha, as a parameter or with a fixed value");
+    if (terms.alpha >= 0 && terms.f_over_mu < 0)
+        throw InputError("alpha = f_over_mu/xi needs f_over_mu; without a monopole use xi");
+    return terms;
+}
 
-/// Screening length of these values: xi itself or f_over_mu/alpha.
-double screening_length(const WakeTerms& terms, std::span<const double> values);
+double part(const elastic::Vector& v, Component component) { return component == Component::Ux ? v.x : v.y; }
 
-/// The model at one set of values.
+/// The model of wake.hpp at one set of values.
 class WakeValues {
 public:
-    /// Throws InputError for a medium that cannot be.
-    WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values);
+    /// Throws InputError for an illegal medium.
+    WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values)
+        : terms_(terms), values_(values) {
+        request_ = {.displacement = terms.f_over_mu >= 0, .dipole = terms.f2d_over_mu >= 0};
+        if (!terms.field())
+            return;
+        xi_ = terms.xi >= 0 ? value_of(terms.xi) : value_of(terms.f_over_mu) / value_of(terms.alpha);
+        wake_ = elastic::exact_field({value_of(terms.eta), xi_}, model.box)->wake(model.heading);
+    }
 
-    double at(Component component, double x, double y) const;
-    /// The value, and its derivatives by all parameters into `gradient`.
-    double at(Component component, double x, double y, Eigen::Ref<Eigen::RowVectorXd> gradient) const;
+    double at(Component component, double x, double y) const {
+        return (wake_ ? field_at(component, x - value_of(terms_.x0), y) : 0.0) + offset(component);
+    }
+
+    /// The value, with its derivatives by all parameters in `gradient`.
+    double at(Component component, double x, double y, Eigen::Ref<Eigen::RowVectorXd> gradient) const {
+        gradient.setZero();
+        const auto set = [&](long term, double value) {
+            if (term >= 0)
+                gradient[term] = value;
+        };
+        set(component == Component::Ux ? terms_.offset : terms_.offset_y, 1.0);
+        if (!wake_)
+            return offset(component);
+        const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
+        const elastic::FieldValues field = wake_->at(s, y, request_);
+        const elastic::MediumDerivatives medium = wake_->medium_derivatives(s, y, request_);
+        const double by_xi = combined(medium.by_xi, component);
+        set(terms_.f_over_mu,
+            part(field.displacement, component) + (terms_.alpha >= 0 ? by_xi * xi_ / f : 0.0));
+        set(terms_.f2d_over_mu, part(field.dipole, component));
+        set(terms_.eta, combined(medium.by_eta, component));
+        set(terms_.xi, by_xi);
+        if (terms_.alpha >= 0)
+            set(terms_.alpha, -by_xi * xi_ / value_of(terms_.alpha));
+
+        // The derivative by x0 from differences of fourth order, since the strain lacks the rotation that
+        // dU_y/dx needs. The field is smooth on the scale of the distance and good to 1e-15, the derivative
+        // to 1e-11.
+        if (terms_.x0 >= 0) {
+            const double h = 2e-3 * std::hypot(s, y);
+            const auto difference = [&](double d) {
+                return field_at(component, s + d, y) - field_at(component, s - d, y);
+            };
+            set(terms_.x0, -((8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h)));
+        }
+        return combined(field, component) + offset(component);
+    }
 
 private:
     double value_of(long term) const { return term < 0 ? 0.0 : values_[static_cast<std::size_t>(term)]; }
-    double offset(Component component) const;
-    /// Of the terms that take part: the field holds no number for the others.
-    double combined(const elastic::FieldValues& of, Component component) const;
-    double field_at(Component component, double s, double y) const;
-    double slope_along_x(Component component, double s, double y) const;
+    double offset(Component component) const {
+        return value_of(component == Component::Ux ? terms_.offset : terms_.offset_y);
+    }
+    /// Sum of the requested terms: the field holds no number for the others.
+    double combined(const elastic::FieldValues& of, Component component) const {
+        return (request_.displacement ? value_of(terms_.f_over_mu) * part(of.displacement, component) : 0.0) +
+               (request_.dipole ? value_of(terms_.f2d_over_mu) * part(of.dipole, component) : 0.0);
+    }
+    /// Monopole and dipole at s ahead of the point where the force acts.
+    double field_at(Component component, double s, double y) const {
+        return combined(wake_->at(s, y, request_), component);
+    }
 
     WakeTerms terms_;
     std::span<const double> values_;
     double xi_ = 0.0;
     elastic::FieldRequest request_;
-    std::shared_ptr<const elastic::Wake> wake_; ///< none: no term needs it
+    std::shared_ptr<const elastic::Wake> wake_; ///< null: no term needs it
 };
-
-namespace {
 
 struct ProfilePoint {
     Component component;
@@ -65,52 +137,16 @@ struct ProfilePoint {
     std::string where;
 };
 
-std::pair<double, double> coordinates(const Profile& line, double place) {
-    return line.along == Axis::x ? std::pair(place, line.at) : std::pair(line.at, place);
+std::pair<double, double> coordinates(const Profile& line, double position) {
+    return line.along == Axis::x ? std::pair(position, line.at) : std::pair(line.at, position);
 }
 
 std::string where(const Profile& profile, std::size_t i) {
     return i < profile.where.size() ? profile.where[i] : fmt::format("{}[{}]", profile.name, i);
 }
 
-void check_point(const Profile& profile, std::size_t i) {
-    if (!std::isfinite(profile.place[i]) || !std::isfinite(profile.value[i]))
-        throw InputError(where(profile, i) + ": place and value must be finite numbers");
-    if (profile.sigma.empty())
-        return;
-    if (!(profile.sigma[i] > 0.0) || !std::isfinite(profile.sigma[i]))
-        throw InputError(
-            fmt::format("{}: sigma = {}: must be above 0; leave the column out if the errors are unknown",
-                        where(profile, i), profile.sigma[i]));
-}
-
-double worth(const Profile& profile, std::size_t i) {
-    return profile.worth.empty() ? profile.independent : profile.worth[i];
-}
-
-void check_profile(const Profile& profile) {
-    if (profile.place.size() != profile.value.size() ||
-        (!profile.sigma.empty() && profile.sigma.size() != profile.place.size()))
-        throw InputError(profile.name + ": places, values and sigmas differ in number");
-    if (!std::isfinite(profile.at))
-        throw InputError(profile.name + ": the line's other coordinate must be a finite number");
-    if (!(profile.independent > 0.0 && profile.independent <= 1.0))
-        throw InputError(fmt::format("{}: independent = {}: a point is worth more than 0 and at most 1 value",
-                                     profile.name, profile.independent));
-    for (std::size_t i = 0; i < profile.place.size(); ++i)
-        check_point(profile, i);
-}
-
-void check_model(const WakeModel& model) {
-    if (model.box && !valid_sides(*model.box))
-        throw InputError(
-            fmt::format("box = {}: the sides of the periodic box must be above 0", to_string(*model.box)));
-    if (!(model.core >= 0.0) || !std::isfinite(model.heading))
-        throw InputError("core must be 0 or more, and the heading a finite number");
-}
-
-/// Points at which the model does not exist whatever the parameters; with a free x0 that is not known
-/// beforehand.
+/// Throws InputError for points at which the model does not exist for any parameters. With a free x0 that is
+/// not known beforehand.
 void check_singularity(const WakeModel& model, const WakeTerms& terms,
                        const std::vector<ProfilePoint>& points) {
     if (!terms.field() || terms.x0 >= 0)
@@ -129,10 +165,28 @@ void check_singularity(const WakeModel& model, const WakeTerms& terms,
     }
 }
 
+/// The points that are fitted. Throws InputError for illegal data.
 std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profile>& profiles) {
     std::vector<ProfilePoint> points;
     for (const Profile& profile : profiles) {
-        check_profile(profile);
+        if (profile.place.size() != profile.value.size() ||
+            (!profile.sigma.empty() && profile.sigma.size() != profile.place.size()))
+            throw InputError(profile.name + ": places, values and sigmas differ in number");
+        if (!std::isfinite(profile.at))
+            throw InputError(profile.name + ": the line's other coordinate must be a finite number");
+        if (!(profile.independent > 0.0 && profile.independent <= 1.0))
+            throw InputError(
+                fmt::format("{}: independent = {}: a point is worth more than 0 and at most 1 value",
+                            profile.name, profile.independent));
+        for (std::size_t i = 0; i < profile.place.size(); ++i) {
+            if (!std::isfinite(profile.place[i]) || !std::isfinite(profile.value[i]))
+                throw InputError(where(profile, i) + ": place and value must be finite numbers");
+            const double sigma = profile.sigma.empty() ? 1.0 : profile.sigma[i];
+            if (!(sigma > 0.0) || !std::isfinite(sigma))
+                throw InputError(fmt::format(
+                    "{}: sigma = {}: must be above 0; leave the column out if the errors are unknown",
+                    where(profile, i), sigma));
+        }
         const Profile kept = outside_core(profile, model.core);
         if (kept.place.empty())
             throw InputError(
@@ -142,27 +196,14 @@ std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profi
             points.push_back({kept.component, x, y, kept.value[i], residual_scale(kept, i), where(kept, i)});
         }
     }
-    return points;
-}
-
-void check_values(const std::vector<ProfilePoint>& points) {
-    const auto same = [&](const ProfilePoint& point) { return point.value == points.front().value; };
     if (points.empty())
         throw InputError("there are no data to fit");
-    if (points.size() > 1 && std::ranges::all_of(points, same))
+    if (points.size() > 1 && std::ranges::all_of(points, [&](const ProfilePoint& point) {
+            return point.value == points.front().value;
+        }))
         throw InputError(fmt::format("all {} values are equal ({}): there is nothing to fit", points.size(),
                                      points.front().value));
-}
-
-/// Independent values behind a point, on average.
-double mean_independent(const WakeModel& model, const std::vector<Profile>& profiles) {
-    double values = 0.0, points = 0.0;
-    for (const Profile& profile : profiles) {
-        const Profile kept = outside_core(profile, model.core);
-        values += kept.independent * static_cast<double>(kept.place.size());
-        points += static_cast<double>(kept.place.size());
-    }
-    return values / points;
+    return points;
 }
 
 bool sigmas_known(const std::vector<Profile>& profiles) {
@@ -192,7 +233,8 @@ void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<
 } // namespace
 
 double residual_scale(const Profile& profile, std::size_t i) {
-    return 1.0 / std::sqrt(worth(profile, i)) * (profile.sigma.empty() ? 1.0 : profile.sigma[i]);
+    const double worth = profile.worth.empty() ? profile.independent : profile.worth[i];
+    return 1.0 / std::sqrt(worth) * (profile.sigma.empty() ? 1.0 : profile.sigma[i]);
 }
 
 double chi2_of(const Profile& profile, std::span<const double> model) {
@@ -207,7 +249,7 @@ double chi2_of(const Profile& profile, std::span<const double> model) {
 }
 
 void share_data(Profile& profile, double spacing) {
-    const auto finite = [](double place) { return std::isfinite(place); };
+    const auto finite = [](double position) { return std::isfinite(position); };
     if (profile.place.empty() || !std::ranges::all_of(profile.place, finite))
         return; // refused with the rest of the data
     profile.worth = independent_worth(profile.place, spacing);
@@ -235,26 +277,31 @@ Profile outside_core(const Profile& profile, double core) {
 
 Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profiles,
                      std::vector<Parameter> parameters) {
-    check_model(model);
+    if (model.box && !valid_sides(*model.box))
+        throw InputError(
+            fmt::format("box = {}: the sides of the periodic box must be above 0", to_string(*model.box)));
+    if (!(model.core >= 0.0) || !std::isfinite(model.heading))
+        throw InputError("core must be 0 or more, and the heading a finite number");
     const WakeTerms terms = wake_terms(parameters);
     auto points = std::make_shared<const std::vector<ProfilePoint>>(gather(model, profiles));
-    check_values(*points);
     check_singularity(model, terms, *points);
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = points->size();
     problem.sigma_known = sigmas_known(profiles);
-    problem.independent = mean_independent(model, profiles);
     for (const ProfilePoint& point : *points)
         problem.log_sigma.push_back(std::log(point.sigma));
     std::size_t first = 0;
+    double values = 0.0; // independent ones
     for (const Profile& profile : profiles) {
-        Series one{profile.name, "values",
-                   std::vector<std::size_t>(outside_core(profile, model.core).place.size())};
-        std::iota(one.residuals.begin(), one.residuals.end(), first);
-        first += one.residuals.size();
-        problem.series.push_back(std::move(one));
+        const Profile kept = outside_core(profile, model.core);
+        values += kept.independent * static_cast<double>(kept.place.size());
+        Series series{profile.name, "values", std::vector<std::size_t>(kept.place.size())};
+        std::iota(series.residuals.begin(), series.residuals.end(), first);
+        first += series.residuals.size();
+        problem.series.push_back(std::move(series));
     }
+    problem.independent = values / static_cast<double>(first);
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };
@@ -263,17 +310,17 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     return problem;
 }
 
-Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> places,
+Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> positions,
                    const std::vector<Parameter>& parameters, std::span<const double> values) {
     const WakeTerms terms = wake_terms(parameters);
     const WakeValues wake(model, terms, values);
-    const auto rows = static_cast<Eigen::Index>(places.size()),
+    const auto rows = static_cast<Eigen::Index>(positions.size()),
                columns = static_cast<Eigen::Index>(values.size());
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     Prediction out{{}, Eigen::MatrixXd::Constant(rows, columns, nan)};
     Eigen::RowVectorXd gradient(columns);
     for (Eigen::Index i = 0; i < rows; ++i) {
-        const auto [x, y] = coordinates(line, places[static_cast<std::size_t>(i)]);
+        const auto [x, y] = coordinates(line, positions[static_cast<std::size_t>(i)]);
         const double x0 = terms.x0 < 0 ? 0.0 : values[static_cast<std::size_t>(terms.x0)];
         if (terms.field() && elastic::is_singular(x - x0, y, model.box, model.heading)) {
             out.value.push_back(nan);
@@ -300,10 +347,10 @@ ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
     out.points = data.value.size();
     out.chi2 = weight.dot((d - m).cwiseAbs2());
     if (!(norm > 0.0))
-        throw InputError(data.name + ": the prediction is zero everywhere, so no factor can be told");
+        throw InputError(data.name + ": the prediction is zero everywhere, so no factor can be computed");
     out.scale = weight.dot(m.cwiseProduct(d)) / norm;
     const double scatter = weight.dot((d - out.scale * m).cwiseAbs2()) / std::max(values - 1.0, 1.0);
-    // Where the shape differs, or sigma is unknown, the scatter about the scaled model tells more than sigma.
+    // If the shape differs, or sigma is unknown, the scatter about the scaled model replaces sigma.
     double variance = (data.sigma.empty() ? scatter : std::max(scatter, 1.0)) / norm;
     if (model_root) {
         const Eigen::VectorXd by_model = weight.cwiseProduct(d - 2.0 * out.scale * m) / norm;
@@ -311,117 +358,6 @@ ScaleFactor scale_factor(const Profile& data, std::span<const double> model,
     }
     out.standard_error = std::sqrt(variance);
     return out;
-}
-
-namespace {
-
-double part(const elastic::Vector& v, Component component) { return component == Component::Ux ? v.x : v.y; }
-
-long* slot(WakeTerms& terms, const std::string& name) {
-    long* slots[] = {&terms.f_over_mu, &terms.f2d_over_mu, &terms.eta,    &terms.xi,
-                     &terms.alpha,     &terms.x0,          &terms.offset, &terms.offset_y};
-    const auto names = wake_parameter_names();
-    const auto found = std::ranges::find(names, name);
-    return found == names.end() ? nullptr : slots[found - names.begin()];
-}
-
-void require_medium(const WakeTerms& terms) {
-    if (!terms.field())
-        return;
-    if (terms.eta < 0)
-        throw InputError(
-            "eta is needed by monopole and dipole: make it a parameter, or give it a fixed value");
-    if ((terms.xi < 0) == (terms.alpha < 0))
-        throw InputError(
-            "monopole and dipole need exactly one of xi and alpha, as a parameter or with a fixed value");
-    if (terms.alpha >= 0 && terms.f_over_mu < 0)
-        throw InputError("alpha = f_over_mu/xi needs f_over_mu; without a monopole use xi");
-}
-
-} // namespace
-
-std::vector<std::string> wake_parameter_names() {
-    return {"f_over_mu", "f2d_over_mu", "eta", "xi", "alpha", "x0", "offset", "offset_y"};
-}
-
-WakeTerms wake_terms(const std::vector<Parameter>& parameters) {
-    WakeTerms terms;
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-        long* place = slot(terms, parameters[i].name);
-        if (!place)
-            throw InputError(fmt::format("unknown parameter \"{}\" of a wake; known: {}", parameters[i].name,
-                                         fmt::join(wake_parameter_names(), ", ")));
-        *place = static_cast<long>(i);
-    }
-    require_medium(terms);
-    return terms;
-}
-
-double screening_length(const WakeTerms& terms, std::span<const double> values) {
-    const auto value = [&](long term) { return values[static_cast<std::size_t>(term)]; };
-    return terms.xi >= 0 ? value(terms.xi) : value(terms.f_over_mu) / value(terms.alpha);
-}
-
-WakeValues::WakeValues(const WakeModel& model, const WakeTerms& terms, std::span<const double> values)
-    : terms_(terms), values_(values) {
-    request_ = {.displacement = terms.f_over_mu >= 0, .dipole = terms.f2d_over_mu >= 0};
-    if (!terms.field())
-        return;
-    xi_ = screening_length(terms, values);
-    wake_ = elastic::exact_field({value_of(terms.eta), xi_}, model.box)->wake(model.heading);
-}
-
-double WakeValues::offset(Component component) const {
-    return value_of(component == Component::Ux ? terms_.offset : terms_.offset_y);
-}
-
-double WakeValues::combined(const elastic::FieldValues& of, Component component) const {
-    return (request_.displacement ? value_of(terms_.f_over_mu) * part(of.displacement, component) : 0.0) +
-           (request_.dipole ? value_of(terms_.f2d_over_mu) * part(of.dipole, component) : 0.0);
-}
-
-/// Monopole and dipole at s from where the force acts.
-double WakeValues::field_at(Component component, double s, double y) const {
-    return combined(wake_->at(s, y, request_), component);
-}
-
-double WakeValues::at(Component component, double x, double y) const {
-    return (wake_ ? field_at(component, x - value_of(terms_.x0), y) : 0.0) + offset(component);
-}
-
-/// Fourth-order differences: the strain lacks the rotation that d U_y/dx needs. The field is smooth on the
-/// scale of the distance and good to 1e-15, so this is good to about 1e-11.
-double WakeValues::slope_along_x(Component component, double s, double y) const {
-    const double h = 2e-3 * std::hypot(s, y);
-    const auto difference = [&](double d) {
-        return field_at(component, s + d, y) - field_at(component, s - d, y);
-    };
-    return (8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h);
-}
-
-double WakeValues::at(Component component, double x, double y,
-                      Eigen::Ref<Eigen::RowVectorXd> gradient) const {
-    gradient.setZero();
-    const auto set = [&](long term, double value) {
-        if (term >= 0)
-            gradient[term] = value;
-    };
-    set(component == Component::Ux ? terms_.offset : terms_.offset_y, 1.0);
-    if (!wake_)
-        return offset(component);
-    const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
-    const elastic::FieldValues field = wake_->at(s, y, request_);
-    const elastic::MediumDerivatives medium = wake_->by_medium(s, y, request_);
-    const double by_xi = combined(medium.by_xi, component);
-    set(terms_.f_over_mu, part(field.displacement, component) + (terms_.alpha >= 0 ? by_xi * xi_ / f : 0.0));
-    set(terms_.f2d_over_mu, part(field.dipole, component));
-    set(terms_.eta, combined(medium.by_eta, component));
-    set(terms_.xi, by_xi);
-    if (terms_.alpha >= 0)
-        set(terms_.alpha, -by_xi * xi_ / value_of(terms_.alpha));
-    if (terms_.x0 >= 0)
-        set(terms_.x0, -slope_along_x(component, s, y));
-    return combined(field, component) + offset(component);
 }
 
 } // namespace rodwake::fitting

@@ -73,13 +73,6 @@ std::string contact_text(const char* pair, const Surface& surface) {
     return fmt::format("{} {:g}/{:g}", pair, surface.friction, surface.restitution);
 }
 
-std::string contacts_text(const granular::ContactTable& c) {
-    return fmt::format("contacts, friction/restitution: {}, {}, {}, {}, {}",
-                       contact_text("bead-bead", c.bead_bead), contact_text("bead-rod", c.bead_rod),
-                       contact_text("rod-rod", c.rod_rod), contact_text("bead-wall", c.bead_plate),
-                       contact_text("rod-wall", c.rod_plate));
-}
-
 std::string container_text(const granular::Container& c, double a) {
     const std::string size =
         c.kind == granular::ContainerKind::circle
@@ -252,7 +245,12 @@ void describe_granular(const Plan& plan, Lines& lines) {
     lines.push_back(plates_line(problem));
     if (problem.gravity == 0.0)
         lines.push_back({false, "gravity: it is 0"});
-    lines.push_back({true, contacts_text(problem.contacts)});
+    const granular::ContactTable& c = problem.contacts;
+    lines.push_back(
+        {true, fmt::format("contacts, friction/restitution: {}, {}, {}, {}, {}",
+                           contact_text("bead-bead", c.bead_bead), contact_text("bead-rod", c.bead_rod),
+                           contact_text("rod-rod", c.rod_rod), contact_text("bead-wall", c.bead_plate),
+                           contact_text("rod-wall", c.rod_plate))});
     lines.push_back({true, start_text(bed, problem)});
     lines.push_back({true, time_text(bed, problem)});
     add_rod_lines(problem, lines);

@@ -28,13 +28,13 @@ inline constexpr auto parts<RodBody> = parts_of("position velocity orientation a
 template<>
 inline constexpr auto parts<State> = parts_of("step beads rods", &State::step, &State::beads, &State::rods);
 template<>
-inline constexpr auto parts<Tallies> = parts_of(
+inline constexpr auto parts<Counters> = parts_of(
     "floor_impulse lid_impulse bead_bead bead_plate bead_rod rod_plate rod_rod "
     "wall_impulse bead_wall rod_wall overlaps max_overlap virial impulse_on_beads impulse_from_plates",
-    &Tallies::floor_impulse, &Tallies::lid_impulse, &Tallies::bead_bead, &Tallies::bead_plate,
-    &Tallies::bead_rod, &Tallies::rod_plate, &Tallies::rod_rod, &Tallies::wall_impulse, &Tallies::bead_wall,
-    &Tallies::rod_wall, &Tallies::overlaps, &Tallies::max_overlap, &Tallies::virial,
-    &Tallies::impulse_on_beads, &Tallies::impulse_from_plates);
+    &Counters::floor_impulse, &Counters::lid_impulse, &Counters::bead_bead, &Counters::bead_plate,
+    &Counters::bead_rod, &Counters::rod_plate, &Counters::rod_rod, &Counters::wall_impulse,
+    &Counters::bead_wall, &Counters::rod_wall, &Counters::overlaps, &Counters::max_overlap, &Counters::virial,
+    &Counters::impulse_on_beads, &Counters::impulse_from_plates);
 template<>
 inline constexpr auto parts<SampleSums> = parts_of("T_xy T_z count", &SampleSums::T_xy, &SampleSums::T_z,
                                                    &SampleSums::count);
@@ -209,7 +209,7 @@ std::string describe_checkpoint(const std::filesystem::path& file) {
         return describe_archive(file);
     const auto loaded = load_checkpoint(file);
     const GranularCheckpoint& c = loaded->checkpoint;
-    const granular::Tallies& t = c.tallies;
+    const granular::Counters& t = c.tallies;
     return fmt::format(
         "{}: checkpoint of a granular run by rodwake {}\n{}run {}, seed {}, step {}, {} beads, {} "
         "rods, state {:016x}\nimpulses: bead-plate {}, rod-plate {}, bead-bead {}, bead-rod {}, rod-rod {}, "

@@ -19,7 +19,7 @@ struct GranularCheckpoint {
     std::uint32_t run = 0;
     double cpu_seconds = 0.0, wall_seconds = 0.0;
     granular::State state;
-    granular::Tallies tallies;
+    granular::Counters tallies;
     granular::RecordSums sums{};
     granular::PressureSums pressure{};
     std::vector<granular::RodProgress> progress;

@@ -1,6 +1,6 @@
 #pragma once
 // Where the time of granular runs went, part by part, in seconds of wall clock: what stands in summary.json
-// and is told at the end. A run that was interrupted goes on counting where its checkpoint stopped.
+// and is written at the end. A run that was interrupted goes on counting where its checkpoint stopped.
 
 #include "rodwake/granular/simulation.hpp"
 

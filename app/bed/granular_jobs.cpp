@@ -24,12 +24,6 @@ granular::State stored_state(const std::string& file, const Logger& log) {
     return std::move(loaded.checkpoint.state);
 }
 
-scan::Status status_of(StageEnd end) {
-    return end == StageEnd::finished ? scan::Status::ok
-           : end == StageEnd::failed ? scan::Status::failed
-                                     : scan::Status::stopped;
-}
-
 /// Jobs as points of an executor, whose ids are places in the list.
 class JobPoints {
 public:
@@ -65,9 +59,9 @@ public:
 
     /// The first thing that a job threw, here or on another rank.
     void rethrow() const {
-        for (const std::exception_ptr& one : thrown_)
-            if (one)
-                std::rethrow_exception(one);
+        for (const std::exception_ptr& item : thrown_)
+            if (item)
+                std::rethrow_exception(item);
     }
 
 private:
@@ -81,7 +75,9 @@ private:
                                         [&](const granular::Simulation& s, const granular::TableRow* row) {
                                             on_job_(number, &s, row);
                                         });
-            result.status = status_of(job.result().end);
+            result.status = job.result().end == StageEnd::finished ? scan::Status::ok
+                            : job.result().end == StageEnd::failed ? scan::Status::failed
+                                                                   : scan::Status::stopped;
             result.set_cause(job.result().message);
         } catch (const std::exception& error) {
             thrown_[number] = std::current_exception();
@@ -149,9 +145,9 @@ std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& fold
 
 std::vector<GranularJob> jobs_of(std::vector<BedWork>& beds) {
     std::vector<GranularJob> jobs;
-    for (BedWork& one : beds)
-        for (std::size_t i = 0; i < one.tasks.size(); ++i)
-            jobs.push_back({&one, i});
+    for (BedWork& work : beds)
+        for (std::size_t i = 0; i < work.tasks.size(); ++i)
+            jobs.push_back({&work, i});
     std::ranges::stable_sort(jobs, std::ranges::greater(),
                              [](const GranularJob& job) { return sphere_steps(job.of->plan.bed.problem); });
     return jobs;
@@ -212,9 +208,9 @@ fs::path run_folder(const fs::path& ensemble, std::int64_t run) {
     return ensemble / fmt::format("runs/{:04}", run + 1);
 }
 
-std::vector<GranularTask> granular_tasks(const Case& one, const fs::path& directory) {
-    const long runs = one.scene.granular->runs;
-    const fs::path folder = one.folder.empty() ? directory : directory / one.folder;
+std::vector<GranularTask> granular_tasks(const Case& case_, const fs::path& directory) {
+    const long runs = case_.scene.granular->runs;
+    const fs::path folder = case_.folder.empty() ? directory : directory / case_.folder;
     std::vector<GranularTask> tasks;
     for (std::uint32_t run = 0; run < static_cast<std::uint32_t>(runs); ++run)
         tasks.push_back({run, runs == 1 ? folder : run_folder(folder, run)});

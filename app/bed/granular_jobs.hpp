@@ -52,7 +52,7 @@ LoadedCheckpoint stored_checkpoint(const std::string& file);
 std::string granular_key(const scene::Scene& scene);
 
 /// The runs of a case, one folder each; who executes them is another matter.
-std::vector<GranularTask> granular_tasks(const Case& one, const std::filesystem::path& directory);
+std::vector<GranularTask> granular_tasks(const Case& case_, const std::filesystem::path& directory);
 
 /// The folder of run `run`, from 0, in that of an ensemble.
 std::filesystem::path run_folder(const std::filesystem::path& ensemble, std::int64_t run);

@@ -53,14 +53,14 @@ struct LastPeriod {
     }
 };
 
-class Run {
+class BedRun {
 public:
-    Run(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
-        std::size_t threads, bool is_over = false)
+    BedRun(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
+           std::size_t threads, bool is_over = false)
         : context_(context), requests_seen_(requests()), plan_(plan), bed_(plan.bed), task_(task), log_(log),
           checkpoint_file_(task.folder / (is_over ? "final.rwc" : "checkpoint.rwc")),
           meter_(plan.bed.problem), one_thread_(threads == 1), loaded_(load()),
-          simulation_(plan.bed.problem, first_state(), first_tallies(),
+          simulation_(plan.bed.problem, first_state(), loaded_ ? loaded_->tallies : granular::Counters{},
                       granular::worthwhile_threads(plan.bed.problem, threads)),
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
           files_(task.folder, plan.bed.problem, simulation_.state(), plan.bed.schedule,
@@ -153,8 +153,6 @@ private:
         }
         return measures;
     }
-
-    granular::Tallies first_tallies() const { return loaded_ ? loaded_->tallies : granular::Tallies{}; }
 
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }
@@ -403,7 +401,7 @@ GranularResult
 run_granular(const GranularPlan& plan, const GranularTask& task, const RunContext& context, const Logger& log,
              std::size_t threads,
              const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
-    return Run(plan, task, context, log, threads).go(on_progress);
+    return BedRun(plan, task, context, log, threads).go(on_progress);
 }
 
 GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task) {
@@ -411,7 +409,7 @@ GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& ta
     bare.bed.measures.reset(); // the keys may be others by now
     const RunContext context;
     const Logger log = make_silent_logger();
-    return Run(bare, task, context, log, 1, true).restore_summary();
+    return BedRun(bare, task, context, log, 1, true).restore_summary();
 }
 
 } // namespace rodwake::app

@@ -32,9 +32,9 @@ double simulated_seconds(const std::vector<GranularJob>& jobs) {
 }
 
 /// Progress of all runs together, in simulated seconds, and of a single one a table of twenty rows.
-class Telling {
+class ProgressPrinter {
 public:
-    Telling(const Session& session, const std::vector<GranularJob>& jobs)
+    ProgressPrinter(const Session& session, const std::vector<GranularJob>& jobs)
         : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
           progress_(session.context, "dem", jobs.size(), simulated_seconds(jobs), "s") {}
 
@@ -44,7 +44,7 @@ public:
     void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
         const double time = static_cast<double>(s.step()) * s.problem().time_step;
         const bool due = progress_.update(job, time);
-        if (!single_) // several runs are told of by several threads; what follows belongs to one
+        if (!single_) // lines of several runs mix, and what follows belongs to one run
             return;
         if (!begun_ && s.step() > sample_every) // goes on from a checkpoint: rows as if it had not stopped
             pass(time);
@@ -100,14 +100,14 @@ void report_cost(const Session& session, const std::vector<BedWork>& all) {
             session.log->debug("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
 }
 
-void warn_of_absorbing(const Session& session, const BedWork& one, std::span<const GranularSummary> runs) {
-    const granular::Plates& plates = one.plan.bed.problem.plates;
+void warn_of_absorbing(const Session& session, const BedWork& work, std::span<const GranularSummary> runs) {
+    const granular::Plates& plates = work.plan.bed.problem.plates;
     if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
         session.log->warn(
             "dem{}: {} of {} runs ended in an absorbing state: the beads move in step with the plates and no "
             "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
             "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
-            one.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
+            work.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
     for (std::size_t k = 0; !runs.empty() && k < runs[0].kinds.size(); ++k)
         if (const auto count = std::ranges::count_if(runs, [k](const GranularSummary& run) {
                 return run.kinds[k].absorbing_state && !run.absorbing_state;
@@ -117,34 +117,34 @@ void warn_of_absorbing(const Session& session, const BedWork& one, std::span<con
                               "move in step with the plates and no longer sideways. Beads that nearly fill "
                               "the gap do so: widen "
                               "granular.plates.gap ({:g} mm), or change frequency ({:g} Hz) or gamma ({:g})",
-                              one.of().suffix(), count, runs.size(), k, 1e3 * runs[0].kinds[k].radius,
+                              work.of().suffix(), count, runs.size(), k, 1e3 * runs[0].kinds[k].radius,
                               1e3 * plates.gap, plates.frequency, plates.gamma);
 }
 
-StageEnd conclude(const Session& session, const BedWork& one) {
+StageEnd conclude(const Session& session, const BedWork& work) {
     std::vector<GranularSummary> finished;
     StageEnd end = StageEnd::finished;
-    const std::string name = one.of().suffix();
-    for (std::size_t i = 0; i < one.results.size(); ++i) {
-        const GranularResult& result = one.results[i];
+    const std::string name = work.of().suffix();
+    for (std::size_t i = 0; i < work.results.size(); ++i) {
+        const GranularResult& result = work.results[i];
         if (result.end == StageEnd::finished)
             finished.push_back(result.summary);
         if (result.end == StageEnd::failed)
-            session.log->error("dem{}: run {}: {}", name, one.tasks[i].run + 1, result.message);
+            session.log->error("dem{}: run {}: {}", name, work.tasks[i].run + 1, result.message);
         if (result.end == StageEnd::interrupted && end == StageEnd::finished)
             end = StageEnd::interrupted;
         if (result.end == StageEnd::failed)
             end = StageEnd::failed;
     }
-    warn_of_absorbing(session, one, finished);
-    if (one.results.size() == 1 && !finished.empty() && one.of().label.empty())
+    warn_of_absorbing(session, work, finished);
+    if (work.results.size() == 1 && !finished.empty() && work.of().label.empty())
         report_one(session, finished[0]);
-    if (one.results.size() > 1 && !finished.empty()) {
-        session.directory.write(one.of().folder + "summary.json",
-                                ensemble_json(one.plan.bed, finished, one.results.size()));
-        session.directory.write(one.of().folder + "runs.csv", ensemble_csv(one.plan.bed.problem, finished));
+    if (work.results.size() > 1 && !finished.empty()) {
+        session.directory.write(work.of().folder + "summary.json",
+                                ensemble_json(work.plan.bed, finished, work.results.size()));
+        session.directory.write(work.of().folder + "runs.csv", ensemble_csv(work.plan.bed.problem, finished));
         session.log->debug("dem{}: {} of {} runs finished; runs.csv and summary.json have the means", name,
-                           finished.size(), one.results.size());
+                           finished.size(), work.results.size());
     }
     return end;
 }
@@ -204,25 +204,25 @@ void require_like(const std::string& file, const granular::GranularProblem& stor
 }
 
 void announce(const Session& session, const std::vector<BedWork>& all) {
-    for (const BedWork& one : all) {
-        const granular::GranularProblem& p = one.plan.bed.problem;
+    for (const BedWork& work : all) {
+        const granular::GranularProblem& p = work.plan.bed.problem;
         session.log->info("dem{}: beads {}, which cover {:.4f} of the box, rods {}, phi_b = {:.4g}, runs {}, "
                           "steps {} + {} of "
                           "{:g} s; {} instructions",
-                          one.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
-                          phi_b(one.plan.bed), one.tasks.size(), p.equilibration_steps, p.steps, p.time_step,
-                          granular::vector_target());
-        if (const std::string advice = output_advice(one.plan.bed); !advice.empty())
-            session.log->warn("dem{}: {}", one.of().suffix(), advice);
+                          work.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
+                          phi_b(work.plan.bed), work.tasks.size(), p.equilibration_steps, p.steps,
+                          p.time_step, granular::vector_target());
+        if (const std::string advice = output_advice(work.plan.bed); !advice.empty())
+            session.log->warn("dem{}: {}", work.of().suffix(), advice);
     }
 }
 
 } // namespace
 
 void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder) {
-    for (const Case& one : bed_cases(scene))
-        for (const GranularTask& task : granular_tasks(one, folder))
-            require_same_run(task, granular_key(one.scene));
+    for (const Case& case_ : bed_cases(scene))
+        for (const GranularTask& task : granular_tasks(case_, folder))
+            require_same_run(task, granular_key(case_.scene));
 }
 
 namespace {
@@ -231,15 +231,15 @@ namespace {
 void require_granular(const Plan& plan, const std::filesystem::path& folder, const RunContext& context) {
     if (!context.force)
         require_same_beds(plan.scene, folder);
-    for (const BedPlan& one : plan.beds) {
-        const scene::Granular& bed = *one.of.scene.granular;
+    for (const BedPlan& item : plan.beds) {
+        const scene::Granular& bed = *item.of.scene.granular;
         if (bed.start == scene::GranularStart::file)
-            granular::make_start(one.problem, 0); // refuses beads that overlap
+            granular::make_start(item.problem, 0); // refuses beads that overlap
         if (bed.start != scene::GranularStart::restart)
             continue;
         const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;
         require_like(bed.restart_from, granular_problem(scene::parse_scene(stored, bed.restart_from)),
-                     one.problem);
+                     item.problem);
         if (within(bed.restart_from, folder))
             throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
                              ", where this run would replace it; choose another folder with -o");
@@ -252,7 +252,7 @@ StageEnd run_granular(Session& session) {
     announce(session, all);
     if (session.context.executor && jobs.size() == 1)
         session.log->warn("dem: there is one run, so one rank computes it on one thread and the others wait");
-    Telling progress(session, jobs);
+    ProgressPrinter progress(session, jobs);
     execute_jobs(jobs, session.context, session.log,
                  [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {
                      if (s)
@@ -261,8 +261,8 @@ StageEnd run_granular(Session& session) {
                          progress.finish(job, simulated_seconds(jobs[job].of->plan));
                  });
     StageEnd end = StageEnd::finished;
-    for (const BedWork& one : all)
-        end = worse(end, conclude(session, one));
+    for (const BedWork& work : all)
+        end = worse(end, conclude(session, work));
     report_cost(session, all);
     return end;
 }

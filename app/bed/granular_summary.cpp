@@ -162,13 +162,13 @@ void add_numbers(std::vector<SummaryNumber>& all, const Get& part, const std::st
                  const std::string& behind, bool largest = false) {
     using Record = std::remove_cvref_t<decltype(part(std::declval<const GranularSummary&>()))>;
     for_each_field<Record>([&](const auto& field) {
-        const auto told = [&](std::string_view column) {
+        const auto described = [&](std::string_view column) {
             return column.empty() ? std::string() : std::string(column) + behind;
         };
         if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
             if ((field.info.over_runs == OverRuns::largest) == largest)
                 all.push_back(
-                    {before + std::string(field.name), told(field.column()), told(field.scan_column()),
+                    {before + std::string(field.name), described(field.column()), described(field.scan_column()),
                      field.info.unit, field.info.meaning, field.info.over_runs,
                      [part, member = field.member](const GranularSummary& s) { return part(s).*member; }});
     });

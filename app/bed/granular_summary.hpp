@@ -25,7 +25,7 @@ std::string ensemble_csv(const granular::GranularProblem& problem, std::span<con
 std::optional<GranularSummary> read_summary(const std::filesystem::path& file,
                                             const granular::GranularProblem& problem, std::uint32_t run);
 
-/// A number of a run, wherever it is told.
+/// A number of a run, wherever it is written.
 struct SummaryNumber {
     std::string path;        ///< in summary.json: "rods.0.force"
     std::string column;      ///< of runs.csv; "": none

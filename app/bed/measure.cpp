@@ -36,8 +36,8 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
     key.measure->interval = plan.interval * static_cast<double>(plan.stride);
     key.measure->phonon_interval = m.phonons ? std::optional(plan.interval) : std::nullopt; // as it was taken
     for (const MeasureKind& kind : measure_kinds())
-        if (kind.reset_late_keys)
-            kind.reset_late_keys(*key.measure);
+        if (kind.reset_postprocessing_keys)
+            kind.reset_postprocessing_keys(*key.measure);
     const measure::Layout& layout = plan.sums.layout();
     const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
     return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n{}", scene::to_plain_toml(key), layout.box.x,

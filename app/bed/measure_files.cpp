@@ -42,8 +42,8 @@ void write_table(const std::filesystem::path& folder, const MeasureTable& table)
 void write_image(const std::filesystem::path& folder, const MeasureImage& image, double a) {
     const measure::RodGrid& grid = image.grid;
     std::vector<store::VtiArray> arrays;
-    for (const ImageArray& one : image.arrays)
-        arrays.push_back({one.name, one.components, one.values});
+    for (const ImageArray& array : image.arrays)
+        arrays.push_back({array.name, array.components, array.values});
     store::write_vti(
         folder / image.file,
         {grid.columns, grid.rows, {grid.x(0) / a, grid.y(0) / a}, {grid.width / a, grid.height / a}}, arrays);
@@ -239,11 +239,11 @@ Values comparisons(const std::vector<CaseResults>& cases) {
 
 void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases) {
     std::string content = header();
-    for (const CaseResults& one : cases)
-        content += line_of(one);
+    for (const CaseResults& results : cases)
+        content += line_of(results);
     store::write_atomically(folder / "series.csv", content);
-    if (const Values told = comparisons(cases); !told.empty())
-        store::write_atomically(folder / "series.json", json_text(values_json(told), 2) + "\n");
+    if (const Values case_values = comparisons(cases); !case_values.empty())
+        store::write_atomically(folder / "series.json", json_text(values_json(case_values), 2) + "\n");
 }
 
 } // namespace rodwake::app

@@ -17,12 +17,12 @@ namespace rodwake::app {
 
 namespace {
 
-double unwrapped(double place, std::int32_t image, double box) {
-    return std::fma(static_cast<double>(image), box, place); // undoes store::wrap
+double unwrapped(double position, std::int32_t image, double box) {
+    return std::fma(static_cast<double>(image), box, position); // undoes store::wrap
 }
 
 double unwrapped(double x, double box) {
-    const store::Wrapped w = store::wrap(x, box);
+    const store::PeriodicCoordinate w = store::wrap(x, box);
     return unwrapped(w.place, w.image, box);
 }
 
@@ -108,7 +108,8 @@ void fill_frame(measure::Frame& frame, const granular::State& state, double time
     resize(frame, beads.size(), state.rods.size());
     frame.time = time;
     for (std::size_t i = 0; i < beads.size(); ++i) {
-        const store::Wrapped x = store::wrap(beads.x[i], box.x), y = store::wrap(beads.y[i], box.y);
+        const store::PeriodicCoordinate x = store::wrap(beads.x[i], box.x),
+                                        y = store::wrap(beads.y[i], box.y);
         frame.x[i] = x.place;
         frame.y[i] = y.place;
         frame.unwrapped_x[i] = unwrapped(x.place, x.image, box.x);

@@ -22,7 +22,7 @@ void for_each_frame(const std::filesystem::path& file, const measure::Layout& la
 /// Throws InputError if the file cannot be read, is of another bed, or its frames do not fit the interval.
 void check_trajectory(const std::filesystem::path& file, const MeasurePlan& plan);
 
-/// What a user is told of a run, recorded or stored, that has no frame to measure.
+/// Message for a run, recorded or stored, that has no frame to measure.
 std::string why_no_frames(const measure::Measures& measures);
 
 /// Measures of a stored trajectory at the plan's interval. `on_progress` hears the fraction done and may

@@ -22,24 +22,25 @@ void include_sums(MeasurePlan& plan, const char* name, const Options& options, s
     plan.sums.include(name, measure::Accumulator(Sums(plan.sums.layout(), options)), every * plan.stride);
 }
 
-/// What is told of results, with how it is got from them: listed once.
+/// A value of a result with its unit, its meaning, and the function that gets it: listed once.
 template<class Info, class Out, class From>
-struct Told {
+struct ResultEntry {
     Info info;
     Out (*get)(const From&);
 
     template<class Get> // a lambda without captures
-    consteval Told(const Info& told, Get)
-        : info(told), get([](const From& from) { return Out(to_told(Get{}(from))); }) {
+    consteval ResultEntry(const Info& described, Get)
+        : info(described), get([](const From& from) { return Out(converted(Get{}(from))); }) {
         constexpr bool number_of_table = std::same_as<Info, ColumnInfo>;
-        if (told.meaning.empty() || (!is_unit(told.unit) && (number_of_table || !told.unit.empty())))
-            throw "what is told has a meaning and a unit of the list `units`";
+        if (described.meaning.empty() ||
+            (!is_unit(described.unit) && (number_of_table || !described.unit.empty())))
+            throw "a result has a meaning and a unit of the list `units`";
     }
 
 private:
     /// Counts are whole numbers, what is absent is nothing.
     template<class T>
-    static auto to_told(T&& got) {
+    static auto converted(T&& got) {
         using Got = std::remove_cvref_t<T>;
         if constexpr (std::same_as<Out, Value> && std::integral<Got> && !std::same_as<Got, bool>)
             return static_cast<std::int64_t>(got);
@@ -51,41 +52,41 @@ private:
             return Out(std::forward<T>(got));
     }
 };
-template<class Found>
-using ToldValue = Told<ValueInfo, Value, Found>; ///< of measure.json
-template<class Found>
-using ToldColumn = Told<ColumnInfo, Column, Found>; ///< of a table
+template<class Result>
+using ResultValue = ResultEntry<ValueInfo, Value, Result>; ///< of measure.json
+template<class Result>
+using ResultColumn = ResultEntry<ColumnInfo, Column, Result>; ///< of a table
 template<class Row>
-using RowColumn = Told<ColumnInfo, double, Row>; ///< of a table with a row for each of something
+using RowColumn = ResultEntry<ColumnInfo, double, Row>; ///< of a table with a row for each of something
 
 template<class Info, class Out, class From, std::size_t N>
-constexpr std::array<Info, N> infos_of(const Told<Info, Out, From> (&list)[N]) {
+constexpr std::array<Info, N> infos_of(const ResultEntry<Info, Out, From> (&list)[N]) {
     std::array<Info, N> infos{};
-    std::ranges::transform(list, infos.begin(), &Told<Info, Out, From>::info);
+    std::ranges::transform(list, infos.begin(), &ResultEntry<Info, Out, From>::info);
     return infos;
 }
 
-template<class Found, std::size_t N>
-Values values_of(const ToldValue<Found> (&list)[N], const Found& found) {
+template<class Result, std::size_t N>
+Values values_of(const ResultValue<Result> (&list)[N], const Result& result) {
     Values values;
-    for (const ToldValue<Found>& one : list)
-        values.push_back({std::string(one.info.key), one.get(found)});
+    for (const ResultValue<Result>& entry : list)
+        values.push_back({std::string(entry.info.key), entry.get(result)});
     return values;
 }
 
-template<class Found, std::size_t N>
-std::vector<Column> columns_of(const ToldColumn<Found> (&list)[N], const Found& found) {
+template<class Result, std::size_t N>
+std::vector<Column> columns_of(const ResultColumn<Result> (&list)[N], const Result& result) {
     std::vector<Column> columns;
-    for (const ToldColumn<Found>& one : list)
-        columns.push_back(one.get(found));
+    for (const ResultColumn<Result>& entry : list)
+        columns.push_back(entry.get(result));
     return columns;
 }
 
 template<class Row, std::size_t N>
 std::vector<Column> columns_of(const RowColumn<Row> (&list)[N], const std::vector<Row>& rows) {
     std::vector<Column> columns;
-    for (const RowColumn<Row>& one : list)
-        std::ranges::transform(rows, std::back_inserter(columns.emplace_back()), one.get);
+    for (const RowColumn<Row>& column : list)
+        std::ranges::transform(rows, std::back_inserter(columns.emplace_back()), column.get);
     return columns;
 }
 

@@ -70,9 +70,9 @@ std::optional<std::vector<measure::Measures>> sums_of(const std::vector<RunFiles
         });
     });
     std::vector<measure::Measures> all;
-    for (auto& one : found)
-        if (one)
-            all.push_back(std::move(*one));
+    for (auto& item : found)
+        if (item)
+            all.push_back(std::move(*item));
     return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
 }
 
@@ -131,12 +131,12 @@ void require_recorded(const RunFiles& run, const MeasurePlan& plan) {
 }
 
 CaseResults facts_of(const BedPlan& plan) {
-    const Case& one = plan.of;
-    const scene::Granular& bed = *one.scene.granular;
+    const Case& case_ = plan.of;
+    const scene::Granular& bed = *case_.scene.granular;
     CaseResults r;
-    r.name = one.name;
-    r.label = one.label;
-    r.folder = one.folder;
+    r.name = case_.name;
+    r.label = case_.label;
+    r.folder = case_.folder;
     r.bead_radius = bed.bead_radius;
     r.phi_b = phi_b(plan);
     if (bed.rods.size() == 2) {
@@ -144,16 +144,16 @@ CaseResults facts_of(const BedPlan& plan) {
         r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
     }
     if (!bed.rods.empty())
-        r.imposed_speed = bed.rods[static_cast<std::size_t>(one.scene.measure->rod)].imposed_speed;
+        r.imposed_speed = bed.rods[static_cast<std::size_t>(case_.scene.measure->rod)].imposed_speed;
     return r;
 }
 
 /// Nothing if a signal stopped it.
 std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& context, const fs::path& folder,
                                         const Logger& log) {
-    const Case& one = bed.of;
-    const std::vector<RunFiles> runs = finished_runs(one, folder, log);
-    const scene::Measure& m = *one.scene.measure;
+    const Case& case_ = bed.of;
+    const std::vector<RunFiles> runs = finished_runs(case_, folder, log);
+    const scene::Measure& m = *case_.scene.measure;
     CaseResults results = facts_of(bed);
     results.runs = runs.size();
     std::vector<measure::Measures> sums;
@@ -163,7 +163,7 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
             return std::nullopt;
         sums = std::move(*found);
     }
-    MeasuredCase data{one.scene, sums, tables_of(runs)};
+    MeasuredCase data{case_.scene, sums, tables_of(runs)};
     const auto lacks_tables = [&](const MeasureKind& kind) {
         return kind.wanted(m) && !kind.include && data.tables.empty();
     };
@@ -184,15 +184,15 @@ void report_measures(MeasuredCase data, CaseResults& results) {
         }
 }
 
-std::vector<RunFiles> finished_runs(const Case& one, const fs::path& folder, const Logger& log) {
-    const std::string foreign = one.scene.measure ? one.scene.measure->trajectory : "";
+std::vector<RunFiles> finished_runs(const Case& case_, const fs::path& folder, const Logger& log) {
+    const std::string foreign = case_.scene.measure ? case_.scene.measure->trajectory : "";
     if (!foreign.empty())
         return {{fs::path(foreign).parent_path(), foreign, false}};
-    const std::vector<GranularTask> tasks = granular_tasks(one, folder);
+    const std::vector<GranularTask> tasks = granular_tasks(case_, folder);
     std::vector<RunFiles> found = finished(tasks);
     if (found.empty())
         throw InputError(
-            (folder / one.folder).string() +
+            (folder / case_.folder).string() +
             ": holds no finished granular run to measure; rodwake dem SCENE -o DIR makes one, rodwake run "
             "does both; or name a file in measure.trajectory");
     if (found.size() < tasks.size())
@@ -242,13 +242,13 @@ StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::p
     const MeasureOrigin origin{context.command, bed_table ? static_cast<std::uint64_t>(bed_table->seed) : 0};
     std::vector<CaseResults> all;
     StageEnd end = StageEnd::finished;
-    const auto take = [&](const Case& one, std::optional<CaseResults> results) {
+    const auto take = [&](const Case& case_, std::optional<CaseResults> results) {
         if (!results)
             return false;
-        fs::create_directories(folder / one.folder);
-        write_measures(folder / one.folder, *results, origin);
+        fs::create_directories(folder / case_.folder);
+        write_measures(folder / case_.folder, *results, origin);
         for (const auto& [name, reason] : results->not_measured) {
-            log->error("measure{}: {}: {}", one.suffix(), name, reason);
+            log->error("measure{}: {}: {}", case_.suffix(), name, reason);
             end = StageEnd::failed;
         }
         for (const std::string& line : describe(*results))
@@ -257,8 +257,8 @@ StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::p
         return true;
     };
     if (plan.scene.tracks) {
-        const Case one{"scene", "", "", plan.scene};
-        return take(one, measure_tracks(one, context, folder, log)) ? end : StageEnd::interrupted;
+        const Case item{"scene", "", "", plan.scene};
+        return take(item, measure_tracks(item, context, folder, log)) ? end : StageEnd::interrupted;
     }
     for (const BedPlan& bed : plan.beds)
         if (!take(bed.of, measure_case(bed, context, folder, log)))

@@ -61,7 +61,8 @@ struct RunFiles {
 
 /// What there is to measure of a case: its finished runs in a run folder, or measure.trajectory. Throws
 /// InputError if there is nothing.
-std::vector<RunFiles> finished_runs(const Case& one, const std::filesystem::path& folder, const Logger& log);
+std::vector<RunFiles> finished_runs(const Case& case_, const std::filesystem::path& folder,
+                                    const Logger& log);
 
 /// Throws InputError if there is nothing to measure in the folder.
 StageEnd measure_folder(const Plan& plan, const RunContext& context, const std::filesystem::path& folder,

@@ -41,10 +41,10 @@ constexpr const char* how_to_make = "rodwake run of a scene with [granular] and 
 fs::path find(const Scene& scene, const fs::path& run_directory) {
     const std::string& file = scene.medium->measured->file;
     std::string looked;
-    for (const fs::path& place : data_file_places(file, scene, run_directory)) {
-        if (fs::is_regular_file(place))
-            return place;
-        looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+    for (const fs::path& candidate : data_file_places(file, scene, run_directory)) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        looked += (looked.empty() ? "" : ", ") + fs::absolute(candidate).lexically_normal().string();
     }
     throw InputError(fmt::format(
         "{}: medium.measured.file = \"{}\": no such file; looked for {}; {}", scene.path, file, looked,
@@ -91,8 +91,8 @@ void require_errors(const fs::path& file, const std::vector<double>& values, std
 } // namespace
 
 bool measures_own_field(const Scene& scene) {
-    return std::ranges::any_of(cases_of(scene),
-                               [](const Case& one) { return is_measured(one.scene) && is_own(one.scene); });
+    return std::ranges::any_of(
+        cases_of(scene), [](const Case& case_) { return is_measured(case_.scene) && is_own(case_.scene); });
 }
 
 MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
@@ -145,9 +145,9 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
 }
 
 void require_measured(const Scene& scene, const fs::path& run_directory, bool made_later) {
-    for (const Case& one : cases_of(scene))
-        if (is_measured(one.scene) && !(made_later && is_own(one.scene)))
-            read_measured(one.scene, run_directory);
+    for (const Case& case_ : cases_of(scene))
+        if (is_measured(case_.scene) && !(made_later && is_own(case_.scene)))
+            read_measured(case_.scene, run_directory);
 }
 
 } // namespace rodwake::app

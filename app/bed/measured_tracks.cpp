@@ -76,10 +76,10 @@ struct TracksReport {
 /// `key`: file or rods_file.
 fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
     std::string looked;
-    for (const fs::path& place : data_file_places(name, scene, {})) {
-        if (fs::is_regular_file(place))
-            return place;
-        looked += (looked.empty() ? "" : ", ") + fs::absolute(place).lexically_normal().string();
+    for (const fs::path& candidate : data_file_places(name, scene, {})) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        looked += (looked.empty() ? "" : ", ") + fs::absolute(candidate).lexically_normal().string();
     }
     throw InputError(
         fmt::format("{}: tracks.{} = \"{}\": no such file; looked for {}", scene.path, key, name, looked));
@@ -248,7 +248,7 @@ std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, me
     return csv_of(beads);
 }
 
-/// Everything that is missing, most of it first told by whoever met it.
+/// Everything that is missing. The reader that met it reported most of it already.
 std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& tracks) {
     const measure::TrackCounts& counts = tracks.counts;
     std::vector<RowsLeftOut> all;
@@ -304,9 +304,9 @@ std::string line_of(const TracksReport& r) {
                     r.particles, r.mean_length, 100.0 * r.lost_share);
     if (r.rods > 0)
         text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
-    for (const RowsLeftOut& one : r.left_out)
-        if (one.rows > 0)
-            text += fmt::format("; {} {}", one.rows, one.why);
+    for (const RowsLeftOut& rows : r.left_out)
+        if (rows.rows > 0)
+            text += fmt::format("; {} {}", rows.rows, rows.why);
     return text;
 }
 
@@ -390,13 +390,13 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
         const fs::path file = file_of(scene, key, name);
         if (format == TrackFormat::automatic)
             format = store::track_format(file);
-        std::vector<std::string> told;
+        std::vector<std::string> hints;
         if (format == TrackFormat::csv) // the reader of the run, stopped at the first row that has a place
-            told =
+            hints =
                 store::read_track_csv(file, columns_of(keys, of_rods), [](double) { return false; }).warnings;
         else if (context)
-            told.push_back("its first frames: " + look_into(keys, file, format, *context));
-        for (const std::string& line : told)
+            hints.push_back("its first frames: " + look_into(keys, file, format, *context));
+        for (const std::string& line : hints)
             found.push_back(file.filename().string() + ": " + line);
     };
     look("file", keys.file, keys.format, keys.rods_file.empty());
@@ -408,9 +408,9 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
 std::span<const ColumnInfo> tracks_values() { return values_of<TracksReport>(); }
 std::span<const ColumnInfo> film_frame_columns() { return columns_of<FilmBead>(); }
 
-std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context, const fs::path& folder,
-                                          const Logger& log) {
-    const Scene& scene = one.scene;
+std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& context,
+                                          const fs::path& folder, const Logger& log) {
+    const Scene& scene = case_.scene;
     Progress progress(context, "measure", 1.0, "film");
     const auto tracks = read(scene, context, folder, progress, log);
     if (!tracks)
@@ -434,7 +434,7 @@ std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& con
         data.tables.push_back(rods.tables());
     }
     CaseResults results;
-    results.name = one.name;
+    results.name = case_.name;
     results.bead_radius = tracks->bead_radius;
     results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) /
                     seen_area(sums->layout());

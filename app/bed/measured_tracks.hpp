@@ -17,7 +17,7 @@ std::vector<std::string> look_at_tracks(const scene::Scene& scene, const RunCont
 
 /// Of a scene with [tracks] and [measure]. Nothing if a signal stopped it. Throws InputError for a file that
 /// is no film.
-std::optional<CaseResults> measure_tracks(const Case& one, const RunContext& context,
+std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& context,
                                           const std::filesystem::path& folder, const Logger& log);
 
 /// Numbers of tracks.json.

@@ -47,11 +47,11 @@ BedPlan bed_of(const GranularArchive& archive, const std::string& name) {
 }
 
 /// A run, and where it can be taken up.
-struct Kept {
+struct ArchivedRun {
     GranularArchive archive;
     BedPlan bed;
 
-    explicit Kept(const fs::path& run) : archive(archive_of(run)), bed(bed_of(archive, run.string())) {
+    explicit ArchivedRun(const fs::path& run) : archive(archive_of(run)), bed(bed_of(archive, run.string())) {
         require_end(end(), bed.problem, run.string());
         const State& last = archive.states.back();
         if (last.beads.size() != bed.problem.beads || last.rods.size() != bed.problem.rods.size())
@@ -96,11 +96,11 @@ bool advance(Simulation& simulation, std::int64_t step, const RunContext& contex
     return true;
 }
 
-struct Steps {
+struct StepRange {
     std::int64_t from, to, every;
 };
 
-Steps steps_of(const Kept& kept, const ReplayRequest& request) {
+StepRange steps_of(const ArchivedRun& kept, const ReplayRequest& request) {
     const granular::GranularProblem& p = kept.bed.problem;
     const auto step_at = [&](double time) {
         return p.equilibration_steps + std::llround(time / p.time_step);
@@ -120,8 +120,8 @@ Steps steps_of(const Kept& kept, const ReplayRequest& request) {
 
 Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::path& folder,
                 const RunContext& context) {
-    const Kept kept(run);
-    const Steps steps = steps_of(kept, request);
+    const ArchivedRun kept(run);
+    const StepRange steps = steps_of(kept, request);
     const granular::GranularProblem& p = kept.bed.problem;
     Simulation simulation(p, kept.state(steps.from), {},
                           granular::worthwhile_threads(p, context.thread_count()));
@@ -170,7 +170,7 @@ std::string difference(const State& made, const State& stored) {
 } // namespace
 
 Verified verify(const fs::path& run, const RunContext& context) {
-    const Kept kept(run);
+    const ArchivedRun kept(run);
     std::vector<State> from = kept.archive.states;
     if (auto first = kept.start(); first && first->step < from.front().step)
         from.insert(from.begin(), std::move(*first));
@@ -191,7 +191,7 @@ Verified verify(const fs::path& run, const RunContext& context) {
         progress.update(i, 1.0);
     });
     result.interrupted = stopped;
-    if (const auto first = std::ranges::find_if(found, [](const std::string& one) { return !one.empty(); });
+    if (const auto first = std::ranges::find_if(found, [](const std::string& text) { return !text.empty(); });
         first != found.end())
         result.differs = *first;
     return result;
@@ -199,7 +199,7 @@ Verified verify(const fs::path& run, const RunContext& context) {
 
 std::optional<measure::Measures> measure_archive(const fs::path& file, const MeasurePlan& plan,
                                                  const std::function<bool(double)>& on_progress) {
-    const Kept kept(file);
+    const ArchivedRun kept(file);
     const granular::GranularProblem& p = kept.bed.problem;
     RunContext context;
     bool stopped = false;

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 fs::path place_of(const std::string& file, const std::string& scene) {
     const fs::path beside = (fs::path(scene).parent_path() / file).lexically_normal();
-    for (const fs::path& place : {beside, fs::path(file)})
-        if (fs::is_regular_file(place))
-            return place;
+    for (const fs::path& candidate : {beside, fs::path(file)})
+        if (fs::is_regular_file(candidate))
+            return candidate;
     throw InputError(fmt::format("granular.start_file = \"{}\": there is no such file, neither {} nor {}",
                                  file, fs::absolute(beside).string(),
                                  fs::absolute(fs::path(file)).lexically_normal().string()));

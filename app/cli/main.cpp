@@ -62,7 +62,7 @@ int flushed(int code) {
 }
 
 int fail(const std::exception& error, int code) {
-    tell(fmt::format("rodwake: {}\n", describe(error)));
+    print_message(fmt::format("rodwake: {}\n", describe(error)));
     return code;
 }
 
@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
     install_signal_handlers();
     try {
         return flushed(parsed.exit_now ? parsed.exit_code : dispatch(parsed.options));
-    } catch (const rodwake::app::FinishedRun& told) {
-        return fail(told, 0);
+    } catch (const rodwake::app::FinishedRun& finished) {
+        return fail(finished, 0);
     } catch (const rodwake::InputError& error) {
         return fail(error, 2);
     } catch (const std::exception& error) {

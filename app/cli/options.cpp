@@ -32,12 +32,11 @@ std::string shell_command(int argc, const char* const* argv) {
     return fmt::format("{}", fmt::join(words, " "));
 }
 
-bool is_set_option(const std::string& word) { return word == "-s" || word == "--set"; }
-
 /// `-s key = value`, three words to a shell, as one.
 std::vector<std::string> joined_settings(std::vector<std::string> words) {
     for (std::size_t i = 1; i < words.size(); ++i)
-        if (is_set_option(words[i - 1]) && i + 1 < words.size() && words[i + 1].starts_with("=")) {
+        if ((words[i - 1] == "-s" || words[i - 1] == "--set") && i + 1 < words.size() &&
+            words[i + 1].starts_with("=")) {
             const std::size_t end = words[i + 1] == "=" ? std::min(i + 3, words.size()) : i + 2;
             for (std::size_t k = i + 1; k < end; ++k)
                 words[i] += words[k];
@@ -115,7 +114,7 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& error) {
         parsed.exit_now = true;
         parsed.exit_code = 2;
-        tell(fmt::format("rodwake: {}\n", usage_text(app, error)));
+        print_message(fmt::format("rodwake: {}\n", usage_text(app, error)));
     }
     return parsed;
 }

@@ -158,7 +158,7 @@ private:
 
 } // namespace
 
-void tell(const std::string& text) {
+void print_message(const std::string& text) {
     const std::string line = printable(text);
     std::fwrite(line.data(), 1, line.size(), stderr);
 }

@@ -7,7 +7,7 @@
 namespace rodwake::cli {
 
 /// To standard error, without what a terminal would obey. That it is closed or full is nobody's failure.
-void tell(const std::string& text);
+void print_message(const std::string& text);
 
 /// A library that runs out of memory where no exception may pass (a destructor) ends the program with a
 /// message and exit code 1, as anywhere else, and not by abort.

@@ -19,21 +19,21 @@ using granular::Impact;
 
 constexpr const char* impact_header = "Px,Py,Pz,wx,wy,wz\n";
 
-struct Case {
+struct ImpactCase {
     Eigen::Matrix3d inverse_mass;
     Eigen::Vector3d velocity;
     granular::Surface surface;
     std::size_t line; ///< of the file
 };
 
-std::vector<Case> read_cases(const std::string& file) {
+std::vector<ImpactCase> read_cases(const std::string& file) {
     const std::vector<std::string> names = {"Kxx", "Kxy", "Kxz", "Kyy", "Kyz", "Kzz",
                                             "vx",  "vy",  "vz",  "mu",  "e"};
     const store::Table table = store::read_csv(file, names);
-    std::vector<Case> cases(table.rows());
+    std::vector<ImpactCase> cases(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const auto at = [&](const char* name) { return (*table.find(name))[i]; };
-        Case& c = cases[i];
+        ImpactCase& c = cases[i];
         c.inverse_mass << at("Kxx"), at("Kxy"), at("Kxz"), at("Kxy"), at("Kyy"), at("Kyz"), at("Kxz"),
             at("Kyz"), at("Kzz");
         c.velocity = {at("vx"), at("vy"), at("vz")};
@@ -53,9 +53,9 @@ double definiteness(const Eigen::Matrix3d& k) {
     return values[0] / values.cwiseAbs().maxCoeff();
 }
 
-class Problems {
+class ImpactMessages {
 public:
-    explicit Problems(std::string file) : file_(std::move(file)) {}
+    explicit ImpactMessages(std::string file) : file_(std::move(file)) {}
 
     void add(std::size_t line, const std::string& what) {
         text_ += fmt::format("{}{}:{}:1: {}", text_.empty() ? "" : "\n", file_, line, what);
@@ -69,23 +69,23 @@ private:
     std::string file_, text_;
 };
 
-void check(const Case& c, Problems& problems) {
+void check(const ImpactCase& c, ImpactMessages& messages) {
     const double least = definiteness(c.inverse_mass);
     if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
-        problems.add(c.line,
+        messages.add(c.line,
                      fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
                                  "must be > 1e-15 (an inverse mass is)",
                                  least));
     if (!(c.surface.friction >= 0.0))
-        problems.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
+        messages.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
     if (!(c.surface.restitution >= 0.0 && c.surface.restitution <= 1.0))
-        problems.add(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
+        messages.add(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
 }
 
-void add_row(const Case& c, Problems& problems, fmt::memory_buffer& out) {
+void add_row(const ImpactCase& c, ImpactMessages& messages, fmt::memory_buffer& out) {
     const Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
     if (!i.impulse.allFinite() || !i.velocity.allFinite())
-        return problems.add(c.line,
+        return messages.add(c.line,
                             "impulse or velocity is beyond the range of a double; choose other units");
     fmt::format_to(std::back_inserter(out), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
                    i.impulse.x(), i.impulse.y(), i.impulse.z(), i.velocity.x(), i.velocity.y(),
@@ -95,20 +95,20 @@ void add_row(const Case& c, Problems& problems, fmt::memory_buffer& out) {
 } // namespace
 
 int verb_impact(const Options& options) {
-    const std::vector<Case> cases = read_cases(options.cases);
-    Problems problems(options.cases);
-    for (const Case& c : cases)
-        check(c, problems);
-    problems.throw_if_any();
+    const std::vector<ImpactCase> cases = read_cases(options.cases);
+    ImpactMessages messages(options.cases);
+    for (const ImpactCase& c : cases)
+        check(c, messages);
+    messages.throw_if_any();
     fmt::memory_buffer out; // every row before the first is printed: a bad one leaves nothing half-written
     out.append(std::string_view(impact_header));
-    for (const Case& c : cases)
+    for (const ImpactCase& c : cases)
         try {
-            add_row(c, problems, out);
+            add_row(c, messages, out);
         } catch (const RunError& error) {
             throw RunError(fmt::format("{}:{}:1: {}", options.cases, c.line, error.what()));
         }
-    problems.throw_if_any();
+    messages.throw_if_any();
     if (options.dry_run)
         return 0;
     if (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0)

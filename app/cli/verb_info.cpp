@@ -108,8 +108,8 @@ std::string table_text(const fs::path& file) {
     text += fmt::format("\n{}\n", fmt::join(first, "\n"));
     if (rows > 2 * ends)
         text += fmt::format("... {} rows ...\n", rows - 2 * ends);
-    for (const std::string& one : last)
-        text += one + "\n";
+    for (const std::string& name : last)
+        text += name + "\n";
     return text;
 }
 

@@ -176,7 +176,7 @@ std::string bed_scene(const Answers& answers) {
 /// Asks until the answer is legal. Throws InputError at the end of input.
 std::string ask(const Question& question) {
     for (;;) {
-        tell(fmt::format("{} [{}] ", question.text, question.fallback));
+        print_message(fmt::format("{} [{}] ", question.text, question.fallback));
         std::string answer;
         if (!std::getline(std::cin, answer))
             throw InputError("no answer; rodwake new --help names the options that answer");
@@ -185,7 +185,7 @@ std::string ask(const Question& question) {
         const std::string wrong = question.legal(answer);
         if (wrong.empty())
             return answer;
-        tell(fmt::format("{}\n", wrong));
+        print_message(fmt::format("{}\n", wrong));
     }
 }
 
@@ -244,7 +244,7 @@ int verb_new(const Options& options) {
     if (!options.force && std::filesystem::exists(options.target))
         throw InputError(options.target + ": already exists; choose another name, or --force to replace it");
     store::write_atomically(options.target, text);
-    tell(fmt::format("{}: written; rodwake check {} prints what it models, rodwake run {} runs it\n",
+    print_message(fmt::format("{}: written; rodwake check {} prints what it models, rodwake run {} runs it\n",
                      options.target, options.target, options.target));
     return 0;
 }

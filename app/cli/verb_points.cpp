@@ -26,21 +26,21 @@ namespace {
 constexpr const char* points_header =
     "x,y,xi,eta,Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,grady_tr,dipUx,dipUy\n";
 
-struct Point {
+struct QueryPoint {
     double x, y;
     elastic::Medium medium;
     double box;       ///< side of the periodic box; NaN: infinite plane
     std::size_t line; ///< of the file
 };
 
-std::vector<Point> read_points(const std::string& file) {
+std::vector<QueryPoint> read_points(const std::string& file) {
     const std::vector<std::string> required = {"x", "y", "xi", "eta"};
     const std::vector<std::string> optional = {"L"};
     const store::Table table = store::read_csv(file, required, optional);
     const auto &x = *table.find("x"), &y = *table.find("y"), &xi = *table.find("xi"),
                &eta = *table.find("eta");
     const auto* box = table.find("L");
-    std::vector<Point> points;
+    std::vector<QueryPoint> points;
     points.reserve(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i)
         points.push_back({x[i], y[i], {eta[i], xi[i]}, box ? (*box)[i] : std::nan(""), table.lines[i]});
@@ -48,16 +48,16 @@ std::vector<Point> read_points(const std::string& file) {
 }
 
 /// Rows of one medium and box follow each other: its wake is built once.
-class Wakes {
+class WakeCache {
 public:
-    Wakes(const Options& options, const std::vector<Point>& points)
+    WakeCache(const Options& options, const std::vector<QueryPoint>& points)
         : tolerance_(options.table_tolerance), tables_(context_) {
         if (options.backend == "table")
-            for (const Point& point : points)
+            for (const QueryPoint& point : points)
                 ++count_[point.medium.eta];
     }
 
-    elastic::FieldValues at(const Point& point) {
+    elastic::FieldValues at(const QueryPoint& point) {
         constexpr elastic::FieldRequest all{
             .displacement = true, .strain = true, .polar = true, .dipole = true};
         if (!wake_ || !same_wake(point, last_)) {
@@ -71,12 +71,12 @@ private:
     /// Making a table takes as long as some million points.
     static constexpr std::size_t worth_a_table = 1000;
 
-    static bool same_wake(const Point& a, const Point& b) {
+    static bool same_wake(const QueryPoint& a, const QueryPoint& b) {
         return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi &&
                (a.box == b.box || (std::isnan(a.box) && std::isnan(b.box)));
     }
 
-    std::shared_ptr<const elastic::WakeField> field(const Point& point) {
+    std::shared_ptr<const elastic::WakeField> field(const QueryPoint& point) {
         if (!std::isnan(point.box))
             return elastic::exact_field(point.medium, point.box);
         const auto count = count_.find(point.medium.eta);
@@ -89,13 +89,13 @@ private:
     app::RunContext context_;
     app::WakeTables tables_;
     std::map<double, std::size_t> count_; ///< points of each eta, if tables are wanted
-    Point last_{};
+    QueryPoint last_{};
     std::shared_ptr<const elastic::Wake> wake_; ///< of last_
 };
 
 using Row = std::array<double, 15>;
 
-Row row(const Point& point, Wakes& wakes) {
+Row row(const QueryPoint& point, WakeCache& wakes) {
     const elastic::FieldValues f = wakes.at(point);
     return {point.x,
             point.y,
@@ -114,7 +114,7 @@ Row row(const Point& point, Wakes& wakes) {
             f.dipole.y};
 }
 
-Row row_without_field(const Point& point) {
+Row row_without_field(const QueryPoint& point) {
     Row values;
     values.fill(std::nan(""));
     values[0] = point.x;
@@ -130,12 +130,12 @@ std::string name_of(const std::string& file) { return file == "-" ? "standard in
 } // namespace
 
 int verb_field_points(const Options& options) {
-    const std::vector<Point> points = read_points(options.points);
+    const std::vector<QueryPoint> points = read_points(options.points);
     fmt::memory_buffer out;
     out.append(std::string_view(points_header));
-    Wakes wakes(options, points);
+    WakeCache wakes(options, points);
     std::vector<std::string> failed;
-    for (const Point& point : points) {
+    for (const QueryPoint& point : points) {
         Row values = row_without_field(point);
         try {
             values = row(point, wakes);
@@ -148,10 +148,10 @@ int verb_field_points(const Options& options) {
         (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0))
         throw RunError("cannot write to standard output");
     for (const std::string& message : failed)
-        tell(fmt::format("rodwake: {}\n", message));
+        print_message(fmt::format("rodwake: {}\n", message));
     if (failed.empty())
         return 0;
-    tell(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
+    print_message(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
                      points.size()));
     return 3;
 }

@@ -30,7 +30,7 @@ void add_row(std::vector<double>& rows, double time, integrate::State y, integra
         rows.push_back(rates[i]);
 }
 
-/// The start and its steps; the rates of a pair's start are not known to who is told of steps.
+/// The start and its steps; callbacks of steps do not know the rates of a pair's start.
 void add_start(std::vector<double>& rows, const rods::RodProblem& problem) {
     const std::vector<double> y = rods::to_state(problem.rods);
     std::vector<double> rates(y.size());
@@ -110,11 +110,11 @@ EncounterPath encounter(const rods::RodProblem& problem, double rtol) {
 void encounters(std::span<const rods::RodProblem> problems, double rtol, std::span<EncounterSummary> ends) {
     check_rtol(rtol);
     std::vector<rods::PairProblem> pairs;
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         if (is_pair(problems[i])) {
             pairs.push_back(*rods::to_pair_problem(problems[i]));
-            places.push_back(i);
+            indices.push_back(i);
         } else {
             ends[i] = end_alone(problems[i], rtol);
         }
@@ -123,13 +123,14 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
     rods::simulate_pairs(pairs, {rtol, 0.01 * rtol}, results);
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t k = 0; k < pairs.size(); ++k)
-        ends[places[k]] = results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
-                              ? EncounterSummary{Ending::undecided, nan, nan}
-                              : results[k].handed_over() ? end_alone(problems[places[k]], rtol)
-                                                         : summary_of(rods::outcome_of(results[k]));
+        ends[indices[k]] =
+            results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
+                ? EncounterSummary{Ending::undecided, nan, nan}
+                : results[k].handed_over() ? end_alone(problems[indices[k]], rtol)
+                                           : summary_of(rods::outcome_of(results[k]));
 }
 
-void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::Places points,
+void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::FieldPoints points,
            const WakeColumns& columns) {
     const elastic::WakeKernel kernel(medium);
     std::vector<double> x(points.x.begin(), points.x.end());

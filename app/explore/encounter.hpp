@@ -49,7 +49,7 @@ struct WakeColumns {
 };
 
 /// Sums of the rods' wakes. At a rod itself NaN.
-void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::Places points,
+void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::FieldPoints points,
            const WakeColumns& columns);
 
 } // namespace rodwake::app

@@ -17,18 +17,18 @@ namespace {
 using Numbers = std::vector<double>;
 
 /// Where a trial step ends.
-struct Trial {
+struct TrialStep {
     Numbers y, rates;
     double error = 0.0; ///< over the tolerance
 };
 
-class PlaneWake final : public elastic::Wake {
+class PageWake final : public elastic::Wake {
 public:
-    explicit PlaneWake(const elastic::Medium& medium) : field_(medium) {}
+    explicit PageWake(const elastic::Medium& medium) : field_(medium) {}
     elastic::FieldValues at(double x, double y, elastic::FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    elastic::MediumDerivatives by_medium(double, double, elastic::FieldRequest) const override {
+    elastic::MediumDerivatives medium_derivatives(double, double, elastic::FieldRequest) const override {
         throw InputError("these wakes have no derivatives by the medium");
     }
 
@@ -39,7 +39,7 @@ private:
 class PlaneWakes final : public elastic::WakeField {
 public:
     explicit PlaneWakes(const elastic::Medium& medium)
-        : medium_(medium), wake_(std::make_shared<const PlaneWake>(medium)) {}
+        : medium_(medium), wake_(std::make_shared<const PageWake>(medium)) {}
     elastic::FieldCapabilities capabilities() const override { return {.medium_derivatives = false}; }
     const elastic::Medium& medium() const override { return medium_; }
     std::shared_ptr<const elastic::Wake> wake(double /*heading*/) const override { return wake_; }
@@ -85,11 +85,11 @@ private:
         return [this](integrate::State y, std::span<double> ydot) { model_.rhs(y, ydot); };
     }
 
-    Trial trial(double h) const {
+    TrialStep trial(double h) const {
         const std::size_t size = y_.size();
         std::array<Numbers, 7> k;
         k[0] = rates_;
-        Trial end;
+        TrialStep end;
         for (int stage = 1; stage < 7; ++stage) {
             end.y = y_;
             for (int s = 0; s < stage; ++s)
@@ -118,7 +118,7 @@ private:
     }
 
     /// Length of a step within h that ends in contact; h if there is none.
-    double contact_within(double h, const Trial& end) const {
+    double contact_within(double h, const TrialStep& end) const {
         if (gap(end.y) <= 0.0 || !problem_.contact_distance)
             return h;
         const auto dip =
@@ -127,7 +127,7 @@ private:
     }
 
     /// Shortens a step that ends in contact until its end lies on it.
-    std::pair<double, Trial> meet(double outside, double inside) const {
+    std::pair<double, TrialStep> meet(double outside, double inside) const {
         for (int k = 0; k < 60 && inside - outside > 1e-14; ++k) {
             const double middle = 0.5 * (outside + inside);
             (gap(trial(middle).y) > 0.0 ? outside : inside) = middle;
@@ -144,7 +144,7 @@ private:
         double h = std::min({step_, limit, rest});
         if (!(time_ + h > time_))
             throw RunError(fmt::format("steps became too small to add to t = {:.6g}", time_));
-        Trial end = trial(h);
+        TrialStep end = trial(h);
         const double factor = std::clamp(0.8 * std::pow(std::max(end.error, 1e-10), -0.2), 0.2, 5.0);
         if (!(end.error <= 1.0)) {
             step_ = h * (std::isfinite(end.error) ? factor : 0.2);
@@ -165,7 +165,7 @@ private:
         return true;
     }
 
-    void take(double time, Trial end) {
+    void take(double time, TrialStep end) {
         if (problem_.rods.size() > 1)
             rods::add_step(record_, {time_, time, y_, end.y}, state_rates());
         time_ = time;

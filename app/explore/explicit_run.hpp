@@ -14,7 +14,7 @@ rods::RodModel model_on_plane(const rods::RodProblem& problem);
 
 RunError too_stiff(long attempts, double time);
 
-/// Told the time, the state and its rates at the start and after each step.
+/// Receives the time, the state and its rates at the start and after each step.
 using OnRow = std::function<void(double time, integrate::State y, integrate::State rates)>;
 
 /// Dormand-Prince 5(4) with the tolerances, step limit and endings of rods::simulate. Throws InputError as

@@ -120,11 +120,11 @@ std::string for_script(const ordered_json& value) {
     return text;
 }
 
-void put(std::string& page, std::string_view place, const std::string& what) {
-    const std::size_t at = page.find(place);
+void put(std::string& page, std::string_view location, const std::string& what) {
+    const std::size_t at = page.find(location);
     if (at == std::string::npos)
-        throw RunError(fmt::format("explorer/page.html has no {}; install rodwake anew", place));
-    page.replace(at, place.size(), what);
+        throw RunError(fmt::format("explorer/page.html has no {}; install rodwake anew", location));
+    page.replace(at, location.size(), what);
 }
 
 } // namespace
@@ -164,8 +164,9 @@ std::vector<std::string> left_out_by_explorer(const scene::Scene& scene) {
         if ((table != "medium" && table != "coupling" && table != "rods_run") || equals == std::string::npos)
             continue;
         const std::string name = line.substr(0, equals), key = table + "." + name;
-        const bool known = std::ranges::any_of(
-            page_keys, [&](const PageKey& one) { return one.table == table && one.name == name; });
+        const bool known = std::ranges::any_of(page_keys, [&](const PageKey& page_key) {
+            return page_key.table == table && page_key.name == name;
+        });
         if (!known && line.substr(equals + 3) != scene::key_info(key).value().default_value)
             left.push_back(fmt::format("{}: the page has only two rods in the exact steady field on the "
                                        "infinite plane, turned by kappa, gamma1, gamma2 and gamma_flow",

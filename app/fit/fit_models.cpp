@@ -1,7 +1,6 @@
 // Rivals of a fit, [[fit.models]]: each fitted to the same data, and all of them weighed.
 
 #include "fit_data.hpp"
-#include "fit_files.hpp"
 #include "fit_records.hpp"
 #include "fit_stage.hpp"
 #include "rodwake/app/run.hpp"
@@ -28,11 +27,11 @@ namespace {
 using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/// A model with what it found; without results its fit failed.
+/// A model with its estimates, or the reason why its fit failed.
 struct WeighedModel {
     std::string name, folder; ///< folder: from the run's on, "." for the fit as written
     std::string failure;
-    std::vector<fitting::Estimate> estimates; ///< of the free parameters
+    std::vector<fitting::ParameterEstimate> estimates; ///< of the free parameters
     fitting::Misfit misfit;
     std::optional<fitting::CrossValidation> foretold;
     FitModelRow row;
@@ -40,18 +39,8 @@ struct WeighedModel {
     bool ended() const { return failure.empty(); }
 };
 
-/// -2 ln L, up to what all models of the data share: chi2, or of unknown sigmas what their best scale leaves.
-/// That scale is a parameter, too.
-void set_criteria(const fitting::Problem& problem, const fitting::Fit& fit, FitModelRow& row) {
-    const auto values = static_cast<double>(fitting::independent_values(problem));
-    const double free = row.parameters + (problem.sigma_known ? 0.0 : 1.0);
-    const double surprise = problem.sigma_known ? fit.objective - static_cast<double>(problem.log_scales)
-                                                : values * std::log(fit.objective / values);
-    row.aic = surprise + 2.0 * free;
-    row.bic = surprise + free * std::log(values);
-}
-
-/// What [fit.posterior] found in this folder; a rival's own log is not on the terminal.
+/// Reads the evidence from posterior.json. The remarks of a rival are repeated: its log is not on the
+/// terminal.
 void read_evidence(const fs::path& folder, const std::string& rival, FitModelRow& row, const Logger& log) {
     std::ifstream file(folder / "posterior.json");
     const auto json = nlohmann::json::parse(file, nullptr, false);
@@ -78,7 +67,17 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
     out.row.parameters = static_cast<double>(results.report.free.size());
     out.row.chi2 = results.report.chi2;
     out.row.dof = static_cast<double>(results.report.dof);
-    set_criteria(plan.problem, results.fit, out.row);
+
+    // AIC and BIC from -2 ln L, up to a constant that all models of the data share: chi2, or for unknown
+    // sigmas the value at their best scale, which is a parameter, too.
+    const auto values = static_cast<double>(fitting::independent_values(plan.problem));
+    const bool known = plan.problem.sigma_known;
+    const double free = out.row.parameters + (known ? 0.0 : 1.0),
+                 minus_2_log_l = known ? results.fit.objective - static_cast<double>(plan.problem.log_scales)
+                                       : values * std::log(results.fit.objective / values);
+    out.row.aic = minus_2_log_l + 2.0 * free;
+    out.row.bic = minus_2_log_l + free * std::log(values);
+
     out.row.misfit = out.misfit.probability.value_or(std::nan(""));
     if (plan.keys.posterior)
         read_evidence(folder / own, own == "." ? "" : name, out.row, log);
@@ -94,30 +93,25 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
     return out;
 }
 
-/// Shares of exp(score).
-void set_weights(std::vector<WeighedModel>& models, const std::vector<double>& scores) {
-    double best = -HUGE_VAL, sum = 0.0;
-    for (const double score : scores)
-        best = std::max(best, score);
-    for (const double score : scores)
-        sum += std::exp(score - best);
-    for (std::size_t i = 0; i < models.size(); ++i)
-        models[i].row.weight = std::exp(scores[i] - best) / sum;
-}
-
-/// From evidence where all that ended have it.
+/// Weights in proportion to exp(score): of the evidence if all models that ended have it (returns true), else
+/// of AIC.
 bool weigh(std::vector<WeighedModel>& models) {
     const bool evidence = std::ranges::all_of(
         models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
-    std::vector<double> scores;
-    scores.reserve(models.size());
+    const auto score = [&](const WeighedModel& m) {
+        return !m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic;
+    };
+    double best = -HUGE_VAL, sum = 0.0;
     for (const WeighedModel& m : models)
-        scores.push_back(!m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic);
-    set_weights(models, scores);
+        best = std::max(best, score(m));
+    for (const WeighedModel& m : models)
+        sum += std::exp(score(m) - best);
+    for (WeighedModel& m : models)
+        m.row.weight = std::exp(score(m) - best) / sum;
     return evidence;
 }
 
-/// What a stretch of one model is foretold better than by the best, summed, with the error of this sum.
+/// Log-likelihoods of cross-validation, and their differences from the best model, stretch by stretch.
 void set_differences(std::vector<WeighedModel>& models, const WeighedModel& best) {
     for (WeighedModel& m : models) {
         if (!m.foretold)
@@ -151,7 +145,7 @@ std::vector<std::size_t> by_weight(const std::vector<WeighedModel>& models) {
     return order;
 }
 
-/// What the report's abstract says.
+/// Sentences of the verdict, which the abstract of the report repeats.
 std::vector<std::string> verdict(const std::vector<WeighedModel>& models, bool evidence) {
     const std::vector<std::size_t> order = by_weight(models);
     const WeighedModel &best = models[order[0]], &next = models[order[1]];
@@ -159,16 +153,16 @@ std::vector<std::string> verdict(const std::vector<WeighedModel>& models, bool e
         "Of {} models {} has the most weight, {} by {}; next is {} with {}.", models.size(), best.name,
         weight_text(best), evidence ? "evidence" : "AIC", next.name, weight_text(next))};
     std::vector<std::string> describing;
-    bool told = true;
+    bool all_tested = true;
     for (const std::size_t i : order) {
         const WeighedModel& m = models[i];
-        told = told && (!m.ended() || m.misfit.probability);
+        all_tested = all_tested && (!m.ended() || m.misfit.probability);
         if (m.ended() && m.misfit.probability && m.misfit.describes())
             describing.push_back(fmt::format("{} ({})", m.name, probability_text(*m.misfit.probability)));
     }
     if (!describing.empty())
         text.push_back(fmt::format("The data are described by {}.", fmt::join(describing, ", ")));
-    else if (told && best.misfit.probability)
+    else if (all_tested && best.misfit.probability)
         text.push_back(fmt::format("No model offered describes the data: with {}, {} ({}).", best.name,
                                    best.misfit.worst, probability_text(*best.misfit.probability)));
     return text;
@@ -179,7 +173,7 @@ ordered_json model_json(const WeighedModel& m) {
     out.update(record_json(m.row));
     out["stderr"] = out["log_evidence_stderr"];
     out["parameters"] = ordered_json::object();
-    for (const fitting::Estimate& e : m.estimates)
+    for (const fitting::ParameterEstimate& e : m.estimates)
         out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
                                      {"stderr", finite_or_null(e.standard_error)}};
     out["free"] = m.estimates.size();
@@ -259,13 +253,6 @@ void require_same_data(const FitPlan& plan, const FitPlan& rival, const std::str
                                      sigmas ? "" : ", or their errors differ"));
 }
 
-/// Messages of a rival go to the log in its folder; the run's own tells one line of it.
-Logger quiet_logger(const RunContext& context, const fs::path& folder) {
-    RunContext quiet = context;
-    quiet.log = nullptr;
-    return make_logger(quiet, folder / "log.txt");
-}
-
 } // namespace
 
 ordered_json misfit_json(const fitting::Misfit& m) {
@@ -304,21 +291,23 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
                 const RunContext& context, const fs::path& folder, const Logger& log) {
     if (plan.keys.models.empty())
         return true;
+    RunContext quiet = context; // messages of a rival go to the log in its folder only
+    quiet.log = nullptr;
     std::vector<WeighedModel> models = {weighed(plan, results, context, folder, plan.keys.name, ".", log)};
     for (const scene::FitModel& model : plan.keys.models) {
         const scene::Scene rival = scene::apply_model(scene, model);
         const FitPlan own =
             model_plan(scene, model, plan, read_fit_inputs(rival, folder, OwnFiles::required));
-        const std::string place = "models/" + model.name;
-        fs::create_directories(folder / place);
+        const std::string path = "models/" + model.name;
+        fs::create_directories(folder / path);
         const FitStageResult done =
-            fit_in_folder(rival, own, context, folder / place, quiet_logger(context, folder / place));
+            fit_in_folder(rival, own, context, folder / path, make_logger(quiet, folder / path / "log.txt"));
         if (done.end == StageEnd::interrupted)
             return false;
         if (done.results)
-            models.push_back(weighed(own, *done.results, context, folder, model.name, place, log));
+            models.push_back(weighed(own, *done.results, context, folder, model.name, path, log));
         else
-            models.push_back({model.name, place, "the search found no finite residuals", {}, {}, {}, {}});
+            models.push_back({model.name, path, "the search found no finite residuals", {}, {}, {}, {}});
         if (context.stopped())
             return false;
     }

@@ -1,7 +1,7 @@
-#include "rodwake/app/fit_results.hpp"
+#include "fit_stage.hpp"
 
-#include "fit_files.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/fitting/refits.hpp"
 
 #include <fmt/format.h>
 
@@ -11,13 +11,13 @@
 namespace rodwake::app {
 
 fitting::Prediction predicted_line(const FitPlan& plan, const fitting::Profile& line,
-                                   std::span<const double> places, std::span<const double> values) {
+                                   std::span<const double> positions, std::span<const double> values) {
     const bool of_maps = scene::fit_is_isotropic(plan.keys);
     const FitPart part = of_maps ? map_part(plan) : wake_part(plan.problem);
     fitting::Prediction out =
-        of_maps ? fitting::predict_line(plan.map_model, plan.maps.front().data, line, places, part.parameters,
-                                        part.values(values))
-                : fitting::predict(plan.wake, line, places, part.parameters, part.values(values));
+        of_maps ? fitting::predict_line(plan.map_model, plan.maps.front().data, line, positions,
+                                        part.parameters, part.values(values))
+                : fitting::predict(plan.wake, line, positions, part.parameters, part.values(values));
     Eigen::MatrixXd all =
         Eigen::MatrixXd::Zero(out.by_parameter.rows(), static_cast<Eigen::Index>(values.size()));
     for (std::size_t k = 0; k < part.index.size(); ++k)
@@ -34,10 +34,10 @@ const std::vector<fitting::Parameter> point_force = {{.name = "f_over_mu"}, {.na
 
 /// The theory of a comparison along a line: where maps are fitted, the wake of a point force.
 std::vector<double> compared(const FitPlan& plan, const fitting::Profile& line,
-                             std::span<const double> places, const FitCompareResult& other) {
+                             std::span<const double> positions, const FitCompareResult& other) {
     if (!scene::fit_is_isotropic(plan.keys))
-        return predicted_line(plan, line, places, other.values).value;
-    return fitting::predict(plan.wake, line, places, point_force, other.point).value;
+        return predicted_line(plan, line, positions, other.values).value;
+    return fitting::predict(plan.wake, line, positions, point_force, other.point).value;
 }
 
 /// Standard error of the prediction; NaN where the model is singular.
@@ -50,90 +50,69 @@ std::vector<double> band(const fitting::Report& report, const fitting::Predictio
     return out;
 }
 
-/// Derivatives by the free parameters, ties followed.
-Eigen::MatrixXd by_free(const fitting::Report& report, const Eigen::MatrixXd& by_all) {
-    Eigen::MatrixXd out(by_all.rows(), static_cast<Eigen::Index>(report.free.size()));
-    for (Eigen::Index k = 0; k < out.cols(); ++k) {
-        const std::size_t free = report.free[static_cast<std::size_t>(k)];
-        out.col(k) = by_all.col(static_cast<Eigen::Index>(free));
-        for (std::size_t i = 0; i < report.estimates.size(); ++i)
-            if (report.estimates[i].tied_to == report.estimates[free].name)
-                out.col(k) += report.estimates[i].tie_factor * by_all.col(static_cast<Eigen::Index>(i));
-    }
-    return out;
-}
-
-/// A profile and what is predicted for it, outside the core.
-struct Scored {
-    fitting::Profile data;
-    fitting::Prediction prediction;
-};
-
-Scored outside_core(const FitPlan& plan, std::size_t index, std::span<const double> values) {
-    Scored out{fitting::outside_core(plan.profiles[index].data, plan.wake.core), {}};
-    out.prediction = predicted_line(plan, out.data, out.data.place, values);
-    return out;
-}
-
-std::optional<fitting::ScaleFactor> scale_factor_of(const Scored& scored, const Eigen::MatrixXd* root) {
+/// Absent if the model is 0 on the whole line.
+std::optional<fitting::ScaleFactor> scale_factor_of(const fitting::Profile& data,
+                                                    const std::vector<double>& prediction,
+                                                    const Eigen::MatrixXd* root) {
     try {
-        return fitting::scale_factor(scored.data, scored.prediction.value, root);
-    } catch (const InputError&) { // the model is 0 on the whole line
+        return fitting::scale_factor(data, prediction, root);
+    } catch (const InputError&) {
         return std::nullopt;
     }
 }
 
-void set_points(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
+FitProfileResult profile_result(const FitPlan& plan, const FitResults& results, std::size_t index) {
     const fitting::Profile& data = plan.profiles[index].data;
-    const fitting::Prediction prediction = predicted_line(plan, data, data.place, results.fit.values);
-    out.model = prediction.value;
-    out.band = band(results.report, prediction);
+    const fitting::Report& report = results.report;
+    FitProfileResult out;
+
+    // Model, band and residual at every point.
+    const fitting::Prediction at_points = predicted_line(plan, data, data.place, results.fit.values);
+    out.model = at_points.value;
+    out.band = band(report, at_points);
     for (std::size_t i = 0; i < data.place.size(); ++i) {
         const double scale = fitting::residual_scale(data, i);
-        const double known = data.sigma.empty() ? 0.0 : scale;
-        out.sigma.push_back(known);
-        const double error = data.sigma.empty() ? scale * results.report.error_factor : scale;
+        out.sigma.push_back(data.sigma.empty() ? 0.0 : scale);
+        const double error = data.sigma.empty() ? scale * report.error_factor : scale;
         out.residual.push_back((data.value[i] - out.model[i]) / (error > 0.0 ? error : 1.0));
         out.used.push_back(!(std::abs(data.place[i]) < plan.wake.core));
     }
-}
 
-std::vector<double> curve_places(const fitting::Profile& data) {
+    // Outside the core: chi2, and the factor between data and prediction. Its error needs the derivatives by
+    // the free parameters, ties followed, and is unknown or infinite if the prediction itself has no error.
+    const fitting::Profile outside = fitting::outside_core(data, plan.wake.core);
+    const fitting::Prediction prediction = predicted_line(plan, outside, outside.place, results.fit.values);
+    out.chi2 = chi2_of(outside, prediction.value);
+    Eigen::MatrixXd by_free(prediction.by_parameter.rows(), static_cast<Eigen::Index>(report.free.size()));
+    for (Eigen::Index k = 0; k < by_free.cols(); ++k) {
+        const std::size_t free = report.free[static_cast<std::size_t>(k)];
+        by_free.col(k) = prediction.by_parameter.col(static_cast<Eigen::Index>(free));
+        for (std::size_t i = 0; i < report.estimates.size(); ++i)
+            if (report.estimates[i].tied_to == report.estimates[free].name)
+                by_free.col(k) += report.estimates[i].tie_factor *
+                                  prediction.by_parameter.col(static_cast<Eigen::Index>(i));
+    }
+    const Eigen::MatrixXd root = by_free * report.root;
+    const bool known =
+        std::ranges::all_of(band(report, prediction), [](double e) { return std::isfinite(e); });
+    out.scale_factor = scale_factor_of(outside, prediction.value, known ? &root : nullptr);
+    if (out.scale_factor && !known)
+        out.scale_factor->standard_error = std::isfinite(report.error_factor) ? HUGE_VAL : unknown_error;
+
+    // A curve of model and comparisons along the line; points at the singularity are left out.
     const auto [low, high] = std::ranges::minmax(data.place);
     std::vector<double> places(curve_points);
     for (std::size_t i = 0; i < curve_points; ++i)
         places[i] = low + (high - low) * static_cast<double>(i) / static_cast<double>(curve_points - 1);
-    return places;
-}
-
-void set_curve(const FitPlan& plan, const FitResults& results, std::size_t index, FitProfileResult& out) {
-    const fitting::Profile& data = plan.profiles[index].data;
-    const std::vector<double> places = curve_places(data);
-    const fitting::Prediction prediction = predicted_line(plan, data, places, results.fit.values);
-    std::vector<std::vector<double>> columns = {places, prediction.value, band(results.report, prediction)};
+    const fitting::Prediction along = predicted_line(plan, data, places, results.fit.values);
+    std::vector<std::vector<double>> columns = {places, along.value, band(report, along)};
     for (const FitCompareResult& other : results.compare)
         columns.push_back(compared(plan, data, places, other));
     out.curve.resize(columns.size());
     for (std::size_t row = 0; row < places.size(); ++row)
-        if (std::isfinite(prediction.value[row]))
+        if (std::isfinite(along.value[row]))
             for (std::size_t k = 0; k < columns.size(); ++k)
                 out.curve[k].push_back(columns[k][row]);
-}
-
-FitProfileResult profile_result(const FitPlan& plan, const FitResults& results, std::size_t index) {
-    FitProfileResult out;
-    set_points(plan, results, index, out);
-    const Scored scored = outside_core(plan, index, results.fit.values);
-    out.chi2 = chi2_of(scored.data, scored.prediction.value);
-    const Eigen::MatrixXd root =
-        by_free(results.report, scored.prediction.by_parameter) * results.report.root;
-    const auto errors = band(results.report, scored.prediction);
-    const bool known = std::ranges::all_of(errors, [](double e) { return std::isfinite(e); });
-    out.scale_factor = scale_factor_of(scored, known ? &root : nullptr);
-    if (out.scale_factor && !known) // the prediction itself is not fixed, or nobody knows how well
-        out.scale_factor->standard_error =
-            std::isfinite(results.report.error_factor) ? HUGE_VAL : unknown_error;
-    set_curve(plan, results, index, out);
     return out;
 }
 
@@ -200,16 +179,16 @@ FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& ke
     FitCompareResult out{.line = line_fit(plan, keys)};
     scene::FitCompare named = keys;
     if (out.line)
-        for (const fitting::Estimate& e : out.line->estimates)
+        for (const fitting::ParameterEstimate& e : out.line->estimates)
             named.values[e.name] = e.value;
     out.values = compared_values(plan, named, fitted);
     if (scene::fit_is_isotropic(plan.keys))
         out.point = point_values(plan, out.values);
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
-        Scored scored{fitting::outside_core(plan.profiles[i].data, plan.wake.core), {}};
-        scored.prediction.value = compared(plan, scored.data, scored.data.place, out);
-        out.profile_chi2.push_back(chi2_of(scored.data, scored.prediction.value));
-        out.scale_factor.push_back(scale_factor_of(scored, nullptr));
+        const fitting::Profile data = fitting::outside_core(plan.profiles[i].data, plan.wake.core);
+        const std::vector<double> prediction = compared(plan, data, data.place, out);
+        out.profile_chi2.push_back(chi2_of(data, prediction));
+        out.scale_factor.push_back(scale_factor_of(data, prediction, nullptr));
         if (plan.keys.profiles[i].role == scene::FitRole::fit)
             out.chi2 += out.profile_chi2.back();
     }
@@ -256,99 +235,7 @@ void set_derived(FitResults& results) {
     }
 }
 
-std::string interval_text(const fitting::ProfileLikelihood& one) {
-    if (one.low && one.high)
-        return fmt::format("{:.5g} to {:.5g}", *one.low, *one.high);
-    return one.high  ? fmt::format("up to {:.5g}, without a lower end within the bounds", *one.high)
-           : one.low ? fmt::format("{:.5g} and above, without an upper end within the bounds", *one.low)
-                     : "none: the data do not constrain it within the bounds";
-}
-
-void add_likelihood(const FitResults& results, const std::string& name, std::vector<std::string>& lines) {
-    const fitting::ProfileLikelihood& one = results.likelihood.at(name);
-    lines.push_back(fmt::format("{}: 95 % interval by the profile likelihood {}", name, interval_text(one)));
-    const double lowest = std::ranges::min(one.chi2), best = results.fit.objective;
-    if (lowest < best - 1e-3 * (1.0 + 1e-3 * best))
-        lines.push_back(fmt::format(
-            "the profile likelihood of {} found an objective {:.3g} lower than the fit, at {} = {:.5g}: "
-            "start there (fit.start), or increase fit.starts",
-            name, best - lowest, name,
-            one.value[static_cast<std::size_t>(std::ranges::min_element(one.chi2) - one.chi2.begin())]));
-}
-
 } // namespace
-
-namespace {
-
-/// Where a heading wanders so far between rows that what it takes from the path ahead, of standard deviation
-/// D_r t^2/sqrt(3), is no longer small beside sigma_position: the filter is linear there.
-void add_wandering(const FitPlan& plan, const FitResults& results, std::vector<std::string>& lines) {
-    constexpr double small = 0.2; // up to there ranks are uniform: studies/reports/fitting.md
-    const auto e = std::ranges::find(results.report.estimates, "D_r", &fitting::Estimate::name);
-    if (e == results.report.estimates.end())
-        return;
-    for (const FitTrackData& track : plan.tracks) {
-        double longest = 0.0;
-        for (std::size_t i = 1; i < track.data.times.size(); ++i)
-            longest = std::max(longest, track.data.times[i] - track.data.times[i - 1]);
-        const double curved = e->value * longest * longest / std::sqrt(3.0) / track.data.sigma_position;
-        if (curved > small)
-            lines.push_back(
-                fmt::format("{}: the rods turn too much between rows for the Kalman filter at D_r = {:.3g} "
-                            "(path error {:.2g} sigma_position; limit {}). Errors, above all of D_r, are "
-                            "underestimated: use more closely spaced rows or a larger sigma_position",
-                            track.name, e->value, curved, small));
-    }
-}
-
-} // namespace
-
-std::string misfit_text(const FitResults& results) {
-    if (results.misfit.describes())
-        return "";
-    return fmt::format("; the model does not describe the data: {} (p {})", results.misfit.worst,
-                       *results.misfit.probability < 0.001
-                           ? std::string("< 0.001")
-                           : fmt::format("= {:.2g}", *results.misfit.probability));
-}
-
-std::vector<std::string> findings(const FitPlan& plan, const FitResults& results) {
-    std::vector<std::string> lines;
-    add_wandering(plan, results, lines);
-    for (const auto& [name, one] : results.likelihood)
-        add_likelihood(results, name, lines);
-    std::vector<std::string> predicted;
-    for (std::size_t i = 0; i < results.profiles.size(); ++i)
-        if (const auto& excess = results.profiles[i].scale_factor;
-            excess && plan.keys.profiles[i].role == scene::FitRole::predict)
-            predicted.push_back(fmt::format(
-                "{}: predicted; data over prediction {:.4g}{}, chi2 = {:.4g} for {} points",
-                plan.profiles[i].name, excess->scale,
-                std::isfinite(excess->standard_error) ? fmt::format(" +- {:.2g}", excess->standard_error)
-                                                      : ", error unknown",
-                excess->chi2, excess->points));
-    if (!predicted.empty())
-        lines.push_back(fmt::format("{}", fmt::join(predicted, "; ")));
-    return lines;
-}
-
-std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results) {
-    std::vector<std::string> lines;
-    for (std::size_t k = 0; k < results.compare.size(); ++k)
-        if (const auto& line = results.compare[k].line) {
-            std::string told;
-            for (const fitting::Estimate& e : line->estimates)
-                told += fmt::format("{}{} = {:.4g}{}", told.empty() ? "" : ", ", e.name, e.value,
-                                    e.at_lower || e.at_upper ? " (at its bound)"
-                                                             : fmt::format(" +- {:.2g}", e.standard_error));
-            lines.push_back(fmt::format(
-                "{}: a point force fitted to {} alone gives {}, chi2 = {:.4g} for {} degrees of freedom",
-                plan.keys.compare[k].name,
-                plan.profiles[static_cast<std::size_t>(*plan.keys.compare[k].line)].name, told, line->chi2,
-                line->dof));
-        }
-    return lines;
-}
 
 FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
     FitResults results;
@@ -365,6 +252,131 @@ FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
     for (std::size_t i = 0; i < plan.maps.size(); ++i)
         results.maps.push_back(map_result(plan, i, results.fit.values));
     return results;
+}
+
+namespace {
+
+/// A list with a value for each parameter, extended by one for each derived quantity, to first order.
+std::vector<double> with_derived(const FitResults& results, std::vector<double> values) {
+    for (const auto& [name, gradient] : results.gradients) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < results.report.estimates.size(); ++k)
+            if (const auto by = gradient.find(results.report.estimates[k].name); by != gradient.end())
+                sum += by->second * values[k];
+        values.push_back(sum);
+    }
+    return values;
+}
+
+fitting::Fit refitted(const fitting::Problem& problem, const fitting::Method& method,
+                      std::span<const double> best, const std::string& how) {
+    fitting::Fit fit = fitting::refit(problem, method, best);
+    if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2))
+        throw RunError(fmt::format("no fit {}: {}", how, fit.reason));
+    return fit;
+}
+
+} // namespace
+
+std::optional<FitSystematics> fit_systematics(const FitPlan& plan, const fitting::Method& method,
+                                              const FitResults& results) {
+    FitSystematics s;
+    const std::vector<double>& best = results.fit.values;
+    const auto& parameters = plan.problem.parameters;
+
+    // Each held constant is moved by its error; the changes add as squares.
+    for (const auto& [name, error] : plan.keys.fixed_errors) {
+        const auto index =
+            std::ranges::find(parameters, name, &fitting::Parameter::name) - parameters.begin();
+        const auto remake = [&](const std::vector<fitting::Parameter>& moved) {
+            FitPlan other = plan;
+            for (const fitting::Parameter& p : moved)
+                if (p.fixed)
+                    other.keys.fixed[p.name] = p.start;
+            return fit_problem(other);
+        };
+        try {
+            s.held.push_back(
+                {name, error,
+                 with_derived(results, fitting::change_with(remake, parameters, method, best,
+                                                            {static_cast<std::size_t>(index), error}))});
+        } catch (const InputError& wrong) {
+            throw RunError(
+                fmt::format("fit.fixed_errors.{} = {:g}: the fit fails with the value moved by one "
+                            "standard error: {}; give a smaller error",
+                            name, error, wrong.what()));
+        }
+        const std::vector<double>& change = s.held.back().change;
+        s.held_error.resize(change.size());
+        for (std::size_t k = 0; k < change.size(); ++k)
+            s.held_error[k] = std::hypot(s.held_error[k], change[k]);
+    }
+
+    // A fit with each mask; their spread is an error.
+    if (plan.keys.masks.size() > 1) {
+        std::vector<std::vector<double>> values;
+        for (const scene::FitMask& keys : plan.keys.masks) {
+            FitPlan other = plan;
+            other.mask = map_mask(keys);
+            const fitting::Problem problem = fit_problem(other);
+            const fitting::Fit fit = refitted(
+                problem, method, best,
+                fmt::format("with the mask |y| >= {:g}, r >= {:g}", other.mask.strip, other.mask.radius));
+            s.masks.push_back({other.mask, problem.residuals, fitting::report(problem, fit)});
+            std::vector<double> estimates;
+            for (const fitting::ParameterEstimate& e : s.masks.back().report.estimates)
+                estimates.push_back(e.value);
+            values.push_back(with_derived(results, std::move(estimates)));
+        }
+        s.mask_spread = fitting::spread(values);
+    }
+
+    // A jackknife over the runs, if every table has two maps or more.
+    std::vector<long> maps_of_table(plan.keys.maps.size(), 0);
+    for (const FitMapData& map : plan.maps)
+        ++maps_of_table[map.table];
+    if (!maps_of_table.empty() && std::ranges::min(maps_of_table) > 1) {
+        std::vector<std::vector<std::vector<double>>> groups(plan.keys.maps.size());
+        for (std::size_t map = 0; map < plan.maps.size(); ++map) {
+            FitPlan other = plan;
+            other.maps.erase(other.maps.begin() + static_cast<std::ptrdiff_t>(map));
+            fitting::Fit fit =
+                refitted(fit_problem(other), method, best, "without " + plan.maps[map].label());
+            s.runs.push_back({map, with_derived(results, std::move(fit.values))});
+            groups[plan.maps[map].table].push_back(s.runs.back().values);
+        }
+        s.jackknife = fitting::jackknife_error(groups);
+    }
+    if (method.stop_requested && method.stop_requested())
+        return std::nullopt; // incomplete
+    if (s.held.empty() && s.masks.empty() && s.runs.empty())
+        return s;
+
+    // The total: the larger of the curvature's error and the jackknife's, which is too small by chance if
+    // runs are few, with those of constants and masks.
+    const auto part = [&](const std::vector<double>& errors) {
+        return errors.empty() ? 0.0 : errors[s.total.size()];
+    };
+    const auto add = [&](double curvature) {
+        s.total.push_back(
+            std::hypot(std::max(curvature, part(s.jackknife)), part(s.held_error), part(s.mask_spread)));
+    };
+    for (const fitting::ParameterEstimate& e : results.report.estimates)
+        add(has_error(results.report, e) ? e.standard_error : 0.0);
+    for (const auto& [name, derived] : results.derived)
+        add(derived.known() ? derived.error : 0.0);
+    return s;
+}
+
+double whole_error(const FitResults& results, const std::string& name) {
+    const auto& all = results.report.estimates;
+    const auto at = std::ranges::find(all, name, &fitting::ParameterEstimate::name);
+    const auto derived = results.derived.find(name);
+    const auto& total = results.systematics.total;
+    if (at != all.end())
+        return total.empty() ? at->standard_error : total[static_cast<std::size_t>(at - all.begin())];
+    const auto index = all.size() + static_cast<std::size_t>(std::distance(results.derived.begin(), derived));
+    return total.empty() ? derived->second.error : total[index];
 }
 
 } // namespace rodwake::app

@@ -232,21 +232,21 @@ std::string runs_of(const NoisePlan& noise) {
 }
 
 void add_noise_lines(const Plan& plan, Lines& lines) {
-    for (const RodsPlan& one : plan.rods) {
-        if (!one.noise)
+    for (const RodsPlan& rods_plan : plan.rods) {
+        if (!rods_plan.noise)
             continue;
-        const rods::Noise& noise = one.noise->noise;
+        const rods::Noise& noise = rods_plan.noise->noise;
         lines.push_back(
             {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
                                "({}), strong order 1.5",
-                               one.of.suffix(), noise.rotational, noise.translational, runs_of(*one.noise),
-                               noise.time_step,
-                               one.of.scene.noise->time_step
+                               rods_plan.of.suffix(), noise.rotational, noise.translational,
+                               runs_of(*rods_plan.noise), noise.time_step,
+                               rods_plan.of.scene.noise->time_step
                                    ? "noise.time_step"
                                    : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
     }
-    const auto diffuses = [](const RodsPlan& one) {
-        return one.noise && one.noise->noise.translational > 0.0;
+    const auto diffuses = [](const RodsPlan& item) {
+        return item.noise && item.noise->noise.translational > 0.0;
     };
     if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
         lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
@@ -295,10 +295,11 @@ std::vector<PlanLine> describe(const Plan& plan) {
 
 std::vector<std::string> doubts(const Plan& plan) {
     std::vector<std::string> list = scene::advice(plan.scene);
-    for (const RodsPlan& one : plan.rods)
-        if (const auto met = rods::contact_at_start(one.problem))
+    for (const RodsPlan& rods_plan : plan.rods)
+        if (const auto met = rods::contact_at_start(rods_plan.problem))
             list.push_back(fmt::format("rods{}: {} ({:g}): the run ends in contact at time 0",
-                                       one.of.suffix(), met->outcome.reason, *one.problem.contact_distance));
+                                       rods_plan.of.suffix(), met->outcome.reason,
+                                       *rods_plan.problem.contact_distance));
     if (plan.scan && may_collide(*plan.scan))
         list.emplace_back("scan without rods_run.contact_distance: rods that meet run into the singularity "
                           "of their fields, and their points fail; set it, for example to 0.1");

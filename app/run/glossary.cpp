@@ -77,11 +77,12 @@ std::string unit_text(std::string_view unit) {
                                  {"{unit}", "that of the row", "column unit", "names it"}};
     std::string theory(unit == "1" ? "" : unit), other = theory;
     std::string_view when;
-    for (const Dependent& one : all)
-        for (auto at = theory.find(one.name); at != std::string::npos; at = theory.find(one.name)) {
-            theory.replace(at, one.name.size(), one.theory);
-            other.replace(other.find(one.name), one.name.size(), one.other);
-            when = one.when;
+    for (const Dependent& dependent : all)
+        for (auto at = theory.find(dependent.name); at != std::string::npos;
+             at = theory.find(dependent.name)) {
+            theory.replace(at, dependent.name.size(), dependent.theory);
+            other.replace(other.find(dependent.name), dependent.name.size(), dependent.other);
+            when = dependent.when;
         }
     return when.empty() ? theory : fmt::format("{} ({} {})", theory, other, when);
 }
@@ -103,8 +104,9 @@ std::string file_text(const FileKind& kind) {
 }
 
 bool same_columns(const FileKind& a, const FileKind& b) {
-    return std::ranges::equal(a.columns, b.columns, [](const ColumnInfo& one, const ColumnInfo& other) {
-        return std::tie(one.name, one.unit, one.meaning) == std::tie(other.name, other.unit, other.meaning);
+    return std::ranges::equal(a.columns, b.columns, [](const ColumnInfo& column, const ColumnInfo& other) {
+        return std::tie(column.name, column.unit, column.meaning) ==
+               std::tie(other.name, other.unit, other.meaning);
     });
 }
 
@@ -241,8 +243,6 @@ std::vector<std::pair<std::string, std::string>> all_names() {
     return names;
 }
 
-std::string last_part(const std::string& name) { return name.substr(name.rfind('.') + 1); }
-
 } // namespace
 
 std::optional<std::string> explain(const std::string& name) {
@@ -279,7 +279,8 @@ std::vector<std::string> similar_names(const std::string& name) {
     const std::size_t far = std::max<std::size_t>(1, std::min<std::size_t>(3, name.size() / 3));
     for (const auto& [known, meaning] : all_names()) {
         const bool whole = name.find('.') != std::string::npos;
-        const std::size_t away = edit_distance(plain_name(name), whole ? known : last_part(known));
+        const std::size_t away =
+            edit_distance(plain_name(name), whole ? known : known.substr(known.rfind('.') + 1));
         if (away <= far)
             near.emplace_back(away, known);
         else if (name.size() > 3 && fmt::format("{} {}", known, meaning).find(name) != std::string::npos)

@@ -21,7 +21,7 @@ Logger make_logger(const RunContext& context, const std::filesystem::path& run_l
 /// For ranks, whose messages come home with their results.
 Logger make_silent_logger();
 
-/// Of one task, told by one thread.
+/// Progress of one task, reported by one thread.
 class Progress {
 public:
     /// `end`: value at which the work is done; `unit` of the value, for the rate.
@@ -50,14 +50,14 @@ private:
     bool begun_ = false;
 };
 
-/// Of several tasks together, told by many threads: one that finds another telling leaves it at that.
+/// Progress of several tasks together. A thread that finds another one reporting does not wait.
 class SharedProgress {
 public:
     SharedProgress(const RunContext& context, std::string what, std::size_t tasks, double end,
                    std::string unit)
         : done_(tasks, 0.0), progress_(context, std::move(what), end, std::move(unit)) {}
 
-    /// `value` of this task. False if nothing was told.
+    /// `value` of this task. False if nothing was reported.
     bool update(std::size_t task, double value) {
         const std::unique_lock lock(mutex_, std::try_to_lock);
         if (!lock)

@@ -54,11 +54,11 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
                                                               {"{order length}", units.order.length_name},
                                                               {"{order time}", units.order.time_name},
                                                               {"{data}", units.data}};
-    std::string told(unit);
+    std::string text(unit);
     for (const auto& [place, name] : names)
-        if (const auto at = told.find(place); at != std::string::npos)
-            told.replace(at, place.size(), name);
-    return told;
+        if (const auto at = text.find(place); at != std::string::npos)
+            text.replace(at, place.size(), name);
+    return text;
 }
 
 /// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
@@ -74,18 +74,14 @@ ColumnEntry axis_entry(std::string key, const ManifestUnits& units) {
     return {name, unit.empty() ? "1" : unit, info->meaning, true};
 }
 
-/// None of a file that only bears the name of one of ours.
-std::vector<std::string> names_in(const fs::path& file) {
-    try {
-        return store::csv_names(file);
-    } catch (const InputError&) {
-        return {};
-    }
-}
-
 std::vector<ColumnEntry> entries(const fs::path& file, const FileKind* kind, const ManifestUnits& units) {
     std::vector<ColumnEntry> columns;
-    for (const std::string& name : names_in(file))
+    std::vector<std::string> names;
+    try {
+        names = store::csv_names(file);
+    } catch (const InputError&) { // a file that only bears the name of one of ours
+    }
+    for (const std::string& name : names)
         if (const ColumnInfo* column = kind ? column_of(*kind, name) : nullptr)
             columns.push_back({name, unit_of(column->unit, units), std::string(column->meaning), true});
         else if (kind && kind->stage == Stage::scan)
@@ -93,23 +89,6 @@ std::vector<ColumnEntry> entries(const fs::path& file, const FileKind* kind, con
         else
             columns.push_back({name, "", ""});
     return columns;
-}
-
-ordered_json columns_json(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
-    ordered_json columns = ordered_json::array();
-    for (const ColumnEntry& column : entries(file, &kind, units))
-        if (column.known)
-            columns.push_back({{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}});
-    return columns;
-}
-
-/// The folder of the run that a file belongs to, else its own.
-fs::path run_of(const fs::path& file) {
-    fs::path own = fs::absolute(file).parent_path();
-    for (fs::path folder = own; folder != folder.parent_path(); folder = folder.parent_path())
-        if (fs::exists(folder / "provenance.json"))
-            return folder;
-    return own;
 }
 
 ordered_json json_of(const fs::path& file) {
@@ -129,22 +108,6 @@ void add_values(const ordered_json& node, const std::string& name, const FileKin
     else if (node.is_structured())
         for (const auto& [key, value] : node.items())
             add_values(value, name.empty() ? key : fmt::format("{}.{}", name, key), kind, units, values);
-}
-
-ordered_json described_values(const fs::path& file, const FileKind& kind, const ManifestUnits& units) {
-    ordered_json values = ordered_json::array();
-    add_values(json_of(file), "", kind, units, values);
-    return values;
-}
-
-/// Rewritten by the run itself, or there only while it goes on.
-bool comes_and_goes(const FileKind& kind) {
-    return kind.lifetime == Lifetime::progress || kind.lifetime == Lifetime::record;
-}
-
-std::string stage_in(const ordered_json& entry) {
-    const bool has = entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
-    return has ? entry["stage"].get<std::string>() : "";
 }
 
 /// Entries of files that are gone stay, until the stage that makes them is done again.
@@ -170,9 +133,15 @@ ordered_json manifest_of_files(const fs::path& folder) {
             files[file.name]["stage"] = to_string(*stage);
         const bool of_point = file.name.starts_with("points/"); // of a scan there may be very many
         if (kind && !kind->columns.empty() && file.name.ends_with(".json") && !of_point)
-            files[file.name]["values"] = described_values(folder / file.name, *kind, units);
-        else if (kind && !kind->columns.empty() && file.name.ends_with(".csv"))
-            files[file.name]["columns"] = columns_json(folder / file.name, *kind, units);
+            add_values(json_of(folder / file.name), "", *kind, units,
+                       files[file.name]["values"] = ordered_json::array());
+        else if (kind && !kind->columns.empty() && file.name.ends_with(".csv")) {
+            ordered_json& columns = files[file.name]["columns"] = ordered_json::array();
+            for (const ColumnEntry& column : entries(folder / file.name, kind, units))
+                if (column.known)
+                    columns.push_back(
+                        {{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}});
+        }
     }
     files["manifest.json"] = {{"what", kind_of("manifest.json")->what}};
     return {{"schema", 1}, {"files", std::move(files)}};
@@ -181,7 +150,15 @@ ordered_json manifest_of_files(const fs::path& folder) {
 } // namespace
 
 std::vector<ColumnEntry> columns_of(const fs::path& file) {
-    return entries(file, kind_of(file.filename().string()), units_of(run_of(file)));
+    // Units are those of the run to which the file belongs, whose folder is the nearest with a
+    // provenance.json.
+    const fs::path own = fs::absolute(file).parent_path();
+    fs::path run = own;
+    while (!fs::exists(run / "provenance.json") && run != run.parent_path())
+        run = run.parent_path();
+    if (!fs::exists(run / "provenance.json"))
+        run = own;
+    return entries(file, kind_of(file.filename().string()), units_of(run));
 }
 
 std::string what_of(const fs::path& file) {
@@ -212,9 +189,11 @@ LostFiles lost_files(const fs::path& folder) {
     for (const auto& [name, entry] : manifest["files"].items()) {
         const FileKind* kind = kind_of(fs::path(name).filename().string());
         std::error_code none;
-        if ((kind && comes_and_goes(*kind)) || !is_own(name) || fs::exists(folder / name, none))
+        if ((kind && (kind->lifetime == Lifetime::progress || kind->lifetime == Lifetime::record)) ||
+            !is_own(name) || fs::exists(folder / name, none))
             continue;
-        lost[is_drawn(name) ? "" : stage_in(entry)].push_back(name);
+        const bool has_stage = entry.is_object() && entry.contains("stage") && entry["stage"].is_string();
+        lost[is_drawn(name) || !has_stage ? "" : entry["stage"].get<std::string>()].push_back(name);
         if (name == "result.h5")
             for (const Stage stage : all_stages())
                 if (kind_of(stage).datasets)

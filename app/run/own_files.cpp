@@ -21,11 +21,6 @@ nlohmann::json manifest_of(const fs::path& folder) {
     return nlohmann::json::parse(file, nullptr, false);
 }
 
-/// Figures that a run made; others are not ours to remove.
-bool is_listed(const nlohmann::json& manifest, const std::string& name) {
-    return manifest.is_object() && manifest.contains("files") && manifest["files"].contains(name);
-}
-
 void remove_empty_runs(const fs::path& runs) {
     std::error_code ignored; // a folder with files of others stays
     std::vector<fs::path> folders;
@@ -120,7 +115,8 @@ void RunFolder::remove_outdated() const {
         const std::string name = file.filename().string();
         const FileKind* kind = kind_of(name);
         const bool figure = !only_restores() && file.parent_path() == path_ / "figures" &&
-                            is_listed(manifest, "figures/" + name);
+                            manifest.is_object() && manifest.contains("files") &&
+                            manifest["files"].contains("figures/" + name);
         const bool litter = is_temporary(name) && kind_of(name.substr(0, name.rfind(".tmp")));
         if (!litter &&
             !(had_run_ &&

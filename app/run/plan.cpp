@@ -14,8 +14,8 @@ namespace {
 
 std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
     std::vector<BedPlan> beds;
-    for (Case& one : bed_cases(scene)) {
-        BedPlan bed{std::move(one), {}, {}, {}};
+    for (Case& case_ : bed_cases(scene)) {
+        BedPlan bed{std::move(case_), {}, {}, {}};
         bed.problem = granular_problem(bed.of.scene);
         bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
         bed.measures = measure_plan(bed.of.scene, bed.problem);
@@ -38,8 +38,8 @@ bool Plan::has(Stage stage) const { return std::ranges::find(stages, stage) != s
 
 std::vector<RodsPlan> plan_rods(const scene::Scene& scene) {
     std::vector<RodsPlan> plans;
-    for (Case& one : cases_of(scene)) {
-        RodsPlan plan{std::move(one), {}, {}, {}};
+    for (Case& case_ : cases_of(scene)) {
+        RodsPlan plan{std::move(case_), {}, {}, {}};
         plan.problem = rod_problem(plan.of.scene);
         plan.options = rod_options(*plan.of.scene.rods_run, plan.problem);
         plan.noise = noise_plan(plan.of.scene, plan.problem);
@@ -112,8 +112,8 @@ std::vector<Case> cases_of(const scene::Scene& scene) {
 
 std::vector<Case> bed_cases(const scene::Scene& scene) {
     std::vector<Case> cases = cases_of(scene);
-    std::erase_if(cases, [&](const Case& one) {
-        return !one.folder.empty() && (!one.scene.granular || one.scene.granular == scene.granular);
+    std::erase_if(cases, [&](const Case& case_) {
+        return !case_.folder.empty() && (!case_.scene.granular || case_.scene.granular == scene.granular);
     });
     return cases;
 }

@@ -41,11 +41,6 @@ nlohmann::json provenance_of(const fs::path& folder) {
     return nlohmann::json::parse(file, nullptr, false);
 }
 
-/// Whether a run of a version that keeps no record of its stages is in the folder.
-bool lacks_records(const fs::path& folder) {
-    return !run_status(folder).empty() && !provenance_of(folder).contains("stages");
-}
-
 StageRecords records_of(const fs::path& folder) {
     StageRecords records;
     const nlohmann::json json = provenance_of(folder);
@@ -72,10 +67,10 @@ bool contains(std::span<const Stage> stages, Stage stage) {
 std::vector<fs::path> inputs_of(const scene::Scene& scene) {
     std::vector<std::string> names;
     if (scene.fit) {
-        for (const auto& one : scene.fit->profiles)
-            names.push_back(one.file);
-        for (const auto& one : scene.fit->trajectories)
-            names.push_back(one.file);
+        for (const auto& item : scene.fit->profiles)
+            names.push_back(item.file);
+        for (const auto& each : scene.fit->trajectories)
+            names.push_back(each.file);
         for (const auto& one : scene.fit->maps)
             names.insert(names.end(), one.files.begin(), one.files.end());
     }
@@ -89,11 +84,11 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
         names.push_back(scene.scan->file);
     if (scene.medium && scene.medium->measured)
         names.push_back(scene.medium->measured->file);
-    std::vector<fs::path> places = {scene.path};
+    std::vector<fs::path> candidates = {scene.path};
     for (const std::string& name : names)
         if (!name.empty())
-            places.insert(places.end(), {name, fs::path(scene.path).parent_path() / name});
-    return places;
+            candidates.insert(candidates.end(), {name, fs::path(scene.path).parent_path() / name});
+    return candidates;
 }
 
 /// In a folder that holds no run yet: an input that bears the name of a result would be replaced.
@@ -150,9 +145,9 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
     had_run_ = !run_status(path_).empty();
     if (had_run_)
         lost_ = lost_files(path_);
-    std::erase_if(lost_, [&](const auto& one) {
-        const auto record = old_.find(one.first);
-        return !one.first.empty() &&
+    std::erase_if(lost_, [&](const auto& item) {
+        const auto record = old_.find(item.first);
+        return !item.first.empty() &&
                (record == old_.end() || (record->second != "finished" && record->second != files_lost));
     });
     for (auto& [name, status] : old_)
@@ -160,7 +155,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             lost_[name];
             status = files_lost;
         }
-    if (lacks_records(path_) && !force)
+    if (!run_status(path_).empty() && !provenance_of(path_).contains("stages") && !force)
         throw InputError(path_.string() +
                          ": holds a run of an earlier version of rodwake; choose another folder with -o, or "
                          "--force to replace it");

@@ -26,7 +26,7 @@ std::string worst(const StageRecords& records) {
         for (const auto& [stage, of] : records)
             if (of == status)
                 return status;
-    return std::ranges::any_of(records, [](const auto& one) { return one.second == files_lost; })
+    return std::ranges::any_of(records, [](const auto& item) { return item.second == files_lost; })
                ? "unfinished"
                : "finished";
 }
@@ -95,9 +95,9 @@ void write_couplings(store::Hdf5Writer& results, const std::string& group, const
         results.attribute(group, "gamma_rows", coupling.rows.gamma / units.time);
         results.attribute(group, "rows_direction", coupling.rows.direction);
     }
-    for (const rods::Coupling& one : rods::coupling_list)
-        results.attribute(group, std::string(one.name),
-                          rods::in_units(one, couplings.*one.number, units.length, units.time));
+    for (const rods::Coupling& item : rods::coupling_list)
+        results.attribute(group, std::string(item.name),
+                          rods::in_units(item, couplings.*item.number, units.length, units.time));
 }
 
 Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
@@ -126,7 +126,7 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
 void Session::tell_lost() const {
     const StageRecords records = directory.records("finished");
     for (const auto& [stage, files] : directory.lost()) {
-        if (files.empty()) // told by the command that found them gone
+        if (files.empty()) // the command that found them gone reported it
             continue;
         const auto record = records.find(stage);
         const bool made =
@@ -140,7 +140,7 @@ void Session::tell_lost() const {
 
 /// Loops go on with fewer of themselves.
 void Session::tell_threads() const {
-    const std::size_t wanted = context.thread_count(), started = Team(wanted).started();
+    const std::size_t wanted = context.thread_count(), started = ThreadPool(wanted).started();
     if (started < wanted)
         log->warn("only {} of {} threads can be started (a limit of the system's); continuing with these",
                   started, wanted);

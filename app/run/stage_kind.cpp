@@ -46,16 +46,16 @@ std::vector<Stage> stages_of(const scene::Scene& scene) {
 std::string key_of_beds(const scene::Scene& scene,
                         const std::function<void(scene::Scene& key, const scene::Scene& of)>& add) {
     std::string text;
-    for (const Case& one : bed_cases(scene)) {
+    for (const Case& case_ : bed_cases(scene)) {
         scene::Scene key;
-        key.granular = one.scene.granular;
+        key.granular = case_.scene.granular;
         if (key.granular) {
             key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
             key.granular->runs = std::min(key.granular->runs, 2L); // an ensemble may grow
             if (add)
-                add(key, one.scene);
+                add(key, case_.scene);
         }
-        text += "# " + one.name + "\n" + scene::to_plain_toml(key);
+        text += "# " + case_.name + "\n" + scene::to_plain_toml(key);
     }
     return text;
 }

@@ -18,19 +18,8 @@ using scene::ScanAxis;
 using scene::Value;
 using VariedKey = ScanPlan::VariedKey;
 
-/// Of beds, whose places are all looked at before the first is evaluated.
+/// Limit for beds: all their points are prepared before the first is evaluated.
 constexpr std::int64_t most_places_of_beds = 100'000;
-
-/// Critical values are sought for each point of a grid or a list.
-scan::Kind kind_of(const scene::Scan& scan) {
-    if (scan.design == scene::ScanDesign::critical)
-        return scan.file.empty() ? scan::Kind::grid : scan::Kind::list;
-    return static_cast<scan::Kind>(scan.design);
-}
-
-std::vector<std::string> keys_of(const ScanAxis& axis) {
-    return axis.key.empty() ? axis.keys : std::vector{axis.key};
-}
 
 bool is_number(const Value& value) {
     return std::holds_alternative<double>(value) || std::holds_alternative<std::int64_t>(value);
@@ -72,7 +61,9 @@ public:
 
     ScanPlan plan(const std::optional<ScanList>& list) {
         scan::Design design;
-        design.kind = kind_of(scan_);
+        design.kind = static_cast<scan::Kind>(scan_.design);
+        if (scan_.design == scene::ScanDesign::critical) // critical values of each point of a grid or a list
+            design.kind = scan_.file.empty() ? scan::Kind::grid : scan::Kind::list;
         design.samples = scan_.samples;
         design.seed = static_cast<std::uint64_t>(scan_.seed);
         design.resolution = scan_.resolution;
@@ -90,8 +81,10 @@ public:
         require_size(design);
         start_from_earliest_end(design);
         scene::ValueSetter all = setter_of(keys_);
-        ScanPlan plan{subject_, std::move(design), columns(), {}, base_, std::move(all), std::move(keys_),
-                      {},       scan_.time_limit};
+        scan::Columns columns = of_beds() ? columns_of_beds(base_) : columns_of_rods(base_);
+        ScanPlan plan{subject_,        std::move(design), std::move(columns), {},
+                      base_,           std::move(all),    std::move(keys_),   {},
+                      scan_.time_limit};
         plan.critical = std::move(critical);
         plan.labels.resize(plan.design.axes.size());
         std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
@@ -132,7 +125,7 @@ private:
         axis.name = given.name();
         axis.count = given.count;
         const std::size_t first = keys_.size();
-        add_keys(keys_of(given), given.factor, number, axis.name);
+        add_keys(given.key.empty() ? given.keys : std::vector{given.key}, given.factor, number, axis.name);
         axis.whole = std::ranges::any_of(std::span(keys_).subspan(first), &VariedKey::whole);
         if (!given.values.empty())
             take_values(axis, given, first);
@@ -143,13 +136,17 @@ private:
             axis.to = plain(*given.to, axis.name);
             require_value(axis, axis.from);
             require_value(axis, axis.to);
-            require_range(axis);
+            if (axis.from == axis.to)
+                refuse(axis.name, fmt::format("from and to are both {:g}: the axis is empty", axis.from));
+            if (axis.spacing == scan::Spacing::log && !(axis.from * axis.to > 0.0))
+                refuse(axis.name, fmt::format("spacing \"log\" needs ends of one sign, found {:g} and {:g}",
+                                              axis.from, axis.to));
         }
         return axis;
     }
 
-    /// The key that critical values are sought of becomes the last axis: the values of the coarse pass, and
-    /// between them random ones, which tell how much may lie unseen between two values.
+    /// The key with critical values becomes the last axis: the values of the coarse pass, and between them
+    /// random ones, which estimate how often a value is missed.
     CriticalPlan take_solved_key(scan::Design& design) {
         constexpr std::size_t most_axes = 4; // a bracket takes two numbers of a point
         if (design.axes.size() > most_axes)
@@ -224,10 +221,12 @@ private:
             key.axis = axis;
             key.key = names[k];
             key.factor = factors.empty() ? 1.0 : factors[k];
-            const scene::ValueSetter one = compiled(names[k], of);
-            const Value unit = one.held(Value(1.0));
+            const scene::ValueSetter set_value = compiled(names[k], of);
+            const Value unit = set_value.held(Value(1.0));
             key.scale = key.factor * std::get<double>(unit);
-            key.whole = is_whole(one);
+            scene::Scene trial = base_; // a key that takes 1 and not 1.0 is a whole number
+            const auto wrong = set_value.set(trial, Value(1.0));
+            key.whole = wrong && wrong->find("expected an integer") != std::string::npos;
             keys_.push_back(std::move(key));
         }
     }
@@ -253,13 +252,6 @@ private:
         throw InputError(fmt::format("{}: scan axis {}: {}", base_.path, axis, why));
     }
 
-    /// A key that takes 1 and not 1.0 is a whole number.
-    bool is_whole(const scene::ValueSetter& setter) const {
-        scene::Scene trial = base_;
-        const auto wrong = setter.set(trial, Value(1.0));
-        return wrong && wrong->find("expected an integer") != std::string::npos;
-    }
-
     /// In the unit that plain numbers have for the key.
     double plain(const Value& value, const std::string& name) const {
         if (const auto* real = std::get_if<double>(&value))
@@ -279,52 +271,34 @@ private:
                    fmt::format("{} is not a {} number", value, std::isfinite(value) ? "whole" : "finite"));
     }
 
-    void require_range(const scan::Axis& axis) const {
-        if (axis.from == axis.to)
-            refuse(axis.name, fmt::format("from and to are both {:g}: the axis is empty", axis.from));
-        if (axis.spacing == scan::Spacing::log && !(axis.from * axis.to > 0.0))
-            refuse(axis.name, fmt::format("spacing \"log\" needs ends of one sign, found {:g} and {:g}",
-                                          axis.from, axis.to));
-    }
-
     void require_size(const scan::Design& design) const {
-        if (design.kind == scan::Kind::adaptive)
-            return require_start(design);
-        const std::int64_t points = scan::size(design);
-        if (points == 0)
+        const auto require_fewer = [&](std::int64_t points, const char* when, const char* remedy) {
+            if (points > scan_.max_points)
+                throw InputError(fmt::format(
+                    "{}: the scan has {} points{}, more than scan.max_points = {}; a pair takes "
+                    "0.02 to 0.2 ms, so these take {:.2g} to {:.2g} CPU hours: {}, or raise scan.max_points",
+                    base_.path, points, when, scan_.max_points, static_cast<double>(points) * 2e-5 / 3600.0,
+                    static_cast<double>(points) * 2e-4 / 3600.0, remedy));
+        };
+        if (design.kind == scan::Kind::adaptive) {
+            scan::Design start = design;
+            const scan::Lattice lattice(start); // refuses an illegal resolution
+            start.resolution = start.axes.front().count;
+            return require_fewer(scan::size(start), " at the start", "take a smaller count");
+        }
+        const std::int64_t runs = scan::size(design), points = scan::places(design);
+        if (runs == 0)
             throw InputError(base_.path + ": the scan has no points");
-        if (of_beds())
-            return require_fewer_runs(design);
-        require_fewer(points, "", "take fewer points, design = \"adaptive\"");
-    }
-
-    void require_start(scan::Design design) const {
-        const scan::Lattice lattice(design); // refuses a resolution that it cannot have
-        design.resolution = design.axes.front().count;
-        require_fewer(scan::size(design), " at the start", "take a smaller count");
-    }
-
-    scan::Columns columns() const { return of_beds() ? columns_of_beds(base_) : columns_of_rods(base_); }
-
-    void require_fewer_runs(const scan::Design& design) const {
-        const std::int64_t places = scan::places(design), runs = scan::size(design);
+        if (!of_beds())
+            return require_fewer(runs, "", "take fewer points, design = \"adaptive\"");
         if (runs > scan_.max_points)
             throw InputError(fmt::format("{}: the scan has {} points of {} runs, {} runs in all, more than "
                                          "scan.max_points = {}: take fewer points or granular.runs, or raise "
                                          "scan.max_points",
-                                         base_.path, places, design.runs, runs, scan_.max_points));
-        if (places > most_places_of_beds)
+                                         base_.path, points, design.runs, runs, scan_.max_points));
+        if (points > most_places_of_beds)
             throw InputError(fmt::format("{}: the scan has {} points; a scan of beds has at most {}",
-                                         base_.path, places, most_places_of_beds));
-    }
-
-    void require_fewer(std::int64_t points, const char* when, const char* remedy) const {
-        if (points > scan_.max_points)
-            throw InputError(fmt::format(
-                "{}: the scan has {} points{}, more than scan.max_points = {}; a pair takes "
-                "0.02 to 0.2 ms, so these take {:.2g} to {:.2g} CPU hours: {}, or raise scan.max_points",
-                base_.path, points, when, scan_.max_points, static_cast<double>(points) * 2e-5 / 3600.0,
-                static_cast<double>(points) * 2e-4 / 3600.0, remedy));
+                                         base_.path, points, most_places_of_beds));
     }
 
     /// Where t_end varies, the outputs of `base_` fit all of them.
@@ -403,20 +377,18 @@ private:
     std::vector<VariedKey> keys_;
 };
 
-/// What makes one list of points differ from another.
-std::string list_text(const ScanList& list) {
-    std::string bytes;
-    for (const auto& row : list.rows)
-        bytes.append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
-    return fmt::format("list: {} rows of {}, {:016x}\n", list.rows.size(), fmt::join(list.keys, ","),
-                       std::hash<std::string>{}(bytes));
-}
-
 } // namespace
 
 ScanPlan plan_scan(const scene::Scene& scene, const std::optional<ScanList>& list) {
     ScanPlan plan = Planner(scene).plan(list);
-    plan.description = scan_key(scene) + (list ? list_text(*list) : "");
+    plan.description = scan_key(scene);
+    if (list) { // lists differ in their values, too
+        std::string bytes;
+        for (const auto& row : list->rows)
+            bytes.append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
+        plan.description += fmt::format("list: {} rows of {}, {:016x}\n", list->rows.size(),
+                                        fmt::join(list->keys, ","), std::hash<std::string>{}(bytes));
+    }
     return plan;
 }
 

@@ -70,7 +70,7 @@ private:
     }
 
     void store(const scene::Scene& scene, const fs::path& folder, scan::Result& result) const {
-        const BedYield yield = yield_of(scene, run_tables(folder));
+        const BedObservables yield = observables_of(scene, run_tables(folder));
         result.status = scan::Status::ok;
         result.outcome = yield.outcome;
         std::ranges::copy(yield.values, result.values.begin());
@@ -105,8 +105,8 @@ std::optional<std::int64_t> bed_of(const fs::path& file) {
     const std::vector<fs::path> parts(file.begin(), file.end());
     if (parts.size() != 5 || parts[0] != "points" || parts[2] != "runs")
         return std::nullopt;
-    const auto place = number_of(parts[1].string()), run = number_of(parts[3].string());
-    return place && run ? std::optional(scan::id_of_run(*place - 1, *run - 1)) : std::nullopt;
+    const auto position = number_of(parts[1].string()), run = number_of(parts[3].string());
+    return position && run ? std::optional(scan::id_of_run(*position - 1, *run - 1)) : std::nullopt;
 }
 
 scan::Evaluate evaluate_beds(const ScanPlan& plan, fs::path folder, RunContext context, Logger log) {

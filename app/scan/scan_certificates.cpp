@@ -27,8 +27,8 @@ std::optional<std::size_t> certificate_number(const scan::Columns& columns) {
     return static_cast<std::size_t>(at - columns.observables.begin());
 }
 
-std::vector<scan::Lattice::Place> corners_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
-    std::vector<scan::Lattice::Place> corners(std::size_t{1} << lattice.axes(), leaf.low);
+std::vector<scan::Lattice::LatticePoint> corners_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
+    std::vector<scan::Lattice::LatticePoint> corners(std::size_t{1} << lattice.axes(), leaf.low);
     for (std::size_t which = 0; which < corners.size(); ++which)
         for (std::size_t k = 0; k < lattice.axes(); ++k)
             corners[which][k] += (which >> k & 1u) != 0 ? leaf.side : 0;
@@ -40,7 +40,7 @@ Certificate worst_corner(const scan::Lattice& lattice, const scan::Leaf& leaf, c
     if (leaf.mixed || leaf.outcome < 0)
         return Certificate::open;
     Certificate worst = Certificate::verified;
-    for (const scan::Lattice::Place& corner : corners_of(lattice, leaf)) {
+    for (const scan::Lattice::LatticePoint& corner : corners_of(lattice, leaf)) {
         const auto at = known.find(lattice.id(corner));
         worst = std::max(worst, at == known.end() ? Certificate::open : at->second);
     }
@@ -50,7 +50,7 @@ Certificate worst_corner(const scan::Lattice& lattice, const scan::Leaf& leaf, c
 /// Whether no pair within the cell can end otherwise than its corners.
 bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan::Leaf& leaf) {
     std::vector<rods::PairProblem> pairs;
-    for (const scan::Lattice::Place& corner : corners_of(lattice, leaf)) {
+    for (const scan::Lattice::LatticePoint& corner : corners_of(lattice, leaf)) {
         const auto pair = rods::to_pair_problem(problem.at(lattice.point(corner)));
         if (!pair)
             return false;

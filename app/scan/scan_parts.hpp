@@ -26,7 +26,7 @@ scan::Columns columns_of_rods(const scene::Scene& scene);
 
 // Of a scan of beds.
 scan::Columns columns_of_beds(const scene::Scene& scene);
-/// Of a run at each place, in steps of a sphere; 0 where there is no such bed, which its point will tell.
+/// Cost of a run at each point, in steps of a sphere; 0 if the point is invalid: its evaluation reports the error.
 std::vector<double> costs_of_beds(const ScanPlan& plan);
 
 // Points of a scan of beds: each is one granular run in a folder of its own, from which a run that was

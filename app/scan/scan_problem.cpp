@@ -56,8 +56,8 @@ double* PointProblem::place_of(const ScanPlan::VariedKey& key, const scene::Scen
         return nullptr;
     if (scene.coupling && scene.coupling->polar_basis != scene::PolarBasis::divergence &&
         scene.coupling->gamma_flow == 0.0)
-        if (double* place = of_coupling(key.key, problem.couplings))
-            return place;
+        if (double* position = of_coupling(key.key, problem.couplings))
+            return position;
     return of_rod(key.key, problem.rods);
 }
 
@@ -180,13 +180,13 @@ bool has_pair(const scene::Scene& scene) { return scene.granular->rods.size() ==
 
 /// What the summary of a run tells behind the numbers of a pair, which have a time of their own.
 std::vector<SummaryNumber> told_numbers(const scene::Scene& scene) {
-    std::vector<SummaryNumber> told =
+    std::vector<SummaryNumber> described =
         summary_numbers(numbers_to(std::min(scene.granular->rods.size(), told_rods)), false);
     const std::string_view time = field_names<PairNumbers>().front();
-    std::erase_if(told, [&](const SummaryNumber& number) {
+    std::erase_if(described, [&](const SummaryNumber& number) {
         return number.scan_column.empty() || (has_pair(scene) && number.scan_column == time);
     });
-    return told;
+    return described;
 }
 
 } // namespace
@@ -210,10 +210,10 @@ scan::Columns columns_of_beds(const scene::Scene& scene) {
 std::vector<double> costs_of_beds(const ScanPlan& plan) {
     const scan::PointList points(plan.design);
     std::vector<double> costs(static_cast<std::size_t>(scan::places(plan.design)), 0.0);
-    for (std::size_t place = 0; place < costs.size(); ++place)
+    for (std::size_t index = 0; index < costs.size(); ++index)
         try {
-            costs[place] =
-                sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(place))).problem);
+            costs[index] =
+                sphere_steps(scanned_bed(plan, points.at_place(static_cast<std::int64_t>(index))).problem);
         } catch (const InputError&) { // its point fails, with this cause
         }
     return costs;
@@ -229,8 +229,8 @@ BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point) {
     return bed;
 }
 
-BedYield yield_of(const scene::Scene& scene, const RunTables& run) {
-    BedYield yield;
+BedObservables observables_of(const scene::Scene& scene, const RunTables& run) {
+    BedObservables yield;
     if (has_pair(scene)) {
         const PairNumbers pair = pair_numbers(scene, run);
         yield.outcome = static_cast<std::int32_t>(pair.outcome);

@@ -86,8 +86,8 @@ ordered_json bed_json(const ScanPlan& plan) {
 template<class Number>
 ordered_json by_certificate(const std::array<Number, 3>& numbers) {
     ordered_json out = ordered_json::object();
-    for (const Certificate one : all_certificates)
-        out[to_string(one)] = numbers[static_cast<std::size_t>(one)];
+    for (const Certificate certificate : all_certificates)
+        out[to_string(certificate)] = numbers[static_cast<std::size_t>(certificate)];
     return out;
 }
 
@@ -157,8 +157,8 @@ private:
     void flush() {
         table_.add(rows_, threads_);
         columns_.add(rows_);
-        for (const scan::Result& one : rows_)
-            sample_.add(one);
+        for (const scan::Result& point_result : rows_)
+            sample_.add(point_result);
         rows_.clear();
     }
 
@@ -193,14 +193,15 @@ void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan
 /// failures.csv: the points that failed, and why.
 void write_failures(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
     std::string text = axis_names(plan) + ",status,retries,cause\n";
-    ledger.for_each([&](const scan::Result& one) {
-        if (one.ok())
+    ledger.for_each([&](const scan::Result& result) {
+        if (result.ok())
             return;
         std::string cause; // quoted, as CSV does it
-        for (const char c : one.cause_text())
+        for (const char c : result.cause_text())
             cause += c == '"' ? "\"\"" : std::string(1, c);
-        text += fmt::format("{}{},{},\"{}\"\n", place_text(plan, one.point),
-                            scan::status_names[static_cast<std::size_t>(one.status)], one.retries, cause);
+        text +=
+            fmt::format("{}{},{},\"{}\"\n", place_text(plan, result.point),
+                        scan::status_names[static_cast<std::size_t>(result.status)], result.retries, cause);
     });
     store::write_atomically(file, text);
 }

@@ -25,22 +25,15 @@ using Clock = std::chrono::steady_clock;
 using integrate::Method;
 using integrate::Termination;
 
-void put(const ScanPlan& plan, const CaptureNumbers& capture, scan::Result& result) {
+/// Writes the numbers of a capture, which are the last observables of a point.
+void put_capture(const ScanPlan& plan, const CaptureNumbers& capture, scan::Result& result) {
     const auto numbers = field_values(capture);
     std::ranges::copy(numbers, result.values.begin() + static_cast<std::ptrdiff_t>(
                                                            plan.columns.observables.size() - numbers.size()));
 }
 
-/// The first of equals.
-Ending most_frequent(const rods::NoiseSums& sums) {
-    std::array<long, all_endings.size()> counts{};
-    for (const rods::NoisyEnd& end : sums.ends)
-        ++counts[static_cast<std::size_t>(end.ending)];
-    return static_cast<Ending>(std::ranges::max_element(counts) - counts.begin());
-}
-
-/// All runs of a point on this thread: its outcome is the most frequent ending, its numbers those of run 0,
-/// and behind them CaptureNumbers. Fails if a run does. False: options.ode.stop_requested stopped it.
+/// Makes all runs of a point on this thread. The outcome is the most frequent ending, the numbers are those
+/// of run 0 with CaptureNumbers behind them. Returns false if options.ode.stop_requested stopped it.
 bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const rods::RodOptions& options,
                     const NoisePlan& noise, const OutputUnits& units, scan::Result& result) {
     rods::RodOptions each = options;
@@ -53,40 +46,38 @@ bool evaluate_noisy(const ScanPlan& plan, const rods::RodProblem& problem, const
         result.set_cause("a run with noise: " + sums.failure);
         return true;
     }
-    Leader leader(problem);
+    FrontRodTracker leader(problem);
     if (problem.rods.size() == 2)
         each.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
     const rods::RodResult first = rods::simulate(problem, each, noise.noise, 0);
     if (first.solution.status.termination == integrate::Termination::interrupted)
         return false;
     EncounterEnd end = end_of(problem, first, leader.ahead());
-    end.ending = most_frequent(sums);
+    std::array<long, all_endings.size()> counts{};
+    for (const rods::NoisyEnd& noisy : sums.ends)
+        ++counts[static_cast<std::size_t>(noisy.ending)];
+    end.ending =
+        static_cast<Ending>(std::ranges::max_element(counts) - counts.begin()); // the first of equals
     const scan::Proportion capture = captured(sums, problem.rods.size());
     const auto [low, high] = capture.wilson(capture_quantile);
-    put(plan, {capture.value(), low, high, static_cast<double>(sums.ends.size())}, result);
+    put_capture(plan, {capture.value(), low, high, static_cast<double>(sums.ends.size())}, result);
     store(end, plan, units, result);
     return true;
 }
 
-/// Puts in CaptureNumbers of a point that has a single outcome for certain; nothing without [noise].
+/// Writes CaptureNumbers of a point that has a single outcome for certain. Does nothing without [noise].
 void store_certain_capture(const ScanPlan& plan, Ending ending, scan::Result& result) {
     const double share = is_capture(ending) ? 1.0 : 0.0;
     if (plan.base.noise)
-        put(plan, {share, share, share, 1.0}, result);
+        put_capture(plan, {share, share, share, 1.0}, result);
 }
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Another method that can take the form; the same if there is none.
-Method other_method(Method method, rods::Form form) {
-    if (form == rods::Form::dae || method != Method::bdf)
-        return Method::bdf;
-    return form == rods::Form::angle ? Method::adams : Method::erk;
-}
-
-/// The ladder of retries: changes the options for the attempt after number `rung`; false: none left.
+/// The ladder of retries: changes the options for the attempt after number `rung`. Returns false if none is
+/// left.
 bool next_rung(rods::RodOptions& options, int rung) {
     integrate::OdeOptions& ode = options.ode;
     switch (rung) {
@@ -98,19 +89,20 @@ bool next_rung(rods::RodOptions& options, int rung) {
         ode.atol *= 0.1;
         return true;
     case 2:
-        ode.method = other_method(ode.method, options.form);
+        ode.method = options.form == rods::Form::dae || ode.method != Method::bdf ? Method::bdf
+                     : options.form == rods::Form::angle                          ? Method::adams
+                                                                                  : Method::erk;
         return true;
     default:
         return false;
     }
 }
 
-/// What a pair of a batch takes at most, s, with a good margin: it asks nobody before it is done.
-constexpr double longest_in_batch = 0.1;
-
-/// Whoever may choose the method, and would choose an explicit one, takes many pairs at once.
+/// Points go into a batch if the method is free and an explicit one suits them. A batch does not look at the
+/// time before it is done, so that it must be short beside the limit.
 bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
                  std::optional<double> time_limit) {
+    constexpr double longest_in_batch = 0.1; // s, with a good margin
     return !run.method && run.form == rods::Form::angle && options.ode.method == Method::erk &&
            time_limit.value_or(HUGE_VAL) > longest_in_batch;
 }
@@ -159,7 +151,7 @@ namespace {
 /// decided or at the scene's limit. The last part of a run is the same share of its whole time. Returns how
 /// the last solve ended.
 integrate::Status decide(const rods::RodProblem& start, rods::RodOptions options, double limit,
-                         std::vector<double> state, Leader& leader, EncounterEnd& end,
+                         std::vector<double> state, FrontRodTracker& leader, EncounterEnd& end,
                          const scene::RodsRun* batch = nullptr, bool critical = false) {
     const double steady_fraction = options.criteria.steady_fraction;
     if (start.rods.size() == 2)
@@ -225,7 +217,7 @@ private:
         bool certified = false;
     };
 
-    /// Failures are values.
+    /// Runs `work`; exceptions become failures of the point.
     template<class Work>
     static void guarded(scan::Result& result, const Work& work) {
         const auto start = Clock::now();
@@ -246,27 +238,28 @@ private:
         if (plan_.base.noise)
             return with_noise(problem, result, start);
         const rods::RodOptions options = rod_options(problem_.run(), problem);
+
         const auto pair = rods::to_pair_problem(problem);
         if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
             return climb(problem, options, result, start);
         rods::validate(*pair);
-        Batch& batch =
-            batch_of(pair_options(options.ode, plan_.critical.has_value()), certified(result.point));
-        batch.pairs.push_back(*pair);
-        batch.points.push_back(number);
+
+        // There is more than one batch only if the tolerance is an axis.
+        const rods::PairOptions own = pair_options(options.ode, plan_.critical.has_value());
+        const bool certificate = certified(result.point);
+        auto batch = std::ranges::find_if(batches_, [&](const Batch& other) {
+            return other.certified == certificate && other.options.rtol == own.rtol &&
+                   other.options.atol == own.atol && other.options.max_attempts == own.max_attempts;
+        });
+        if (batch == batches_.end())
+            batch = batches_.insert(batches_.end(), Batch{own, {}, {}, certificate});
+        batch->pairs.push_back(*pair);
+        batch->points.push_back(number);
     }
 
-    /// Points on edges, which bisect a boundary, leave nothing but its place.
+    /// Only points of the lattice get certificates: those on edges, which bisect a boundary, just locate it.
     bool certified(const scan::Point& point) const {
         return plan_.certificates && (!lattice_ || lattice_->point(lattice_->place(point.id)).at == point.at);
-    }
-
-    Batch& batch_of(const rods::PairOptions& options, bool certified) {
-        const auto at = std::ranges::find_if(batches_, [&](const Batch& batch) {
-            return batch.certified == certified && batch.options.rtol == options.rtol &&
-                   batch.options.atol == options.atol && batch.options.max_attempts == options.max_attempts;
-        }); // more than one only where the tolerance is an axis
-        return at != batches_.end() ? *at : batches_.emplace_back(Batch{options, {}, {}, certified});
     }
 
     void run(const Batch& batch, std::span<scan::Result> results) {
@@ -287,7 +280,7 @@ private:
                 if (done) {
                     EncounterEnd end = end_of(batch.pairs[k], ends[k]);
                     if (plan_.decide && end.ending == Ending::undecided) {
-                        Leader leader(problem, ends[k]);
+                        FrontRodTracker leader(problem, ends[k]);
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
                         const integrate::Status status =
@@ -332,12 +325,12 @@ private:
         result.set_cause(causes);
     }
 
-    /// A point without noise among others has one run, and no interval.
+    /// A point whose noise is 0, among others with noise, has one run and no interval.
     void with_noise(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
         rods::RodOptions options = rod_options(problem_.run(), problem);
         const std::optional<NoisePlan> noise = problem_.noise();
         if (!noise) {
-            options.criteria = rods::noisy_criteria; // as its neighbours are judged
+            options.criteria = rods::noisy_criteria; // as for its neighbours
             return climb(problem, options, result, start);
         }
         options.ode.stop_requested = stop_condition(start);
@@ -345,7 +338,7 @@ private:
             interrupted(result, start);
     }
 
-    /// Reduced, as the times of problems.
+    /// In reduced units, as the times of problems.
     double t_end_limit(const rods::RodProblem& problem) const {
         return problem_.run().t_end_limit.value_or(1000.0 * problem.t_end);
     }
@@ -365,7 +358,7 @@ private:
 
     void attempt(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
                  Clock::time_point start) const {
-        Leader leader(problem);
+        FrontRodTracker leader(problem);
         if (problem.rods.size() == 2)
             options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
         const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)

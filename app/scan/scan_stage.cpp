@@ -112,8 +112,8 @@ void tell_causes(const Session& session, const scan::Ledger& ledger, const scan:
     for (const auto& [cause, id] : counts.examples)
         ids.push_back({id, {}});
     std::map<std::int64_t, scan::Point> examples;
-    for (const scan::Result& one : ledger.find(ids))
-        examples[one.point.id] = one.point;
+    for (const scan::Result& result : ledger.find(ids))
+        examples[result.point.id] = result.point;
     for (const auto& [cause, points] : counts.causes) {
         session.log->warn("scan:   {:>8}  {}", points, cause);
         session.log->warn("scan:   {:>8}  {} at {}", "", points == 1 ? "this was" : "one of them",
@@ -174,8 +174,8 @@ std::optional<std::size_t> solve_critical(const Session& session, const scan::Le
         return std::nullopt;
     write_critical(folder, plan, ledger, search);
     std::map<std::string, int> kinds;
-    for (const scan::Result& one : search.values)
-        ++kinds[critical_kinds[static_cast<std::size_t>(one.outcome)]];
+    for (const scan::Result& result : search.values)
+        ++kinds[critical_kinds[static_cast<std::size_t>(result.outcome)]];
     std::string text;
     for (const auto& [kind, count] : kinds)
         text += fmt::format("{}{} {}", text.empty() ? ": " : ", ", kind, count);

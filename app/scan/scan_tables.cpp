@@ -48,10 +48,6 @@ void append_place(std::string& text, const ScanPlan& plan, const scan::Point& po
     }
 }
 
-std::string certificate_text(const scan::Result& r, std::size_t column) {
-    return r.ok() ? to_string(static_cast<Certificate>(r.values[column])) : "";
-}
-
 /// "time" stands before the status, the others after it.
 void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
     append_place(text, plan, r.point);
@@ -63,7 +59,7 @@ void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) 
     for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
         text += ',';
         if (plan.columns.observables[k] == certificate_column)
-            text += certificate_text(r, k);
+            text += r.ok() ? to_string(static_cast<Certificate>(r.values[k])) : "";
         else
             append(text, r.ok() ? r.values[k] : std::nan(""));
     }
@@ -116,8 +112,9 @@ void PointTable::add(std::span<const scan::Result> results, std::size_t threads)
     parallel_for(blocks, threads, [&](std::size_t block) {
         const std::size_t first = block * rows_at_once;
         texts_[block].clear();
-        for (const scan::Result& one : results.subspan(first, std::min(rows_at_once, results.size() - first)))
-            append_row(texts_[block], plan_, one);
+        for (const scan::Result& result :
+             results.subspan(first, std::min(rows_at_once, results.size() - first)))
+            append_row(texts_[block], plan_, result);
     });
     for (const std::string& text : texts_)
         pending_.write(text);
@@ -132,7 +129,7 @@ void write_cells(const std::filesystem::path& file, const ScanPlan& plan, const 
     text += "outcome,certificate\n";
     for (std::size_t i = 0; i < summary.leaves.size(); ++i) {
         const scan::Leaf& leaf = summary.leaves[i];
-        scan::Lattice::Place high = leaf.low;
+        scan::Lattice::LatticePoint high = leaf.low;
         for (std::size_t k = 0; k < lattice.axes(); ++k)
             high[k] += leaf.side;
         const scan::Point from = lattice.point(leaf.low), to = lattice.point(high);
@@ -179,8 +176,8 @@ std::string joined(const Names& names) {
 PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int64_t rows)
     : h5_(h5), plan_(plan), columns_(columns_of(plan)), rows_(static_cast<std::size_t>(rows)) {}
 
-std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan) {
-    std::vector<Column> columns;
+std::vector<PointColumns::PointColumn> PointColumns::columns_of(const ScanPlan& plan) {
+    std::vector<PointColumn> columns;
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
         columns.push_back({plan.design.axes[k].name,
                            [&, k](const scan::Result& r) { return values_of(plan.design, r.point)[k]; }});
@@ -194,7 +191,7 @@ std::vector<PointColumns::Column> PointColumns::columns_of(const ScanPlan& plan)
 
 void PointColumns::add(std::span<const scan::Result> results) {
     std::vector<double> block(results.size());
-    for (const Column& column : columns_) {
+    for (const PointColumn& column : columns_) {
         std::ranges::transform(results, block.begin(), column.value);
         h5_.part("/points/" + column.name, block, written_, {rows_});
     }
@@ -209,8 +206,8 @@ void PointColumns::finish() {
     h5_.attribute("/points", "status_names", joined(scan::status_names));
     std::vector<std::string> certificates;
     certificates.reserve(all_certificates.size());
-    for (const Certificate one : all_certificates)
-        certificates.push_back(to_string(one));
+    for (const Certificate certificate : all_certificates)
+        certificates.push_back(to_string(certificate));
     h5_.attribute("/points", "certificate_names", joined(certificates));
 }
 
@@ -240,10 +237,10 @@ struct TrajectorySample::Paths {
     std::vector<double> rows, t, x, y, theta;
 };
 
-void TrajectorySample::add_path(Paths& paths, const Stored& one, const ScanPlan& plan) {
-    const rods::RodResult run = trajectory_of(plan, one.result, stored_times);
+void TrajectorySample::add_path(Paths& paths, const Stored& item, const ScanPlan& plan) {
+    const rods::RodResult run = trajectory_of(plan, item.result, stored_times);
     const OutputUnits units = output_units(plan.base);
-    paths.rows.push_back(static_cast<double>(one.row));
+    paths.rows.push_back(static_cast<double>(item.row));
     const integrate::Solution& solution = run.solution;
     for (std::size_t i = 0; i < stored_times; ++i) {
         const bool there = i < solution.states.size();
@@ -264,8 +261,8 @@ void TrajectorySample::write(store::Hdf5Writer& h5, const ScanPlan& plan) {
     const OutputUnits units = output_units(plan.base);
     const std::size_t rods = plan.base.rods.size();
     Paths paths;
-    for (const Stored& one : stored)
-        add_path(paths, one, plan);
+    for (const Stored& item : stored)
+        add_path(paths, item, plan);
     const std::size_t count = stored.size();
     h5.dataset("/trajectories/point", paths.rows, {count}, "");
     h5.dataset("/trajectories/t", paths.t, {count, stored_times}, units.time_name);

@@ -55,15 +55,15 @@ public:
     void finish();
 
 private:
-    struct Column {
+    struct PointColumn {
         std::string name;
         std::function<double(const scan::Result&)> value;
     };
-    static std::vector<Column> columns_of(const ScanPlan& plan);
+    static std::vector<PointColumn> columns_of(const ScanPlan& plan);
 
     store::Hdf5Writer& h5_;
     const ScanPlan& plan_;
-    std::vector<Column> columns_;
+    std::vector<PointColumn> columns_;
     std::size_t rows_, written_ = 0;
 };
 
@@ -81,18 +81,18 @@ private:
         std::int64_t row = 0; ///< of scan.csv, from 0
         scan::Result result;
     };
-    struct Entry {
+    struct RankedPoint {
         std::uint64_t rank;
         Stored stored;
-        bool operator<(const Entry& other) const { return rank < other.rank; }
+        bool operator<(const RankedPoint& other) const { return rank < other.rank; }
     };
     struct Paths;
     std::vector<Stored> take();
-    static void add_path(Paths& paths, const Stored& one, const ScanPlan& plan);
+    static void add_path(Paths& paths, const Stored& item, const ScanPlan& plan);
 
     std::size_t count_;
     std::int64_t rows_ = 0;
-    std::priority_queue<Entry> kept_;
+    std::priority_queue<RankedPoint> kept_;
 };
 
 } // namespace rodwake::app

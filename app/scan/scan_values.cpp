@@ -16,10 +16,10 @@ namespace {
 
 /// (|turn of the rear rod| - |turn of the front rod|)/(their sum); NaN without a common heading, or if nobody
 /// turned.
-double non_reciprocity(std::span<const double> first, const rods::Box& box, const Ahead& ahead,
+double non_reciprocity(std::span<const double> first, const rods::Box& box, const RelativeDisplacement& ahead,
                        std::span<const double> turn) {
     const rods::Offset d = rods::offset(first, 0, 1, box);
-    const PairCourse course(first[2], first[5], d.x, d.y);
+    const PairFrame course(first[2], first[5], d.x, d.y);
     if (!course.common())
         return std::nan("");
     const std::size_t front = course.ahead(d.x + ahead.x, d.y + ahead.y) >= 0.0 ? 0 : 1;
@@ -36,7 +36,7 @@ void put_pair(EncounterEnd& end, integrate::State y, const rods::Separation& pai
 
 } // namespace
 
-void Leader::add(integrate::State y) {
+void FrontRodTracker::add(integrate::State y) {
     const double turned = std::abs(y[2] - first_[2]) + std::abs(y[5] - first_[5]);
     if (turned <= most_)
         return;
@@ -45,7 +45,8 @@ void Leader::add(integrate::State y) {
     ahead_ = {y[0] - y[3] - first_[0] + first_[3], y[1] - y[4] - first_[1] + first_[4]};
 }
 
-EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead) {
+EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
+                    const RelativeDisplacement& ahead) {
     const rods::RodOutcome& outcome = run.outcome;
     EncounterEnd end{outcome.ending, outcome.time, outcome.min_separation, outcome.min_separation_time,
                      outcome.turn};

@@ -14,27 +14,27 @@
 namespace rodwake::app {
 
 /// How far rod 0 had come ahead of rod 1 since the start, when the pair had turned most.
-struct Ahead {
+struct RelativeDisplacement {
     double x = 0.0, y = 0.0;
 };
 
 /// Follows a pair step by step to find that: then the other rod is the rear one, as measure/pairs.hpp says
 /// for tracks.
-class Leader {
+class FrontRodTracker {
 public:
-    explicit Leader(const rods::RodProblem& problem) : first_(rods::to_state(problem.rods)) {}
+    explicit FrontRodTracker(const rods::RodProblem& problem) : first_(rods::to_state(problem.rods)) {}
     /// As a run of a batch left it.
-    Leader(const rods::RodProblem& problem, const rods::PairResult& run)
+    FrontRodTracker(const rods::RodProblem& problem, const rods::PairResult& run)
         : first_(rods::to_state(problem.rods)),
           most_(std::abs(run.turn[0]) + std::abs(run.turn[1])), ahead_{run.ahead_x, run.ahead_y} {}
 
     void add(integrate::State y);
-    Ahead ahead() const { return ahead_; }
+    RelativeDisplacement ahead() const { return ahead_; }
 
 private:
     std::vector<double> first_;
     double most_ = 0.0;
-    Ahead ahead_;
+    RelativeDisplacement ahead_;
 };
 
 inline constexpr std::string_view certificate_column = "certificate";
@@ -108,7 +108,8 @@ struct CaptureNumbers {
     }
 };
 
-EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run, const Ahead& ahead);
+EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
+                    const RelativeDisplacement& ahead);
 EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run);
 
 /// Into the columns of the plan, in output units; a number that is not finite makes the point fail.

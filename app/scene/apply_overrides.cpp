@@ -1,6 +1,6 @@
 #include "apply_overrides.hpp"
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/core/spelling.hpp"
 
 #include <fmt/format.h>
@@ -43,8 +43,8 @@ bool is_path(const std::string& path) {
 /// Goes through the document one path segment at a time.
 class Walker {
 public:
-    Walker(Node& root, const Override& item, Problems& problems)
-        : at_(&root), item_(item), problems_(problems) {}
+    Walker(Node& root, const Override& item, Diagnostics& diagnostics)
+        : at_(&root), item_(item), diagnostics_(diagnostics) {}
 
     void apply() {
         if (!is_path(item_.path))
@@ -124,31 +124,32 @@ private:
     }
 
     bool fail(const std::string& message) {
-        problems_.add(item_.place, item_.path, message);
+        diagnostics_.add(item_.place, item_.path, message);
         return false;
     }
 
     Node* at_;
     std::string walked_;
     const Override& item_;
-    Problems& problems_;
+    Diagnostics& diagnostics_;
 };
 
 } // namespace
 
-std::optional<Override> parse_override(const std::string& text, Problems& problems) {
-    const Place place{std::make_shared<const std::string>("-s " + text), 0, 0, true};
+std::optional<Override> parse_override(const std::string& text, Diagnostics& diagnostics) {
+    const SourcePosition place{std::make_shared<const std::string>("-s " + text), 0, 0, true};
     const auto equals = text.find('=');
     const std::string path = trimmed(text.substr(0, equals));
     if (equals == std::string::npos || !is_path(path)) {
-        problems.add(place, path, "expected table.key=value, for example coupling.kappa=0.5");
+        diagnostics.add(place, path, "expected table.key=value, for example coupling.kappa=0.5");
         return std::nullopt;
     }
     const std::string value = trimmed(text.substr(equals + 1));
     if (value.empty())
         return Override{path, {}, place, true};
     if (is_too_large(value)) {
-        problems.add(place, path, fmt::format("{} is too large for a number, which ends at 1.8e308", value));
+        diagnostics.add(place, path,
+                        fmt::format("{} is too large for a number, which ends at 1.8e308", value));
         return std::nullopt;
     }
     std::string why;
@@ -158,12 +159,12 @@ std::optional<Override> parse_override(const std::string& text, Problems& proble
         return Override{path, Node{place, *number}, place};
     if (is_bare_string(value))
         return Override{path, Node{place, value}, place};
-    problems.add(place, path, "the value is not valid TOML: " + why);
+    diagnostics.add(place, path, "the value is not valid TOML: " + why);
     return std::nullopt;
 }
 
-void apply_override(Node& root, const Override& item, Problems& problems) {
-    Walker(root, item, problems).apply();
+void apply_override(Node& root, const Override& item, Diagnostics& diagnostics) {
+    Walker(root, item, diagnostics).apply();
 }
 
 namespace {
@@ -176,18 +177,18 @@ void flatten(const std::string& prefix, const Node::Table& table, std::vector<Ov
             flatten(path + ".", *inner, out);
             continue;
         }
-        Place place = entry.key_place;
-        place.overriding = true;
-        out.push_back({path, entry.value, place});
+        SourcePosition position = entry.key_place;
+        position.overriding = true;
+        out.push_back({path, entry.value, position});
     }
 }
 
 /// The override's nodes stand where the setting stands, and win over alternatives.
-void move_to(Node& node, const Place& place) {
-    node.place = place;
+void move_to(Node& node, const SourcePosition& position) {
+    node.place = position;
     if (auto* list = node.as<Node::List>())
         for (auto& item : *list)
-            move_to(item, place);
+            move_to(item, position);
 }
 
 } // namespace
@@ -207,7 +208,7 @@ std::vector<Override> variant_overrides(const Node& set) {
 
 std::string settings_text(const std::vector<std::string>& settings) {
     std::string text;
-    Problems ignored; // settings that are not valid are written as they are and refused on reading
+    Diagnostics ignored; // settings that are not valid are written as they are and refused on reading
     for (const auto& setting : settings) {
         const auto parsed = parse_override(setting, ignored);
         text += text.empty() ? "" : ", ";

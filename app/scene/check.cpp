@@ -35,8 +35,8 @@ bool has_table(const Scene& scene, std::string_view name) {
 class Checker {
 public:
     /// Without a document (null) no places are given.
-    Checker(const Scene& scene, const Node* root, Problems& problems)
-        : scene_(scene), root_(root), problems_(problems) {}
+    Checker(const Scene& scene, const Node* root, Diagnostics& diagnostics)
+        : scene_(scene), root_(root), diagnostics_(diagnostics) {}
 
     void tables() {
         const bool listed = has("rods"), random = has("rods_random"), rods = listed || random,
@@ -103,9 +103,9 @@ private:
 
     void add(const std::string& path, const std::string& message) {
         if (root_)
-            problems_.add(locate(*root_, path), path, message);
+            diagnostics_.add(locate(*root_, path), path, message);
         else
-            problems_.add({scene_.path, 0, 0, path, message});
+            diagnostics_.add({scene_.path, 0, 0, path, message});
     }
 
     /// "rods[0].name (line 7)"; of a value from the command line, and without a document, the name alone.
@@ -186,21 +186,21 @@ private:
 
     const Scene& scene_;
     const Node* root_;
-    Problems& problems_;
+    Diagnostics& diagnostics_;
 };
 
 } // namespace
 
-void check(const Scene& scene, const Node& root, Problems& problems) {
-    const bool values_hold = problems.empty();
-    Checker checker(scene, &root, problems);
+void check(const Scene& scene, const Node& root, Diagnostics& diagnostics) {
+    const bool values_hold = diagnostics.empty();
+    Checker checker(scene, &root, diagnostics);
     checker.tables();
     if (values_hold)
         checker.values();
 }
 
-void check(const Scene& scene, Problems& problems) {
-    Checker checker(scene, nullptr, problems);
+void check(const Scene& scene, Diagnostics& diagnostics) {
+    Checker checker(scene, nullptr, diagnostics);
     checker.tables();
     checker.values();
 }

@@ -1,8 +1,8 @@
 #pragma once
 // What must hold between the values of a scene.
 
+#include "diagnostics.hpp"
 #include "node.hpp"
-#include "problems.hpp"
 #include "rodwake/scene/fit.hpp"
 #include "rodwake/scene/scene.hpp"
 
@@ -13,13 +13,13 @@ namespace rodwake::scene {
 
 /// Reports tables and values that do not fit each other. `root` gives the places. Comparisons of values are
 /// left out while `problems` holds any: the values may be stand-ins.
-void check(const Scene& scene, const Node& root, Problems& problems);
+void check(const Scene& scene, const Node& root, Diagnostics& diagnostics);
 
 /// The same for a scene whose values hold and that no document is known of: problems are in scene.path as a
 /// whole.
-void check(const Scene& scene, Problems& problems);
+void check(const Scene& scene, Diagnostics& diagnostics);
 
-/// Told the path of a key and a message for each contradiction.
+/// Receives the path of a key and a message for each contradiction.
 using Report = std::function<void(const std::string& path, const std::string& message)>;
 
 void check_fit(const Scene& scene, const Report& report);  ///< [fit], and between it and the medium

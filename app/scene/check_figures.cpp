@@ -1,7 +1,7 @@
 #include "check.hpp"
 
+#include "diagnostics.hpp"
 #include "figure_kinds.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 
@@ -50,7 +50,7 @@ std::vector<std::string> changed_keys(const Figure& f) {
 }
 
 /// "kind movie", "kinds snapshot and movie", "kinds a, b and c"
-std::string told(std::vector<std::string> kinds) {
+std::string list_of(std::vector<std::string> kinds) {
     const std::string last = kinds.back();
     kinds.pop_back();
     return kinds.empty() ? "kind " + last : fmt::format("kinds {} and {}", comma_list(kinds), last);
@@ -59,7 +59,7 @@ std::string told(std::vector<std::string> kinds) {
 void options(const Figure& figure, const std::string& path, const Report& report) {
     for (const std::string& key : changed_keys(figure))
         if (!has_key(figure, key))
-            report(path + "." + key, fmt::format("{} belongs to {} only", key, told(kinds_with(key))));
+            report(path + "." + key, fmt::format("{} belongs to {} only", key, list_of(kinds_with(key))));
     if (figure.component == "U" && figure.kind != "displacement_map" && has_key(figure, "component"))
         report(path + ".component", "the size U belongs to kind displacement_map only: Ux or Uy");
     if (has_key(figure, "colour") && !shows(figure, FigureSubject::scan) && figure.colour != "order" &&

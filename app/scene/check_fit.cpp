@@ -1,7 +1,7 @@
 #include "check.hpp"
 
+#include "diagnostics.hpp"
 #include "fields.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 
@@ -415,18 +415,18 @@ void fixed_errors(const Fit& fit, const Report& report) {
     }
 }
 
-void mask(const FitMask& one, const std::string& path, const Report& report) {
-    if (one.sector.size() == 2 &&
-        !(one.sector[0] >= 0.0 && one.sector[0] < one.sector[1] && one.sector[1] <= std::numbers::pi + 1e-9))
+void mask(const FitMask& item, const std::string& path, const Report& report) {
+    if (item.sector.size() == 2 && !(item.sector[0] >= 0.0 && item.sector[0] < item.sector[1] &&
+                                     item.sector[1] <= std::numbers::pi + 1e-9))
         report(
             path + ".sector",
             fmt::format("sector must go from a lower to a higher angle within 0 and 180 deg (pi rad); it is "
                         "[{:g}, {:g}] rad",
-                        one.sector[0], one.sector[1]));
+                        item.sector[0], item.sector[1]));
 }
 
-void map(const FitMap& one, const std::string& path, const Report& report) {
-    for (const double side : one.box)
+void map(const FitMap& item, const std::string& path, const Report& report) {
+    for (const double side : item.box)
         if (!(side > 0.0))
             report(path + ".box", fmt::format("{}.box: a side is {:g}; both must be above 0", path, side));
 }

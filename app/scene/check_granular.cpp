@@ -280,12 +280,12 @@ void periodic_only(const Measure& m, const Report& report) {
                  m.displacement == measure::DisplacementMethod::density},
                 {"mechanics", "mechanics", m.mechanics},
                 {"phonons", "phonons", m.phonons}};
-    for (const auto& one : keys)
-        if (one.wanted)
-            report(std::string("measure.") + one.key,
+    for (const auto& item : keys)
+        if (item.wanted)
+            report(std::string("measure.") + item.key,
                    fmt::format("{} is measured in a periodic box, and this bed has a wall: leave it out, or "
                                "give granular.box in place of [granular.container]",
-                               one.what));
+                               item.what));
 }
 
 /// What is defined for beads of one size on a lattice only.

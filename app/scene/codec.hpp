@@ -30,29 +30,30 @@ struct Settings {
 };
 
 /// One name or index of "rods.1.position.0".
-struct Segment {
+struct PathSegment {
     std::string name;
     long index = -1; ///< of an entry of a list; -1: a name
 };
 
 /// As in messages: "rods[1].position".
-std::string path_text(std::span<const Segment> path);
+std::string path_text(std::span<const PathSegment> path);
 
-/// Who is told what is wrong with the value of a key.
+/// Receives the diagnostics of values.
 class Faults {
 public:
     virtual ~Faults() = default;
     /// `below` leads from the key to what is wrong ("[1]", ".eta"); the message goes on after the path (":
     /// expected...").
-    virtual void add(const Place& place, const std::string& below, const std::string& message) = 0;
+    virtual void add(const SourcePosition& position, const std::string& below,
+                     const std::string& message) = 0;
     /// As `add`, of a physical unit in a scene without [scales].
-    virtual void add_missing_scales(const Place& place, const std::string& below,
+    virtual void add_missing_scales(const SourcePosition& place, const std::string& below,
                                     const std::string& message) {
         add(place, below, message);
     }
 };
 
-/// What a value is read from, and whom to tell what is wrong with it.
+/// The node that a value is read from, and the receiver of its diagnostics.
 struct Input {
     const Key& key;
     const Node& node;
@@ -84,7 +85,7 @@ public:
     /// What the absence of its key leaves in a scene that is read; most values stay as they are.
     virtual void clear(void* value) const = 0;
     virtual bool is_present(const void* value) const = 0;
-    /// Whether the value was right; if not, a single one is as it was, and it has been told.
+    /// Whether the value is legal. If not, a diagnostic was added, and a single value is unchanged.
     virtual bool parse(const Input& input, void* value) const = 0;
     /// TOML; empty: there is nothing to write.
     virtual std::string print(const Key& key, const void* value, const Units& units) const = 0;
@@ -97,9 +98,10 @@ public:
     /// Segments below the key that lead to a single value; -1: none can be set.
     virtual int depth() const = 0;
     /// What is wrong with the last `depth()` segments of this path; empty: nothing.
-    virtual std::string misses(const Key& key, const void* value, std::span<const Segment> path) const = 0;
+    virtual std::string misses(const Key& key, const void* value,
+                               std::span<const PathSegment> path) const = 0;
     /// As `parse`, of the value that the path leads to.
-    virtual bool set(const Input& input, void* value, std::span<const Segment> path) const = 0;
+    virtual bool set(const Input& input, void* value, std::span<const PathSegment> path) const = 0;
 };
 
 /// Of a type that a scene may hold: those instantiated at the ends of codecs.cpp and codec_lists.cpp.

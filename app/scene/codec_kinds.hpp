@@ -3,7 +3,7 @@
 // (codec_lists.cpp).
 
 #include "codec.hpp"
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 namespace rodwake::scene {
 
@@ -17,8 +17,10 @@ struct Single {
     static constexpr int depth = 0;
     static void clear(T&) {}
     static bool is_present(const T&) { return true; }
-    static std::string misses(const Key&, const T&, std::span<const Segment>) { return ""; }
-    static bool set(const Input& in, T& value, std::span<const Segment>) { return As<T>::read(in, value); }
+    static std::string misses(const Key&, const T&, std::span<const PathSegment>) { return ""; }
+    static bool set(const Input& in, T& value, std::span<const PathSegment>) {
+        return As<T>::read(in, value);
+    }
 };
 
 template<class T>
@@ -34,7 +36,7 @@ struct Whole : Single<T> {
 
 /// A number in range; a string with a unit where there are units.
 bool quantity(const Input& in, double& value);
-/// Null, and told, if it is no word, or none of `names` where there are some.
+/// Null with a diagnostic unless it is a word, and one of `names` if there are some.
 const std::string* word_of(const Input& in, Names names);
 /// The two numbers that `in` lists.
 bool two_sides(const Input& in, double& x, double& y);
@@ -59,10 +61,10 @@ public:
     }
     bool is_quantity() const override { return As<T>::is_quantity; }
     int depth() const override { return As<T>::depth; }
-    std::string misses(const Key& key, const void* value, std::span<const Segment> path) const override {
+    std::string misses(const Key& key, const void* value, std::span<const PathSegment> path) const override {
         return As<T>::misses(key, of(value), path);
     }
-    bool set(const Input& in, void* value, std::span<const Segment> path) const override {
+    bool set(const Input& in, void* value, std::span<const PathSegment> path) const override {
         return As<T>::set(in, of(value), path);
     }
 

@@ -14,7 +14,7 @@ namespace rodwake::scene {
 
 namespace {
 
-/// Null, and told, if it is none or has too few or too many entries.
+/// Returns null and adds a diagnostic unless the node is a list of legal length.
 const Node::List* list_of(const Input& in, std::string_view of) {
     const auto* list = in.node.as<Node::List>();
     const Key& key = in.key;
@@ -70,8 +70,8 @@ struct As<std::vector<T>> : Single<std::vector<T>> {
         const Description item = codec_of<T>().describe(key, &none);
         return {key.count_text(items_of<T>), std::string(key.absent_text), item.legal, item.has_range};
     }
-    static std::string misses(const Key&, const std::vector<T>& value, std::span<const Segment> path) {
-        const Segment& last = path.back();
+    static std::string misses(const Key&, const std::vector<T>& value, std::span<const PathSegment> path) {
+        const PathSegment& last = path.back();
         if (last.index >= 0 && static_cast<std::size_t>(last.index) < value.size())
             return "";
         const std::string list = path_text(path.first(path.size() - 1));
@@ -80,7 +80,7 @@ struct As<std::vector<T>> : Single<std::vector<T>> {
                                  in_quotes(last.name))
                    : fmt::format("no entry {}: {} has {} (numbered from 0)", last.index, list, value.size());
     }
-    static bool set(const Input& in, std::vector<T>& value, std::span<const Segment> path) {
+    static bool set(const Input& in, std::vector<T>& value, std::span<const PathSegment> path) {
         return codec_of<T>().parse(in, &value[static_cast<std::size_t>(path.back().index)]);
     }
 };
@@ -277,7 +277,7 @@ struct As<std::map<std::string, T>> : Single<std::map<std::string, T>> {
     static Description about(const Key& key, const Table&) {
         return {std::string(Item<T>::of), std::string(key.absent_text), comma_list(key.choices)};
     }
-    static std::string misses(const Key& key, const Table& value, std::span<const Segment> path) {
+    static std::string misses(const Key& key, const Table& value, std::span<const PathSegment> path) {
         if constexpr (std::is_same_v<T, double>)
             return contains(key.choices, path.back().name)
                        ? ""
@@ -285,7 +285,7 @@ struct As<std::map<std::string, T>> : Single<std::map<std::string, T>> {
         const bool is_end = path.back().index == 0 || path.back().index == 1;
         return is_end && value.contains(path.end()[-2].name) ? "" : "the scene has no " + path_text(path);
     }
-    static bool set(const Input& in, Table& value, std::span<const Segment> path) {
+    static bool set(const Input& in, Table& value, std::span<const PathSegment> path) {
         double found = 0.0;
         if (!quantity(in, found))
             return false;

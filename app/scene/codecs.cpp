@@ -10,9 +10,9 @@
 
 namespace rodwake::scene {
 
-std::string path_text(std::span<const Segment> path) {
+std::string path_text(std::span<const PathSegment> path) {
     std::string text;
-    for (const Segment& segment : path)
+    for (const PathSegment& segment : path)
         text += segment.index >= 0 ? fmt::format("[{}]", segment.index)
                                    : fmt::format("{}{}", text.empty() ? "" : ".", segment.name);
     return text;
@@ -46,7 +46,7 @@ std::string expected_number(Dimension dimension) {
                        examples[static_cast<std::size_t>(dimension)]);
 }
 
-/// A string with a unit; false, and told, if it is none.
+/// Reads a string with a unit; otherwise returns false and adds a diagnostic.
 bool worded(const Input& in, double& value) {
     const Dimension dimension = in.key.dimension;
     const auto* word = in.node.as<std::string>();

@@ -1,11 +1,11 @@
 #include "rodwake/scene/document.hpp"
 
+#include "diagnostics.hpp"
 #include "documented.hpp"
 #include "fields.hpp"
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"
 #include "node.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 
@@ -171,7 +171,7 @@ protected:
     }
     int form_given(Forms forms) override {
         std::string text;
-        for (const Form& form : forms)
+        for (const KeyAlternative& form : forms)
             text += fmt::format("{}`{}`{}", text.empty() ? "" : "; ", form.first,
                                 form.second.empty() ? "" : fmt::format(" with `{}`", form.second));
         current().notes.push_back(fmt::format("Exactly one of: {}.", text));

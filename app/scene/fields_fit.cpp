@@ -192,7 +192,7 @@ void scale_fields(Visitor& v, FitTrajectory& t, const Scales& scales) {
 } // namespace
 
 void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units) {
-    const auto one = [&](const char* name, const char* what, std::string& unit, double& factor) {
+    const auto item = [&](const char* name, const char* what, std::string& unit, double& factor) {
         v(key(name).absent("length_unit of [fit]").written_if(!unit.empty()).doc(what).example("\"um\""),
           unit);
         v.derive([&] {
@@ -207,9 +207,9 @@ void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units) {
                                 unit, units.profiles.word));
         });
     };
-    one("place_unit", "unit of the places in the file, if it is another", columns.place,
-        columns.place_factor);
-    one("value_unit", "of the displacements and sigmas in the file", columns.value, columns.value_factor);
+    item("place_unit", "unit of the places in the file, if it is another", columns.place,
+         columns.place_factor);
+    item("value_unit", "of the displacements and sigmas in the file", columns.value, columns.value_factor);
 }
 
 void fields(Visitor& v, FitProfile& p, const FitUnits& units) {

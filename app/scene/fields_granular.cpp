@@ -186,7 +186,7 @@ void place_random_rods(Visitor& v, Granular& bed, const std::vector<GranularRod>
                         random.count, random.min_separation, placed));
 }
 
-constexpr Form count_forms[] = {{"phi_b"}, {"beads"}, {"start_file"}};
+constexpr KeyAlternative count_forms[] = {{"phi_b"}, {"beads"}, {"start_file"}};
 
 /// The beads are given in one of these ways; what an override drops is not given.
 void one_count(Visitor& v, Granular& bed) {

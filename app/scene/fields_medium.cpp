@@ -33,8 +33,9 @@ struct EtaForms {
     }
 };
 
-constexpr Form eta_forms[] = {{"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}};
-constexpr Form xi_forms[] = {{"xi"}, {"alpha"}};
+constexpr KeyAlternative eta_forms[] = {
+    {"eta"}, {"poisson_ratio"}, {"lame_lambda", "mu"}, {"bulk_modulus", "mu"}};
+constexpr KeyAlternative xi_forms[] = {{"xi"}, {"alpha"}};
 
 void eta_keys(Visitor& v, EtaForms& k, bool written) {
     v(key("eta")

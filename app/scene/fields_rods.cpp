@@ -50,7 +50,7 @@ Times even_times(Visitor& v, std::optional<double> interval, double t_end) {
 }
 
 /// The ways to say how long a run is and when it is stored, in the order of resolve_run's cases.
-constexpr Form run_forms[] = {
+constexpr KeyAlternative run_forms[] = {
     {"t_end"}, {"t_end", "output_interval"}, {"t_end", "output_times"}, {"output_times"}};
 constexpr int without_t_end = 3;
 

@@ -179,7 +179,7 @@ bool varies_bed(const ScanAxis& axis) {
 
 template<std::size_t N>
 bool is_of(std::string_view key, const std::array<std::string_view, N>& beginnings) {
-    return std::ranges::any_of(beginnings, [&](std::string_view one) { return key.starts_with(one); });
+    return std::ranges::any_of(beginnings, [&](std::string_view text) { return key.starts_with(text); });
 }
 
 } // namespace

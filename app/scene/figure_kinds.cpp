@@ -1,6 +1,6 @@
 #include "figure_kinds.hpp"
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <algorithm>
 

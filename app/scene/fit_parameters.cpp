@@ -2,7 +2,7 @@
 
 #include "fit_parameters.hpp"
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/scene/fit.hpp"
 
 #include <algorithm>
@@ -10,11 +10,7 @@
 
 namespace rodwake::scene {
 
-namespace {
-
-bool is_of_medium(const std::string& name) { return name == "eta" || name == "xi" || name == "alpha"; }
-
-} // namespace
+namespace {} // namespace
 
 const std::vector<FitParameter>& fit_parameter_list() {
     static const std::vector<FitParameter> list = {
@@ -90,7 +86,9 @@ std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter)
         return it->second;
     if (rods::is_noise(parameter))
         return Interval{0.0, 100.0};
-    return is_of_medium(parameter) ? std::optional(Interval{1e-6, 1e6}) : std::nullopt;
+    return parameter == "eta" || parameter == "xi" || parameter == "alpha"
+               ? std::optional(Interval{1e-6, 1e6})
+               : std::nullopt;
 }
 
 bool fit_in_log(const Fit& fit, const std::string& parameter) {

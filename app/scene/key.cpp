@@ -70,7 +70,7 @@ std::vector<std::string_view> Choice::names() const {
 
 std::vector<std::string_view> names_of(Forms forms) {
     std::vector<std::string_view> names;
-    for (const Form& form : forms)
+    for (const KeyAlternative& form : forms)
         for (const auto name : {form.first, form.second})
             if (!name.empty() && std::ranges::find(names, name) == names.end())
                 names.push_back(name);
@@ -78,14 +78,15 @@ std::vector<std::string_view> names_of(Forms forms) {
 }
 
 std::vector<std::string_view> effective_names(std::span<const GivenKey> given, Forms forms) {
-    const auto has_all_overriding = [&](const Form& form) {
+    const auto has_all_overriding = [&](const KeyAlternative& form) {
         return std::ranges::all_of(given,
                                    [&](const GivenKey& k) { return !k.is_overriding || form.has(k.name); });
     };
     const bool any_overriding = std::ranges::any_of(given, &GivenKey::is_overriding);
     std::vector<std::string_view> names;
     for (const GivenKey& key : given)
-        if (!any_overriding || key.is_overriding || std::ranges::any_of(forms, [&](const Form& form) {
+        if (!any_overriding || key.is_overriding ||
+            std::ranges::any_of(forms, [&](const KeyAlternative& form) {
                 return form.has(key.name) && has_all_overriding(form);
             }))
             names.push_back(key.name);
@@ -102,7 +103,7 @@ int matching_form(std::span<const std::string_view> names, Forms forms) {
 
 std::string forms_text(Forms forms) {
     std::string text;
-    for (const Form& form : forms)
+    for (const KeyAlternative& form : forms)
         text += fmt::format("{}{}{}{}", text.empty() ? "" : " | ", form.first,
                             form.second.empty() ? "" : " + ", form.second);
     return text;

@@ -1,7 +1,7 @@
 #pragma once
 // The description of one key, from which it is read, written, checked, set and documented.
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "units.hpp"
 
 #include <initializer_list>
@@ -112,7 +112,7 @@ Choice choice(Enum& value, std::initializer_list<Named<std::type_identity_t<Enum
 // Alternatives: keys that give the same thing in different ways, of which a table has exactly one.
 
 /// Keys that give a thing together: {"lame_lambda", "mu"}. Of a single key the second name is empty.
-struct Form {
+struct KeyAlternative {
     std::string_view first, second{};
 
     bool has(std::string_view name) const { return name == first || (!second.empty() && name == second); }
@@ -120,7 +120,7 @@ struct Form {
 };
 
 /// {{"xi"}, {"alpha"}}
-using Forms = std::span<const Form>;
+using Forms = std::span<const KeyAlternative>;
 
 /// A key of some form that a table has. One that overrides (-s, a variant, a scan) wins over alternatives.
 struct GivenKey {

@@ -112,7 +112,7 @@ long list_index(const std::string& segment) {
     return digits && segment.size() <= 9 ? std::stol(segment) : -1;
 }
 
-Place locate(const Node& root, const std::string& path) {
+SourcePosition locate(const Node& root, const std::string& path) {
     const Node* node = &root;
     for (const auto& segment : split_path(path)) {
         const Node* next = nullptr;

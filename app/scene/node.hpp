@@ -12,7 +12,7 @@
 namespace rodwake::scene {
 
 /// Where a value came from: a place in a file, or a command-line override (line 0).
-struct Place {
+struct SourcePosition {
     std::shared_ptr<const std::string> source;
     long line = 0, column = 0;
     bool overriding = false; ///< set by -s or by a variant: wins over alternatives in the file
@@ -25,7 +25,7 @@ struct Node {
     using List = std::vector<Node>;
     using Table = std::vector<Entry>;
 
-    Place place;
+    SourcePosition place;
     std::variant<bool, std::int64_t, double, std::string, Date, List, Table> value;
 
     template<class T>
@@ -44,7 +44,7 @@ struct Node {
 
 struct Entry {
     std::string key;
-    Place key_place;
+    SourcePosition key_place;
     Node value;
 };
 
@@ -73,6 +73,6 @@ std::vector<std::string> split_path(const std::string& path);
 long list_index(const std::string& segment);
 
 /// Place of the node at `path` ("rods.1.position"), or of its nearest existing parent.
-Place locate(const Node& root, const std::string& path);
+SourcePosition locate(const Node& root, const std::string& path);
 
 } // namespace rodwake::scene

@@ -29,26 +29,26 @@ std::optional<std::array<double, 2>> sides_of(const Granular& bed) {
 }
 
 /// A rod in plan view.
-struct Row {
+struct PlanRod {
     double x, y, ahead_x, ahead_y;
 };
 
 /// Smallest gap between the spheres of two rods of this shape, nearest images in a periodic bed, m; of rods
 /// that are surely further apart than `enough` a lower bound.
-double gap_between(const Row& one, const Row& two, const granular::Clump& clump, const PeriodicBox& box,
-                   double enough) {
-    const double x = nearest_image_rounded(one.x - two.x, box.x),
-                 y = nearest_image_rounded(one.y - two.y, box.y);
+double gap_between(const PlanRod& other, const PlanRod& two, const granular::Clump& clump,
+                   const PeriodicBox& box, double enough) {
+    const double x = nearest_image_rounded(other.x - two.x, box.x),
+                 y = nearest_image_rounded(other.y - two.y, box.y);
     double least = std::sqrt(x * x + y * y) - 2.0 * clump.reach();
     if (least > enough)
         return least;
     least = HUGE_VAL;
     for (std::size_t i = 0; i < clump.offset.size(); ++i)
         for (std::size_t j = 0; j < clump.offset.size(); ++j) {
-            const double dx = nearest_image_rounded(one.x + clump.offset[i] * one.ahead_x - two.x -
+            const double dx = nearest_image_rounded(other.x + clump.offset[i] * other.ahead_x - two.x -
                                                         clump.offset[j] * two.ahead_x,
                                                     box.x),
-                         dy = nearest_image_rounded(one.y + clump.offset[i] * one.ahead_y - two.y -
+                         dy = nearest_image_rounded(other.y + clump.offset[i] * other.ahead_y - two.y -
                                                         clump.offset[j] * two.ahead_y,
                                                     box.y);
             least = std::min(least, std::sqrt(dx * dx + dy * dy) - clump.radius[i] - clump.radius[j]);
@@ -57,7 +57,7 @@ double gap_between(const Row& one, const Row& two, const granular::Clump& clump,
 }
 
 /// Smallest gap between a rod and the wall of the container, m.
-double gap_to_wall(const Row& rod, const granular::Clump& clump, granular::ContainerKind kind,
+double gap_to_wall(const PlanRod& rod, const granular::Clump& clump, granular::ContainerKind kind,
                    const std::array<double, 2>& sides) {
     double least = HUGE_VAL;
     for (std::size_t i = 0; i < clump.offset.size(); ++i) {
@@ -96,7 +96,7 @@ std::vector<GranularRod> random_bed_rods(const Granular& bed) {
                           (bed.container ? 3.0 : 1.0) * (*sides)[1]};
     const double apart = std::max(random.min_separation, 1e-6 * bed.bead_radius);
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
-    std::vector<Row> placed;
+    std::vector<PlanRod> placed;
     std::vector<GranularRod> rods;
     for (long k = 0; k < random.count; ++k) {
         bool found = false;
@@ -104,9 +104,9 @@ std::vector<GranularRod> random_bed_rods(const Granular& bed) {
             const double x = stream.uniform(0.0, (*sides)[0]), y = stream.uniform(0.0, (*sides)[1]),
                          heading = random.heading + stream.uniform(-random.spread, random.spread);
             const auto [sine, cosine] = repeatable::sin_cos(heading);
-            const Row row{x, y, cosine, sine};
+            const PlanRod row{x, y, cosine, sine};
             found = (!bed.container || gap_to_wall(row, clump, bed.container->kind, *sides) > apart) &&
-                    std::ranges::all_of(placed, [&](const Row& other) {
+                    std::ranges::all_of(placed, [&](const PlanRod& other) {
                         return gap_between(row, other, clump, box, apart) > apart;
                     });
             if (!found)

@@ -2,8 +2,8 @@
 
 #include "apply_overrides.hpp"
 #include "check.hpp"
+#include "diagnostics.hpp"
 #include "fields.hpp"
-#include "problems.hpp"
 #include "reader.hpp"
 #include "rodwake/scene/set.hpp"
 
@@ -16,12 +16,12 @@ namespace rodwake::scene {
 
 namespace {
 
-Scene resolve(const Node& root, Problems& problems) {
+Scene resolve(const Node& root, Diagnostics& diagnostics) {
     Scene scene;
-    Reader reader(root, problems);
+    Reader reader(root, diagnostics);
     fields(reader, scene);
     reader.finish();
-    check(scene, root, problems);
+    check(scene, root, diagnostics);
     return scene;
 }
 
@@ -30,28 +30,28 @@ void remove_key(Node& root, const std::string& key) {
 }
 
 /// What is wrong beyond what is wrong already.
-void add_new(const Problems& own, const std::string& when, Problems& problems) {
-    const std::vector<Problem> known = problems.list();
-    for (Problem problem : own.list())
+void add_new(const Diagnostics& own, const std::string& when, Diagnostics& diagnostics) {
+    const std::vector<Diagnostic> known = diagnostics.list();
+    for (Diagnostic problem : own.list())
         if (std::find(known.begin(), known.end(), problem) == known.end()) {
             problem.message = when + problem.message;
-            problems.add(problem);
+            diagnostics.add(problem);
         }
 }
 
 /// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
-void check_variant(Node root, const Node& variant, const std::string& path, Problems& problems) {
+void check_variant(Node root, const Node& variant, const std::string& path, Diagnostics& diagnostics) {
     const Entry* set = variant.find("set");
     if (!set)
         return;
-    Problems own;
+    Diagnostics own;
     for (const auto& item : variant_overrides(set->value))
         apply_override(root, item, own);
     resolve(root, own);
-    add_new(own, "with " + path + " applied: ", problems);
+    add_new(own, "with " + path + " applied: ", diagnostics);
 }
 
-void check_variants(const Node& root, const Scene& scene, Problems& problems) {
+void check_variants(const Node& root, const Scene& scene, Diagnostics& diagnostics) {
     if (scene.variants.empty()) // none, or too many: reported
         return;
     const auto& listed = *root.find("variants")->value.as<Node::List>();
@@ -59,7 +59,7 @@ void check_variants(const Node& root, const Scene& scene, Problems& problems) {
     remove_key(base, "variants");
     remove_key(base, "figures");
     for (std::size_t i = 0; i < listed.size(); ++i)
-        check_variant(base, listed[i], fmt::format("variants[{}]", i), problems);
+        check_variant(base, listed[i], fmt::format("variants[{}]", i), diagnostics);
 }
 
 /// Names in a list, or keys of a table, of [fit].
@@ -67,11 +67,11 @@ std::vector<std::string> names_in(const Node& fit, std::string_view key) {
     std::vector<std::string> names;
     const Entry* entry = fit.find(key);
     if (const auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
-        for (const Entry& one : *table)
-            names.push_back(one.key);
+        for (const Entry& item : *table)
+            names.push_back(item.key);
     if (const auto* list = entry ? entry->value.as<Node::List>() : nullptr)
-        for (const Node& one : *list)
-            if (const auto* name = one.as<std::string>())
+        for (const Node& node : *list)
+            if (const auto* name = node.as<std::string>())
                 names.push_back(*name);
     return names;
 }
@@ -85,10 +85,10 @@ void drop_unused(Node& fit, const std::vector<std::string>& used, const std::vec
     const auto drop = [&](Node& from, const char* key, const std::string& path) {
         Entry* entry = from.find(key);
         if (auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
-            std::erase_if(*table, [&](const Entry& one) { return unused(path, one.key); });
+            std::erase_if(*table, [&](const Entry& item) { return unused(path, item.key); });
         if (auto* list = entry ? entry->value.as<Node::List>() : nullptr)
-            std::erase_if(*list, [&](const Node& one) {
-                const auto* name = one.as<std::string>();
+            std::erase_if(*list, [&](const Node& node) {
+                const auto* name = node.as<std::string>();
                 return name && unused(path, *name);
             });
     };
@@ -103,9 +103,9 @@ void drop_priors(Node& fit, const std::vector<Override>& set) {
     Entry* posterior = fit.find("posterior");
     Entry* priors = posterior ? posterior->value.find("priors") : nullptr;
     if (auto* table = priors ? priors->value.as<Node::Table>() : nullptr)
-        std::erase_if(*table, [&](const Entry& one) {
-            return !contains(fitted, one.key) && std::ranges::none_of(set, [&](const Override& item) {
-                return item.path.starts_with("fit.posterior.priors." + one.key);
+        std::erase_if(*table, [&](const Entry& entry) {
+            return !contains(fitted, entry.key) && std::ranges::none_of(set, [&](const Override& item) {
+                return item.path.starts_with("fit.posterior.priors." + entry.key);
             });
         });
 }
@@ -130,7 +130,7 @@ std::optional<std::pair<std::string, double>> held_by(const Override& item) {
 
 /// The document of a rival: its settings made, and [fit] without what it does not use. A number of the medium
 /// or a coupling that its fit does not name is held there.
-Node model_document(Node root, const std::vector<Override>& set, Problems& problems) {
+Node model_document(Node root, const std::vector<Override>& set, Diagnostics& diagnostics) {
     remove_key(root, "variants");
     remove_key(root, "figures");
     if (Entry* fit = root.find("fit"))
@@ -138,7 +138,7 @@ Node model_document(Node root, const std::vector<Override>& set, Problems& probl
     for (const Override& item : set) {
         const std::string table = item.path.substr(0, item.path.find('.'));
         if (!held_by(item) || root.find(table))
-            apply_override(root, item, problems);
+            apply_override(root, item, diagnostics);
     }
     Entry* fit = root.find("fit");
     if (!fit || !fit->value.as<Node::Table>())
@@ -154,7 +154,7 @@ Node model_document(Node root, const std::vector<Override>& set, Problems& probl
         if (const auto held = held_by(item);
             held && !contains(used(), held->first) && !(held->first == "alpha" && contains(used(), "xi")))
             apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
-                           problems);
+                           diagnostics);
     drop_unused(root.find("fit")->value, used(), set);
     drop_priors(root.find("fit")->value, set);
     return root;
@@ -183,7 +183,7 @@ Fit model_of(Fit fit) {
 }
 
 /// Each rival by itself, and against those before it.
-void check_models(const Node& root, const Scene& scene, Problems& problems) {
+void check_models(const Node& root, const Scene& scene, Diagnostics& diagnostics) {
     if (!scene.fit || scene.fit->models.empty())
         return;
     const auto& listed = *root.find("fit")->value.find("models")->value.as<Node::List>();
@@ -192,26 +192,27 @@ void check_models(const Node& root, const Scene& scene, Problems& problems) {
         const Entry* set = listed[i].find("set");
         if (!set)
             continue;
-        Problems own;
+        Diagnostics own;
         const Scene rival = resolve(model_document(root, variant_overrides(set->value), own), own);
         const std::string path = fmt::format("fit.models[{}]", i);
-        add_new(own, "with " + path + " applied: ", problems);
+        add_new(own, "with " + path + " applied: ", diagnostics);
         if (!own.empty() || !rival.fit)
             continue;
         if (const char* key = other_data(*scene.fit, *rival.fit))
-            problems.add(set->key_place, path + ".set",
-                         fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
-                                     "same data; leave it out, or make a separate fit",
-                                     path, key));
+            diagnostics.add(
+                set->key_place, path + ".set",
+                fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
+                            "same data; leave it out, or make a separate fit",
+                            path, key));
         const auto same = std::ranges::find(seen, model_of(*rival.fit));
         if (same != seen.end())
-            problems.add(set->key_place, path + ".set",
-                         fmt::format("{}.set gives the same model as {}: change a key of [fit] that alters "
-                                     "the model, such as fit.parameters or fit.fixed",
-                                     path,
-                                     same == seen.begin()
-                                         ? "the fit as written"
-                                         : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
+            diagnostics.add(
+                set->key_place, path + ".set",
+                fmt::format("{}.set gives the same model as {}: change a key of [fit] that alters "
+                            "the model, such as fit.parameters or fit.fixed",
+                            path,
+                            same == seen.begin() ? "the fit as written"
+                                                 : fmt::format("fit.models[{}]", same - seen.begin() - 1)));
         seen.push_back(model_of(*rival.fit));
     }
 }
@@ -255,9 +256,9 @@ std::optional<Value> single_value(const Node& node) {
 std::optional<Scene> with_values(Scene scene, const std::vector<std::string>& settings) try {
     std::vector<std::string> keys;
     std::vector<Value> values;
-    Problems problems;
+    Diagnostics diagnostics;
     for (const std::string& setting : settings) {
-        const auto item = parse_override(setting, problems);
+        const auto item = parse_override(setting, diagnostics);
         const auto value = item ? single_value(item->value) : std::nullopt;
         if (!value)
             return std::nullopt;
@@ -281,30 +282,30 @@ Scene read_scene(const std::filesystem::path& path, std::span<const std::string>
 
 Scene parse_scene(std::string_view text, std::string name, std::span<const std::string> overrides) {
     check_size(text.size(), name);
-    Problems problems;
-    auto root = parse_toml(text, name, problems);
+    Diagnostics diagnostics;
+    auto root = parse_toml(text, name, diagnostics);
     for (const auto& override_text : overrides)
-        if (const auto item = parse_override(override_text, problems); item && root)
-            apply_override(*root, *item, problems);
+        if (const auto item = parse_override(override_text, diagnostics); item && root)
+            apply_override(*root, *item, diagnostics);
     if (!root)
-        problems.throw_if_any();
-    Scene scene = resolve(*root, problems);
-    check_variants(*root, scene, problems);
-    check_models(*root, scene, problems);
-    problems.throw_if_any();
+        diagnostics.throw_if_any();
+    Scene scene = resolve(*root, diagnostics);
+    check_variants(*root, scene, diagnostics);
+    check_models(*root, scene, diagnostics);
+    diagnostics.throw_if_any();
     scene.path = std::move(name);
     return scene;
 }
 
 Scene apply_model(const Scene& scene, const FitModel& model) {
-    Problems problems;
-    const auto root = parse_toml(to_toml(scene), scene.path, problems);
+    Diagnostics diagnostics;
+    const auto root = parse_toml(to_toml(scene), scene.path, diagnostics);
     std::vector<Override> set;
     for (const std::string& setting : model.set)
-        if (auto item = parse_override(setting, problems))
+        if (auto item = parse_override(setting, diagnostics))
             set.push_back(*std::move(item));
-    Scene rival = root ? resolve(model_document(*root, set, problems), problems) : Scene{};
-    problems.throw_if_any();
+    Scene rival = root ? resolve(model_document(*root, set, diagnostics), diagnostics) : Scene{};
+    diagnostics.throw_if_any();
     rival.path = scene.path;
     rival.fit->name = model.name;
     return rival;

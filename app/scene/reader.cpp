@@ -1,7 +1,7 @@
 #include "reader.hpp"
 
+#include "diagnostics.hpp"
 #include "fields.hpp"
-#include "problems.hpp"
 
 #include <fmt/format.h>
 
@@ -28,20 +28,20 @@ bool has_reduced_tables(const Node& root) {
 
 } // namespace
 
-Reader::Reader(const Node& root, Problems& problems) : problems_(problems) {
+Reader::Reader(const Node& root, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
     frames_.push_back({&root, "", "", {}});
 }
 
 const Entry* Reader::find(const Key& key) {
-    Frame& frame = frames_.back();
+    OpenTable& frame = frames_.back();
     if (!contains(frame.known, key.name))
         frame.known.push_back(key.name);
     const Entry* entry = frame.table->find(key.name);
     if (!entry && key.is_required) {
         const std::string owner = frame.path.empty() ? "the scene" : frame.path;
-        problems_.add(frame.table->place, path_of(key.name),
-                      fmt::format("{} needs the key {}, for example {} = {}", owner, key.name, key.name,
-                                  key.example_value));
+        diagnostics_.add(frame.table->place, path_of(key.name),
+                         fmt::format("{} needs the key {}, for example {} = {}", owner, key.name, key.name,
+                                     key.example_value));
     }
     return entry;
 }
@@ -75,8 +75,8 @@ Entries Reader::enter_list(const Key& key, std::size_t) {
         return {};
     }
     if (list->size() > key.max_items) {
-        problems_.add(entry->value.place, path,
-                      fmt::format("{}: {} entries; at most {}", path, list->size(), key.max_items));
+        diagnostics_.add(entry->value.place, path,
+                         fmt::format("{}: {} entries; at most {}", path, list->size(), key.max_items));
         return {};
     }
     return {list->size(), 0, list->size()};
@@ -95,15 +95,16 @@ bool Reader::enter_entry(const Key& key, std::size_t index) {
 }
 
 void Reader::leave() {
-    const Frame& frame = frames_.back();
+    const OpenTable& frame = frames_.back();
     for (const auto& entry : *frame.table->as<Node::Table>())
         if (!contains(frame.known, entry.key))
             unknown_key(frame, entry);
     frames_.pop_back();
 }
 
-void Reader::unknown_key(const Frame& frame, const Entry& entry) {
-    problems_.add(entry.key_place, path_of(entry.key), unknown_key_text(frame.title, entry.key, frame.known));
+void Reader::unknown_key(const OpenTable& frame, const Entry& entry) {
+    diagnostics_.add(entry.key_place, path_of(entry.key),
+                     unknown_key_text(frame.title, entry.key, frame.known));
 }
 
 void Reader::use_units(const Units& units) {
@@ -122,8 +123,8 @@ int Reader::form_given(Forms forms) {
     const auto names = effective_names(given_keys(table, forms), forms);
     const int form = matching_form(names, forms);
     if (names.empty())
-        problems_.add(table.place, frames_.back().path,
-                      fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
+        diagnostics_.add(table.place, frames_.back().path,
+                         fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
     else if (form < 0)
         report_forms(names, forms);
     return form;
@@ -131,25 +132,26 @@ int Reader::form_given(Forms forms) {
 
 void Reader::report_forms(std::span<const std::string_view> given, Forms forms) {
     const Node& table = *frames_.back().table;
-    std::string places;
+    std::string locations;
     const Entry* last = table.find(given.front());
     for (const auto name : given) {
         const Entry* entry = table.find(name);
-        places +=
-            fmt::format("{}{}{}", places.empty() ? "" : " and ", name,
+        locations +=
+            fmt::format("{}{}{}", locations.empty() ? "" : " and ", name,
                         entry->key_place.line > 0 ? fmt::format(" (line {})", entry->key_place.line) : "");
         if (entry->key_place.line > last->key_place.line)
             last = entry;
     }
-    problems_.add(last->key_place, path_of(last->key),
-                  fmt::format("{} gives {}: give one of {}", frames_.back().path, places, forms_text(forms)));
+    diagnostics_.add(
+        last->key_place, path_of(last->key),
+        fmt::format("{} gives {}: give one of {}", frames_.back().path, locations, forms_text(forms)));
 }
 
 void Reader::complain(std::string_view name, const std::string& message) {
     const Node& table = *frames_.back().table;
     const Entry* entry = table.find(name);
-    problems_.add(entry ? entry->value.place : table.place, path_of(name),
-                  fmt::format("{} {}", path_of(name), message));
+    diagnostics_.add(entry ? entry->value.place : table.place, path_of(name),
+                     fmt::format("{} {}", path_of(name), message));
 }
 
 void Reader::visit(const Key& key, void* value, const Codec& codec) {
@@ -159,27 +161,29 @@ void Reader::visit(const Key& key, void* value, const Codec& codec) {
         codec.parse({key, entry->value, &units_, *this}, value);
 }
 
-void Reader::add(const Place& place, const std::string& below, const std::string& message) {
+void Reader::add(const SourcePosition& position, const std::string& below, const std::string& message) {
     const std::string path = path_of(current_) + below;
-    problems_.add(place, path, path + message);
+    diagnostics_.add(position, path, path + message);
 }
 
-void Reader::add_missing_scales(const Place& place, const std::string& below, const std::string& message) {
+void Reader::add_missing_scales(const SourcePosition& position, const std::string& below,
+                                const std::string& message) {
     const std::string path = path_of(current_) + below;
-    missing_scales(place, path, path + message);
+    missing_scales(position, path, path + message);
 }
 
-void Reader::missing_scales(const Place& place, const std::string& path, const std::string& what) {
+void Reader::missing_scales(const SourcePosition& position, const std::string& path,
+                            const std::string& what) {
     if (scales_reported_)
         return;
     scales_reported_ = true;
-    problems_.add(
-        place, path,
+    diagnostics_.add(
+        position, path,
         what + " needs [scales] with f_over_mu and v0, what one reduced unit of length and speed is worth");
 }
 
 void Reader::wrong_type(const Node& node, const std::string& path, const std::string& expected) {
-    problems_.add(node.place, path, fmt::format("{}: {}, found {}", path, expected, describe(node)));
+    diagnostics_.add(node.place, path, fmt::format("{}: {}, found {}", path, expected, describe(node)));
 }
 
 } // namespace rodwake::scene

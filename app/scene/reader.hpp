@@ -1,8 +1,8 @@
 #pragma once
 // The visitor that fills a Scene from a document and collects what is wrong with it.
 
+#include "diagnostics.hpp"
 #include "node.hpp"
-#include "problems.hpp"
 #include "visitor.hpp"
 
 namespace rodwake::scene {
@@ -10,7 +10,7 @@ namespace rodwake::scene {
 class Reader : public Visitor, private Faults {
 public:
     /// Both must outlive the reader.
-    Reader(const Node& root, Problems& problems);
+    Reader(const Node& root, Diagnostics& diagnostics);
 
     /// Reports the unknown keys at top level; call after the fields.
     void finish() { leave(); }
@@ -29,7 +29,7 @@ protected:
 
 private:
     /// The table being read.
-    struct Frame {
+    struct OpenTable {
         const Node* table;
         std::string path;  ///< "rods[1]"; empty: top level
         std::string title; ///< "[medium]", "[[rods]]"
@@ -38,16 +38,16 @@ private:
 
     const Entry* find(const Key& key);
     std::string path_of(std::string_view key) const;
-    void add(const Place& place, const std::string& below, const std::string& message) override;
-    void add_missing_scales(const Place& place, const std::string& below,
+    void add(const SourcePosition& position, const std::string& below, const std::string& message) override;
+    void add_missing_scales(const SourcePosition& place, const std::string& below,
                             const std::string& message) override;
     void wrong_type(const Node& node, const std::string& path, const std::string& expected);
-    void missing_scales(const Place& place, const std::string& path, const std::string& what);
+    void missing_scales(const SourcePosition& place, const std::string& path, const std::string& what);
     void report_forms(std::span<const std::string_view> given, Forms forms);
-    void unknown_key(const Frame& frame, const Entry& entry);
+    void unknown_key(const OpenTable& frame, const Entry& entry);
 
-    Problems& problems_;
-    std::vector<Frame> frames_;
+    Diagnostics& diagnostics_;
+    std::vector<OpenTable> frames_;
     std::string_view current_; ///< the key whose value is read
     Units units_;
     bool scales_reported_ = false;

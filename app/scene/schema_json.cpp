@@ -43,11 +43,6 @@ Json kind_json(const FigureKind& kind) {
     return out;
 }
 
-/// `"name": [...]` with an entry a line, which shows in a diff what has changed.
-std::string list_text(const SchemaList& list) {
-    return fmt::format(",\n \"{}\": [\n  {}\n ]", list.name, fmt::join(list.entries, ",\n  "));
-}
-
 SchemaList list_of(const char* name, const Json& entries) {
     SchemaList list{name, {}};
     for (const Json& entry : entries)
@@ -67,14 +62,15 @@ std::string schema_json(std::span<const SchemaList> more) {
     }
     for (const FigureKind& kind : figure_kinds())
         figures.push_back(kind_json(kind));
-    for (const FitParameter& one : fit_parameter_list())
-        parameters.push_back({{"name", one.name}, {"symbol", one.symbol}, {"meaning", one.meaning}});
+    for (const FitParameter& parameter : fit_parameter_list())
+        parameters.push_back(
+            {{"name", parameter.name}, {"symbol", parameter.symbol}, {"meaning", parameter.meaning}});
     std::vector<SchemaList> lists = {list_of("tables", tables), list_of("keys", keys),
                                      list_of("figures", figures), list_of("fit_parameters", parameters)};
     lists.insert(lists.end(), more.begin(), more.end());
     std::string text = "{\n \"schema\": 1";
     for (const SchemaList& list : lists)
-        text += list_text(list);
+        text += fmt::format(",\n \"{}\": [\n  {}\n ]", list.name, fmt::join(list.entries, ",\n  "));
     return text + "\n}\n";
 }
 

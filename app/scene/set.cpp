@@ -76,10 +76,10 @@ Value ValueSetter::held(const Value& written, std::size_t which) const {
     return *found.value;
 }
 
-std::vector<Problem> validate(const Scene& scene) {
-    Problems problems;
-    check(scene, problems);
-    return problems.list();
+std::vector<Diagnostic> validate(const Scene& scene) {
+    Diagnostics diagnostics;
+    check(scene, diagnostics);
+    return diagnostics.list();
 }
 
 } // namespace rodwake::scene

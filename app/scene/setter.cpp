@@ -29,7 +29,7 @@ std::optional<std::string> Setter::finish() {
     return std::move(error_);
 }
 
-bool Setter::is_here(const Progress& p, std::string_view name) const {
+bool Setter::is_here(const TargetProgress& p, std::string_view name) const {
     const std::size_t depth = frames_.back().depth;
     return !p.is_done && p.matched == depth && p.target->path[depth].name == name;
 }
@@ -37,7 +37,7 @@ bool Setter::is_here(const Progress& p, std::string_view name) const {
 bool Setter::enter(std::size_t segments, const Key& key, long index) {
     const std::size_t depth = frames_.back().depth;
     const SetterTarget* through = nullptr;
-    for (Progress& p : progress_)
+    for (TargetProgress& p : progress_)
         if (is_here(p, key.name) && (index < 0 || p.target->path[depth + 1].index == index)) {
             p.matched += segments;
             through = p.target;
@@ -48,7 +48,7 @@ bool Setter::enter(std::size_t segments, const Key& key, long index) {
 }
 
 bool Setter::enter_table(const Key& key, bool present) {
-    const bool is_wanted = here(key, [&](Progress& p) {
+    const bool is_wanted = here(key, [&](TargetProgress& p) {
         const std::size_t below = frames_.back().depth + 1;
         if (present && p.target->path.size() > below)
             return;
@@ -62,7 +62,7 @@ bool Setter::enter_table(const Key& key, bool present) {
 
 Entries Setter::enter_list(const Key& key, std::size_t count) {
     Entries visited{count, count, 0};
-    here(key, [&](Progress& p) {
+    here(key, [&](TargetProgress& p) {
         const std::size_t below = frames_.back().depth + 1;
         const long index = below < p.target->path.size() ? p.target->path[below].index : -1;
         if (index >= 0 && static_cast<std::size_t>(index) < count && p.target->path.size() > below + 1) {
@@ -84,8 +84,8 @@ bool Setter::enter_entry(const Key& key, std::size_t index) {
 }
 
 void Setter::leave() {
-    const Frame frame = frames_.back();
-    for (Progress& p : progress_)
+    const VisitedTable frame = frames_.back();
+    for (TargetProgress& p : progress_)
         if (!p.is_done && p.matched == frame.depth)
             not_found(p);
     given_.resize(frame.first_given);
@@ -93,8 +93,8 @@ void Setter::leave() {
     frames_.pop_back();
 }
 
-void Setter::not_found(Progress& p) {
-    const Frame& frame = frames_.back();
+void Setter::not_found(TargetProgress& p) {
+    const VisitedTable& frame = frames_.back();
     p.is_done = true;
     const std::string& name = p.target->path[frame.depth].name;
     const bool is_entry = frame.depth > 0 && p.target->path[frame.depth - 1].index >= 0;
@@ -114,10 +114,11 @@ void Setter::use_units(const Units& units) {
 
 bool Setter::wants(Forms forms) const {
     const std::size_t depth = frames_.back().depth;
-    return is_compiling() || std::ranges::any_of(progress_, [&](const Progress& p) {
-               return !p.is_done && p.matched == depth && std::ranges::any_of(forms, [&](const Form& form) {
-                   return form.has(p.target->path[depth].name);
-               });
+    return is_compiling() || std::ranges::any_of(progress_, [&](const TargetProgress& p) {
+               return !p.is_done && p.matched == depth &&
+                      std::ranges::any_of(forms, [&](const KeyAlternative& form) {
+                          return form.has(p.target->path[depth].name);
+                      });
            });
 }
 
@@ -129,7 +130,7 @@ void Setter::note_given(const Key& key, bool is_present, bool is_overriding) {
 int Setter::form_given(Forms forms) {
     std::vector<GivenKey> given;
     for (const GivenKey& key : std::span(given_).subspan(frames_.back().first_given))
-        if (std::ranges::any_of(forms, [&](const Form& form) { return form.has(key.name); }))
+        if (std::ranges::any_of(forms, [&](const KeyAlternative& form) { return form.has(key.name); }))
             given.push_back(key);
     const auto names = effective_names(given, forms);
     const int form = matching_form(names, forms);
@@ -142,7 +143,7 @@ int Setter::form_given(Forms forms) {
 }
 
 std::string Setter::frame_path() const {
-    const Frame& frame = frames_.back();
+    const VisitedTable& frame = frames_.back();
     return frame.through ? frame.through->path_text(frame.depth) : "";
 }
 
@@ -151,7 +152,7 @@ void Setter::complain(std::string_view key, const std::string& message) {
 }
 
 void Setter::visit(const Key& key, void* value, const Codec& codec) {
-    const bool is_target = here(key, [&](Progress& p) {
+    const bool is_target = here(key, [&](TargetProgress& p) {
         const Value* given = take(key, p, value, codec);
         if (!given)
             return;
@@ -164,7 +165,7 @@ void Setter::visit(const Key& key, void* value, const Codec& codec) {
     note_given(key, codec.is_present(value), is_target);
 }
 
-const Value* Setter::take(const Key& key, Progress& p, const void* value, const Codec& codec) {
+const Value* Setter::take(const Key& key, TargetProgress& p, const void* value, const Codec& codec) {
     p.is_done = true;
     if (const std::string why = misfit(key, p, value, codec); !why.empty())
         fail(why);
@@ -175,7 +176,8 @@ const Value* Setter::take(const Key& key, Progress& p, const void* value, const 
     return nullptr;
 }
 
-std::string Setter::misfit(const Key& key, const Progress& p, const void* value, const Codec& codec) const {
+std::string Setter::misfit(const Key& key, const TargetProgress& p, const void* value,
+                           const Codec& codec) const {
     const SetterTarget& target = *p.target;
     const std::size_t below = frames_.back().depth + 1, size = target.path.size();
     if (codec.depth() < 0)
@@ -190,7 +192,7 @@ std::string Setter::misfit(const Key& key, const Progress& p, const void* value,
     return rest == 0 ? "" : codec.misses(key, value, target.path);
 }
 
-void Setter::learn(const Key& key, const Progress& p, bool is_quantity) {
+void Setter::learn(const Key& key, const TargetProgress& p, bool is_quantity) {
     SetterTarget& target = found_[static_cast<std::size_t>(&p - progress_.data())];
     if (key.is_unit)
         fail(fmt::format(
@@ -201,7 +203,7 @@ void Setter::learn(const Key& key, const Progress& p, bool is_quantity) {
     target.units = units_;
 }
 
-void Setter::add(const Place&, const std::string& below, const std::string& message) {
+void Setter::add(const SourcePosition&, const std::string& below, const std::string& message) {
     fail(current_->target->path_text() + below + message);
 }
 

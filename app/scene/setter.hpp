@@ -9,7 +9,7 @@ namespace rodwake::scene {
 /// One key to be set, and what it was found to be.
 struct SetterTarget {
     std::string key;
-    std::vector<Segment> path;
+    std::vector<PathSegment> path;
     bool is_quantity = false; ///< a number, of this dimension in these units
     Dimension dimension = Dimension::none;
     Units units{};
@@ -44,27 +44,27 @@ protected:
 
 private:
     /// How far a target has been followed.
-    struct Progress {
+    struct TargetProgress {
         const SetterTarget* target;
         std::size_t matched = 0; ///< segments that lead into the present table
         bool is_done = false;
     };
     /// The table being visited.
-    struct Frame {
+    struct VisitedTable {
         std::size_t depth = 0; ///< segments that lead to it
         std::size_t first_given = 0, first_known = 0;
         const SetterTarget* through = nullptr; ///< some target in it
     };
 
     bool is_compiling() const { return !found_.empty(); }
-    bool is_here(const Progress& p, std::string_view name) const;
+    bool is_here(const TargetProgress& p, std::string_view name) const;
     /// Calls each(progress) for the targets that are this key of the present table or below it.
     template<class Each>
     bool here(const Key& key, Each each) {
         if (is_compiling())
             known_.push_back(key.name);
         bool any = false;
-        for (Progress& p : progress_)
+        for (TargetProgress& p : progress_)
             if (is_here(p, key.name)) {
                 any = true;
                 each(p);
@@ -72,25 +72,25 @@ private:
         return any;
     }
     /// The new value of this key; null if the target was only looked up, or is wrong.
-    const Value* take(const Key& key, Progress& p, const void* value, const Codec& codec);
+    const Value* take(const Key& key, TargetProgress& p, const void* value, const Codec& codec);
     /// What is wrong with what the target has below this key; empty: nothing.
-    std::string misfit(const Key& key, const Progress& p, const void* value, const Codec& codec) const;
-    void learn(const Key& key, const Progress& p, bool is_quantity);
+    std::string misfit(const Key& key, const TargetProgress& p, const void* value, const Codec& codec) const;
+    void learn(const Key& key, const TargetProgress& p, bool is_quantity);
     void note_given(const Key& key, bool is_present, bool is_overriding);
-    void add(const Place& place, const std::string& below, const std::string& message) override;
+    void add(const SourcePosition& position, const std::string& below, const std::string& message) override;
 
     bool enter(std::size_t segments, const Key& key, long index);
-    void not_found(Progress& p);
+    void not_found(TargetProgress& p);
     std::string frame_path() const;
     void fail(const std::string& message);
 
     std::span<SetterTarget> found_; ///< empty: values are set
     std::span<const Value> values_;
-    std::vector<Progress> progress_;
-    const Progress* current_ = nullptr; ///< the target that is being set
+    std::vector<TargetProgress> progress_;
+    const TargetProgress* current_ = nullptr; ///< the target that is being set
     std::vector<GivenKey> given_;
     std::vector<std::string_view> known_;
-    std::vector<Frame> frames_;
+    std::vector<VisitedTable> frames_;
     Units units_;
     std::optional<std::string> error_;
 };

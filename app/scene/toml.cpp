@@ -1,4 +1,4 @@
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <toml++/toml.h>
 
@@ -15,10 +15,10 @@ using Source = std::shared_ptr<const std::string>;
 /// Turns toml++ nodes into ours. With `fixed`, every node stands at that place.
 struct Converter {
     Source source;
-    const Place* fixed = nullptr;
+    const SourcePosition* fixed = nullptr;
 
-    Place place(const toml::source_region& region) const {
-        return fixed ? *fixed : Place{source, region.begin.line, region.begin.column, false};
+    SourcePosition place(const toml::source_region& region) const {
+        return fixed ? *fixed : SourcePosition{source, region.begin.line, region.begin.column, false};
     }
 
     Node convert(const toml::node& from) const {
@@ -70,10 +70,10 @@ bool is_too_large(const std::string& text) {
            std::isinf(std::strtod(text.c_str(), nullptr)); // not what is too small
 }
 
-std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems) {
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& diagnostics) {
     const auto source = std::make_shared<const std::string>(name);
     if (const auto deep = find_deep_key(text)) {
-        problems.add({source, deep->line, deep->column}, "", "key nested too deeply");
+        diagnostics.add({source, deep->line, deep->column}, "", "key nested too deeply");
         return std::nullopt;
     }
     try {
@@ -81,14 +81,15 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, P
     } catch (const toml::parse_error& error) {
         const auto at = error.source().begin;
         const std::string why(error.description()), number = what_is_quoted(why);
-        problems.add({source, at.line, at.column}, "",
-                     is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
-                                          : "not valid TOML: " + why);
+        diagnostics.add({source, at.line, at.column}, "",
+                        is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
+                                             : "not valid TOML: " + why);
         return std::nullopt;
     }
 }
 
-std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why) {
+std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& position,
+                                     std::string& why) {
     if (text.find_first_of("\r\n") != std::string_view::npos) {
         why = "a value is one line";
         return std::nullopt;
@@ -100,7 +101,7 @@ std::optional<Node> parse_toml_value(std::string_view text, const Place& place, 
     }
     try {
         const toml::table parsed = toml::parse(document);
-        return Converter{nullptr, &place}.convert(*parsed.get("value"));
+        return Converter{nullptr, &position}.convert(*parsed.get("value"));
     } catch (const toml::parse_error& error) {
         why = error.description();
         return std::nullopt;

@@ -12,7 +12,7 @@ namespace rodwake::scene {
 
 namespace {
 
-enum class Kind { physical, beads, reduced };
+enum class UnitKind { physical, beads, reduced };
 
 /// One word is worth numerator/denominator SI units; two numbers, so that "0.4 mm" is 0.4/1000 correctly
 /// rounded.
@@ -20,7 +20,7 @@ struct UnitWord {
     const char* word;
     Dimension dimension;
     double numerator = 1.0, denominator = 1.0;
-    Kind kind = Kind::physical;
+    UnitKind kind = UnitKind::physical;
 };
 
 constexpr std::array words{
@@ -28,27 +28,27 @@ constexpr std::array words{
     UnitWord{"cm", Dimension::length, 1.0, 1e2},
     UnitWord{"mm", Dimension::length, 1.0, 1e3},
     UnitWord{"um", Dimension::length, 1.0, 1e6},
-    UnitWord{"a", Dimension::length, 1.0, 1.0, Kind::beads},
-    UnitWord{"f/mu", Dimension::length, 1.0, 1.0, Kind::reduced},
+    UnitWord{"a", Dimension::length, 1.0, 1.0, UnitKind::beads},
+    UnitWord{"f/mu", Dimension::length, 1.0, 1.0, UnitKind::reduced},
     UnitWord{"s", Dimension::time},
     UnitWord{"ms", Dimension::time, 1.0, 1e3},
     UnitWord{"us", Dimension::time, 1.0, 1e6},
     UnitWord{"min", Dimension::time, 60.0},
-    UnitWord{"f/(mu v0)", Dimension::time, 1.0, 1.0, Kind::reduced},
+    UnitWord{"f/(mu v0)", Dimension::time, 1.0, 1.0, UnitKind::reduced},
     UnitWord{"m/s", Dimension::speed},
     UnitWord{"cm/s", Dimension::speed, 1.0, 1e2},
     UnitWord{"mm/s", Dimension::speed, 1.0, 1e3},
     UnitWord{"um/s", Dimension::speed, 1.0, 1e6},
-    UnitWord{"a/s", Dimension::speed, 1.0, 1.0, Kind::beads},
-    UnitWord{"v0", Dimension::speed, 1.0, 1.0, Kind::reduced},
+    UnitWord{"a/s", Dimension::speed, 1.0, 1.0, UnitKind::beads},
+    UnitWord{"v0", Dimension::speed, 1.0, 1.0, UnitKind::reduced},
     UnitWord{"1/s", Dimension::rate},
     UnitWord{"1/ms", Dimension::rate, 1e3},
     UnitWord{"1/min", Dimension::rate, 1.0, 60.0},
     UnitWord{"Hz", Dimension::rate},
     UnitWord{"kHz", Dimension::rate, 1e3},
-    UnitWord{"mu v0/f", Dimension::rate, 1.0, 1.0, Kind::reduced},
-    UnitWord{"rad", Dimension::angle, 1.0, 1.0, Kind::reduced},
-    UnitWord{"deg", Dimension::angle, std::numbers::pi, 180.0, Kind::reduced},
+    UnitWord{"mu v0/f", Dimension::rate, 1.0, 1.0, UnitKind::reduced},
+    UnitWord{"rad", Dimension::angle, 1.0, 1.0, UnitKind::reduced},
+    UnitWord{"deg", Dimension::angle, std::numbers::pi, 180.0, UnitKind::reduced},
     UnitWord{"kg/m^3", Dimension::density},
     UnitWord{"g/cm^3", Dimension::density, 1e3},
     UnitWord{"m/s^2", Dimension::acceleration},
@@ -56,16 +56,16 @@ constexpr std::array words{
     UnitWord{"m^2/s", Dimension::diffusion},
     UnitWord{"mm^2/s", Dimension::diffusion, 1.0, 1e6},
     UnitWord{"um^2/s", Dimension::diffusion, 1.0, 1e12},
-    UnitWord{"f v0/mu", Dimension::diffusion, 1.0, 1.0, Kind::reduced},
+    UnitWord{"f v0/mu", Dimension::diffusion, 1.0, 1.0, UnitKind::reduced},
     UnitWord{"1/m", Dimension::wavenumber},
     UnitWord{"1/mm", Dimension::wavenumber, 1e3},
-    UnitWord{"mu/f", Dimension::wavenumber, 1.0, 1.0, Kind::reduced},
+    UnitWord{"mu/f", Dimension::wavenumber, 1.0, 1.0, UnitKind::reduced},
 };
 
 bool usable(const UnitWord& unit, const Units& units) {
-    if (unit.kind == Kind::beads)
+    if (unit.kind == UnitKind::beads)
         return units.bead_words;
-    return units.reduced_words || unit.kind != Kind::reduced || unit.dimension == Dimension::angle;
+    return units.reduced_words || unit.kind != UnitKind::reduced || unit.dimension == Dimension::angle;
 }
 
 const UnitWord* find_word(const std::string& word, const Units& units) {
@@ -140,13 +140,6 @@ bool split_quantity(const std::string& text, double& number, std::string& word) 
     return true;
 }
 
-/// Of a length in files whose unit is a mere name.
-std::string inconvertible(const Units& units) {
-    return fmt::format("cannot convert to \"{0}\": fit.length_unit = \"{0}\" is not a unit rodwake knows. "
-                       "Write the value as a plain number in {0}",
-                       units.word);
-}
-
 Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }
 
 } // namespace
@@ -188,21 +181,24 @@ Quantity parse_quantity(const std::string& text, Dimension dimension, const Unit
     if (unit->dimension != dimension)
         return failure(fmt::format("{} is {}; known: {}", in_quotes(word), name_of(unit->dimension), known));
     double value = number * unit->numerator / unit->denominator;
-    if (unit->kind == Kind::reduced)
+    if (unit->kind == UnitKind::reduced)
         return {value, false, ""};
     if (of_data && !metres(units.word, units.scales->bead_radius))
-        return failure(inconvertible(units));
+        return failure(
+            fmt::format("cannot convert to \"{0}\": fit.length_unit = \"{0}\" is not a unit rodwake knows. "
+                        "Write the value as a plain number in {0}",
+                        units.word));
     if (!units.scales)
         return {std::nullopt, true, ""};
-    if (unit->kind == Kind::beads)
+    if (unit->kind == UnitKind::beads)
         value *= units.scales->bead_radius;
     return {si_to_reduced(value, dimension, *units.scales), false, ""};
 }
 
 std::optional<double> metres(std::string_view word, double bead_radius) {
     for (const auto& unit : words)
-        if (word == unit.word && unit.dimension == Dimension::length && unit.kind != Kind::reduced)
-            return unit.kind == Kind::beads ? bead_radius : unit.numerator / unit.denominator;
+        if (word == unit.word && unit.dimension == Dimension::length && unit.kind != UnitKind::reduced)
+            return unit.kind == UnitKind::beads ? bead_radius : unit.numerator / unit.denominator;
     return std::nullopt;
 }
 

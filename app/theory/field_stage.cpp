@@ -46,13 +46,13 @@ private:
 };
 
 /// A stored quantity of the grid: name, power of the length unit it scales with, and how to get it.
-struct Quantity {
+struct GridQuantity {
     const char* name;
     int length_power;
     double (*of)(const FieldValues&);
 };
 
-constexpr Quantity quantities[] = {
+constexpr GridQuantity quantities[] = {
     {"Ux", 1, [](const FieldValues& f) { return f.displacement.x; }},
     {"Uy", 1, [](const FieldValues& f) { return f.displacement.y; }},
     {"exx", 0, [](const FieldValues& f) { return f.strain.xx; }},
@@ -70,7 +70,7 @@ double factor(int length_power, const OutputUnits& units) {
     return length_power == 0 ? 1.0 : (length_power > 0 ? units.length : 1.0 / units.length);
 }
 
-std::string unit_name(const Quantity& quantity, const OutputUnits& units) {
+std::string unit_name(const GridQuantity& quantity, const OutputUnits& units) {
     if (std::string_view(quantity.name) == "axis_angle")
         return "rad";
     return quantity.length_power == 0

@@ -13,11 +13,11 @@ namespace rodwake::app {
 namespace {
 using rods::RodResult;
 
-bool is_ok(const RodResult& one) { return one.solution.status.ok(); }
+bool is_ok(const RodResult& result) { return result.solution.status.ok(); }
 
-double final_separation(const RodResult& one, rods::Box box) {
-    return one.solution.final_state.size() < 6 ? std::nan("")
-                                               : rods::closest_pair(one.solution.final_state, box).distance;
+double final_separation(const RodResult& run, rods::Box box) {
+    return run.solution.final_state.size() < 6 ? std::nan("")
+                                               : rods::closest_pair(run.solution.final_state, box).distance;
 }
 
 Spread spread_of(const std::vector<double>& values) {
@@ -54,11 +54,12 @@ std::vector<RodResult> run_ensemble(const rods::RodProblem& problem, const rods:
 std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, const OutputUnits& units) {
     std::vector<DrawnRow> rows;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        const RodResult& one = samples[i];
-        rows.push_back({static_cast<double>(i), is_ok(one) ? ending_code(one.outcome.ending) : std::nan(""),
-                        one.outcome.time * units.time, final_separation(one, box) * units.length,
-                        one.outcome.min_separation * units.length,
-                        one.outcome.turn.empty() ? std::nan("") : one.outcome.turn.front()});
+        const RodResult& result = samples[i];
+        rows.push_back({static_cast<double>(i),
+                        is_ok(result) ? ending_code(result.outcome.ending) : std::nan(""),
+                        result.outcome.time * units.time, final_separation(result, box) * units.length,
+                        result.outcome.min_separation * units.length,
+                        result.outcome.turn.empty() ? std::nan("") : result.outcome.turn.front()});
     }
     return csv_of(rows);
 }
@@ -67,18 +68,18 @@ DrawnReport drawn_report(const std::vector<RodResult>& samples, rods::Box box, c
     DrawnReport report;
     report.samples = samples.size();
     std::vector<double> last, least, contacts;
-    for (const RodResult& one : samples) {
-        if (!is_ok(one)) {
+    for (const RodResult& result : samples) {
+        if (!is_ok(result)) {
             ++report.failed;
             continue;
         }
-        report.add(one.outcome.ending);
-        if (one.solution.final_state.size() < 6)
+        report.add(result.outcome.ending);
+        if (result.solution.final_state.size() < 6)
             continue;
-        last.push_back(final_separation(one, box) * units.length);
-        least.push_back(one.outcome.min_separation * units.length);
-        if (one.outcome.ending == Ending::contact)
-            contacts.push_back(one.outcome.time * units.time);
+        last.push_back(final_separation(result, box) * units.length);
+        least.push_back(result.outcome.min_separation * units.length);
+        if (result.outcome.ending == Ending::contact)
+            contacts.push_back(result.outcome.time * units.time);
     }
     report.final_separation = spread_of(last);
     report.min_separation = spread_of(least);
@@ -92,11 +93,11 @@ void store_ensemble(store::Hdf5Writer& results, const std::string& group,
     const std::size_t rods = samples.front().solution.final_state.size() / 3;
     for (const std::size_t which : {0, 1}) {
         std::vector<double> values;
-        for (const RodResult& one : samples)
+        for (const RodResult& result : samples)
             for (std::size_t t = 0; t < times.size(); ++t)
                 for (std::size_t rod = 0; rod < rods; ++rod)
-                    values.push_back(t < one.solution.states.size()
-                                         ? one.solution.states[t][3 * rod + which] * units.length
+                    values.push_back(t < result.solution.states.size()
+                                         ? result.solution.states[t][3 * rod + which] * units.length
                                          : std::nan(""));
         results.dataset(group + (which == 0 ? "/x" : "/y"), values, {samples.size(), times.size(), rods},
                         units.length_name);

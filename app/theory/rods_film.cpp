@@ -41,11 +41,11 @@ void write_header(store::Hdf5Writer& file, const RodsPlan& plan, const OutputUni
 /// The points of the grid along x, the same along y.
 std::vector<double> grid_places(const medium::DynamicMedium& medium, double length) {
     const medium::FieldGrid grid(medium.film_grid);
-    std::vector<double> places;
-    places.reserve(grid.points());
+    std::vector<double> positions;
+    positions.reserve(grid.points());
     for (std::size_t i = 0; i < grid.points(); ++i)
-        places.push_back(grid.place(i, medium.box) * length);
-    return places;
+        positions.push_back(grid.place(i, medium.box) * length);
+    return positions;
 }
 
 std::vector<double> scaled(std::span<const double> values, double by) {
@@ -85,9 +85,9 @@ void RodsFilm::add(const medium::FilmFrame& frame) {
 void RodsFilm::write(const OutputUnits& units, const std::string& command) {
     store::Hdf5Writer file(folder_ / "medium_film.h5");
     write_header(file, plan_, units, command);
-    const std::vector<double> places = grid_places(medium_, units.length);
-    file.dataset("/x", places, {places.size()}, units.length_name);
-    file.dataset("/y", places, {places.size()}, units.length_name);
+    const std::vector<double> positions = grid_places(medium_, units.length);
+    file.dataset("/x", positions, {positions.size()}, units.length_name);
+    file.dataset("/y", positions, {positions.size()}, units.length_name);
     const std::size_t frames = log_.size(), side = medium_.film_grid, points = side * side;
     std::vector<double> values(size_);
     for (std::size_t k = 0; k < frames; ++k) {

@@ -28,14 +28,14 @@ namespace rodwake::app {
 namespace {
 
 /// [rods_order] of a case, in the units of its files.
-struct OrderKeys {
+struct RodOrderSettings {
     std::optional<double> link; ///< absent: bodies that touch
     rods::Bodies bodies;        ///< in the unit of the files
     double from = 0.0, block = 0.0;
     std::optional<PeriodicBox> box; ///< the periodic one; absent: infinite plane
     OutputUnits units;
 
-    explicit OrderKeys(const scene::Scene& scene);
+    explicit RodOrderSettings(const scene::Scene& scene);
 };
 
 using measure::RodOrder;
@@ -77,7 +77,7 @@ std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
     return csv_of(rows);
 }
 
-std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys,
+std::string means_json(const measure::MeanRodOrder& mean, const RodOrderSettings& keys,
                        const std::vector<RodOrderSeries>& runs) {
     OrderReport report{mean.polar,
                        mean.nematic,
@@ -98,7 +98,7 @@ std::string means_json(const measure::MeanRodOrder& mean, const OrderKeys& keys,
     return json_text(record_json(report), 2) + "\n";
 }
 
-OrderKeys::OrderKeys(const scene::Scene& scene) : units(order_units(scene)) {
+RodOrderSettings::RodOrderSettings(const scene::Scene& scene) : units(order_units(scene)) {
     const scene::RodsOrder& order = *scene.rods_order;
     const bool bed = order_of_bed(scene);
     const double end = bed ? scene.granular->duration : scene.rods_run->t_end;
@@ -121,7 +121,7 @@ OrderKeys::OrderKeys(const scene::Scene& scene) : units(order_units(scene)) {
 
 /// Of all runs of a case, one for rods of the theory; nothing but a warning if all ended before
 /// rods_order.from.
-void write_rods_order(const Session& session, const Case& of, const OrderKeys& keys,
+void write_rods_order(const Session& session, const Case& of, const RodOrderSettings& keys,
                       const std::vector<RodOrderSeries>& runs) {
     if (std::ranges::none_of(
             runs, [&](const auto& run) { return !run.times.empty() && run.times.back() >= keys.from; }))
@@ -152,7 +152,8 @@ std::size_t rows_that_count(const std::vector<double>& t, const scene::RodsRun& 
     return last > 0 && t[last] < run.output_times[last - 1] * unit ? last : t.size();
 }
 
-RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, const OrderKeys& keys) {
+RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene,
+                             const RodOrderSettings& keys) {
     std::vector<std::string> names{std::string(field_names<TimeRow>().front())};
     for (std::size_t rod = 0; rod < scene.rods.size(); ++rod)
         for (const std::string_view name : field_names<PoseRow>())
@@ -161,7 +162,7 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
     RodOrderSeries series;
     series.times = columns[0];
     series.times.resize(rows_that_count(series.times, *scene.rods_run, keys.units.time));
-    std::vector<measure::RodPlace> places(scene.rods.size());
+    std::vector<measure::RodPosition> places(scene.rods.size());
     const rods::BodyForces bodies(keys.bodies, places.size(), keys.box);
     std::vector<double> state(3 * places.size());
     const auto touch = [&](std::size_t a, std::size_t b) {
@@ -183,25 +184,26 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene, 
 }
 
 StageEnd order_of_theory(const Session& session) {
-    for (const Case& one : cases_of(session.plan.scene)) {
-        const OrderKeys keys(one.scene);
-        write_rods_order(session, one, keys,
-                         {theory_series(session.directory.file(one.folder), one.scene, keys)});
+    for (const Case& case_ : cases_of(session.plan.scene)) {
+        const RodOrderSettings keys(case_.scene);
+        write_rods_order(session, case_, keys,
+                         {theory_series(session.directory.file(case_.folder), case_.scene, keys)});
     }
     return StageEnd::finished;
 }
 
 /// Apolar rods have no heading, and are left out.
-std::vector<measure::RodPlace> motile(const measure::Frame& frame, const granular::GranularProblem& problem) {
-    std::vector<measure::RodPlace> places;
+std::vector<measure::RodPosition> motile(const measure::Frame& frame,
+                                         const granular::GranularProblem& problem) {
+    std::vector<measure::RodPosition> positions;
     for (std::size_t r = 0; r < frame.rods.size(); ++r)
         if (problem.rods[r].shape.kind == granular::RodKind::motile)
-            places.push_back(frame.rods[r]);
-    return places;
+            positions.push_back(frame.rods[r]);
+    return positions;
 }
 
 RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& problem,
-                          const OrderKeys& keys, const std::function<bool(double)>& on_progress) {
+                          const RodOrderSettings& keys, const std::function<bool(double)>& on_progress) {
     RodOrderSeries series;
     for_each_frame(run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
         series.times.push_back(frame.time);
@@ -213,7 +215,7 @@ RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& 
 
 StageEnd order_of_beds(const Session& session) {
     for (const BedPlan& bed : session.plan.beds) {
-        const OrderKeys keys(bed.of.scene);
+        const RodOrderSettings keys(bed.of.scene);
         const std::vector<RunFiles> runs = finished_runs(bed.of, session.directory.path(), session.log);
         SharedProgress progress(session.context, "order", runs.size(), static_cast<double>(runs.size()),
                                 "runs");

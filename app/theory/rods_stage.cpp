@@ -57,78 +57,78 @@ struct Work {
     }
 };
 
-void resume(const Session& session, Work& one) {
-    const auto file = session.directory.file(one.checkpoint_file());
-    one.options.resume_from =
-        session.context.force ? std::nullopt : read_checkpoint(file, one.of().scene, one.field_key());
-    if (one.options.resume_from)
-        session.log->info("rods: resuming from the checkpoint at t = {:.6g}", one.options.resume_from->time);
+void resume(const Session& session, Work& work) {
+    const auto file = session.directory.file(work.checkpoint_file());
+    work.options.resume_from =
+        session.context.force ? std::nullopt : read_checkpoint(file, work.of().scene, work.field_key());
+    if (work.options.resume_from)
+        session.log->info("rods: resuming from the checkpoint at t = {:.6g}", work.options.resume_from->time);
     else if (std::filesystem::exists(file))
         session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
                           file.string());
 }
 
 /// Takes up the film where the run is taken up; where its log is not as long, the run begins anew.
-void open_film(const Session& session, Work& one) {
-    const auto folder = session.directory.file(one.of().folder);
+void open_film(const Session& session, Work& work) {
+    const auto folder = session.directory.file(work.of().folder);
     std::filesystem::create_directories(folder);
     constexpr double none = -1.0;
-    if (one.options.resume_from)
+    if (work.options.resume_from)
         try {
-            one.film = std::make_unique<RodsFilm>(folder, *one.plan, one.options.resume_from->time);
+            work.film = std::make_unique<RodsFilm>(folder, *work.plan, work.options.resume_from->time);
             return;
         } catch (const InputError& error) {
             session.log->warn("{}; starting from the beginning", error.what());
-            one.options.resume_from.reset();
+            work.options.resume_from.reset();
         }
-    one.film = std::make_unique<RodsFilm>(folder, *one.plan, none);
+    work.film = std::make_unique<RodsFilm>(folder, *work.plan, none);
 }
 
-void solve_dynamic(const Session& session, Work& one) {
-    const medium::DynamicMedium medium = one.of().scene.medium->memory();
+void solve_dynamic(const Session& session, Work& work) {
+    const medium::DynamicMedium medium = work.of().scene.medium->memory();
     medium::FilmSink sink;
     if (medium.film_interval) {
-        open_film(session, one);
-        sink = [&](const medium::FilmFrame& frame) { one.film->add(frame); };
+        open_film(session, work);
+        sink = [&](const medium::FilmFrame& frame) { work.film->add(frame); };
     }
-    medium::MediumResult result = medium::simulate({one.problem, medium}, one.options, sink);
-    one.own_turn = std::move(result.own_turn);
-    one.result = std::move(static_cast<rods::RodResult&>(result));
+    medium::MediumResult result = medium::simulate({work.problem, medium}, work.options, sink);
+    work.own_turn = std::move(result.own_turn);
+    work.result = std::move(static_cast<rods::RodResult&>(result));
 }
 
-void solve(const Session& session, Work& one, bool show_progress) {
-    Progress progress(session.context, "rods", one.plan->problem.t_end, "t");
-    one.options.ode.stop_requested = [&] { return session.context.stopped(); };
-    if (one.plan->noise) { // soon done again
-        one.result = rods::simulate(one.problem, one.options, one.plan->noise->noise, 0);
+void solve(const Session& session, Work& work, bool show_progress) {
+    Progress progress(session.context, "rods", work.plan->problem.t_end, "t");
+    work.options.ode.stop_requested = [&] { return session.context.stopped(); };
+    if (work.plan->noise) { // soon done again
+        work.result = rods::simulate(work.problem, work.options, work.plan->noise->noise, 0);
         return;
     }
     if (show_progress)
-        one.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
-    one.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
-        if (one.film)
-            one.film->sync();
-        session.directory.write(one.checkpoint_file(),
-                                checkpoint_json(checkpoint, one.of().scene, one.field_key()));
+        work.options.ode.on_step = [&](const integrate::Step& step) { progress.update(step.time); };
+    work.options.on_checkpoint = [&](const rods::RodCheckpoint& checkpoint) {
+        if (work.film)
+            work.film->sync();
+        session.directory.write(work.checkpoint_file(),
+                                checkpoint_json(checkpoint, work.of().scene, work.field_key()));
     };
-    resume(session, one);
-    const auto& medium = one.of().scene.medium;
+    resume(session, work);
+    const auto& medium = work.of().scene.medium;
     if (medium && medium->is_dynamic())
-        solve_dynamic(session, one);
+        solve_dynamic(session, work);
     else
-        one.result = rods::simulate_certified(one.problem, one.options);
-    if (one.is_over())
-        std::filesystem::remove(session.directory.file(one.checkpoint_file()));
+        work.result = rods::simulate_certified(work.problem, work.options);
+    if (work.is_over())
+        std::filesystem::remove(session.directory.file(work.checkpoint_file()));
 }
 
 /// In output units; the end of the run (contact, failure) is the last row.
-struct Trajectory {
+struct TrajectoryTables {
     std::vector<TimeRow> times;
     std::vector<std::vector<PoseRow>> rods; ///< [rod][time]
 };
 
-Trajectory trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
-    Trajectory path{{}, std::vector<std::vector<PoseRow>>(rods)};
+TrajectoryTables trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
+    TrajectoryTables path{{}, std::vector<std::vector<PoseRow>>(rods)};
     const auto add = [&](double time, const std::vector<double>& state) {
         path.times.push_back({time * units.time});
         for (std::size_t rod = 0; rod < rods; ++rod)
@@ -143,7 +143,7 @@ Trajectory trajectory(const rods::RodResult& result, std::size_t rods, const Out
     return path;
 }
 
-std::string rods_csv(const Trajectory& path) {
+std::string rods_csv(const TrajectoryTables& path) {
     RecordTable table;
     table.add(path.times);
     for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
@@ -152,7 +152,7 @@ std::string rods_csv(const Trajectory& path) {
 }
 
 /// Datasets t [T] and x, y, theta [T][N].
-void store_trajectory(Session& session, const std::string& group, const Trajectory& path) {
+void store_trajectory(Session& session, const std::string& group, const TrajectoryTables& path) {
     const auto put = [&](const auto& field, const std::vector<double>& values,
                          const std::vector<std::size_t>& shape) {
         const std::string unit(field.info.unit);
@@ -178,138 +178,140 @@ void store_trajectory(Session& session, const std::string& group, const Trajecto
     });
 }
 
-void store_attributes(Session& session, const Work& one, const std::string& group, std::int64_t order) {
+void store_attributes(Session& session, const Work& work, const std::string& group, std::int64_t order) {
     store::Hdf5Writer& out = session.results;
-    const rods::RodOutcome& outcome = one.result.outcome;
-    out.attribute(group, "label", one.of().label);
+    const rods::RodOutcome& outcome = work.result.outcome;
+    out.attribute(group, "label", work.of().label);
     out.attribute(group, "order", order);
     out.attribute(group, "outcome", to_string(outcome.ending));
     out.attribute(group, "certificate", to_string(outcome.certificate));
     out.attribute(group, "time", outcome.time * session.units.time);
     out.attribute(group, "min_separation", outcome.min_separation * session.units.length);
-    write_couplings(out, group, one.of().scene.coupling.value_or(scene::Coupling{}), session.units);
-    if (one.of().scene.medium) {
-        out.attribute(group, "field", to_string(field_of(*one.plan)));
-        out.attribute(group, "eta", one.of().scene.medium->eta);
-        out.attribute(group, "alpha", 1.0 / one.of().scene.medium->xi);
+    write_couplings(out, group, work.of().scene.coupling.value_or(scene::Coupling{}), session.units);
+    if (work.of().scene.medium) {
+        out.attribute(group, "field", to_string(field_of(*work.plan)));
+        out.attribute(group, "eta", work.of().scene.medium->eta);
+        out.attribute(group, "alpha", 1.0 / work.of().scene.medium->xi);
     }
-    if (one.of().scene.rods_run->contact_distance)
+    if (work.of().scene.rods_run->contact_distance)
         out.attribute(group, "contact_distance",
-                      *one.of().scene.rods_run->contact_distance * session.units.length);
+                      *work.of().scene.rods_run->contact_distance * session.units.length);
 }
 
-void store(Session& session, Work& one, std::int64_t order) {
-    const std::size_t rods = one.of().scene.rods.size();
-    const Trajectory path = trajectory(one.result, rods, session.units);
-    const std::string group = "/rods/" + one.of().name;
+void store(Session& session, Work& work, std::int64_t order) {
+    const std::size_t rods = work.of().scene.rods.size();
+    const TrajectoryTables path = trajectory(work.result, rods, session.units);
+    const std::string group = "/rods/" + work.of().name;
     store_trajectory(session, group, path);
-    store_attributes(session, one, group, order);
-    session.directory.write(one.of().folder + "rods.csv", rods_csv(path));
+    store_attributes(session, work, group, order);
+    session.directory.write(work.of().folder + "rods.csv", rods_csv(path));
     std::optional<DrawnReport> drawn;
-    if (!one.samples.empty())
-        drawn = drawn_report(one.samples, one.problem.box, session.units);
-    session.directory.write(one.of().folder + "outcome.json",
-                            outcome_json(one.result, *one.plan, session.units, drawn, one.own_turn));
-    if (one.noisy) {
-        session.directory.write(one.of().folder + "noise.json",
-                                noise_json(*one.noisy, *one.plan->noise, one.problem, session.units));
-        session.directory.write(one.of().folder + "ensemble.csv", noise_csv(*one.noisy, rods, session.units));
+    if (!work.samples.empty())
+        drawn = drawn_report(work.samples, work.problem.box, session.units);
+    session.directory.write(work.of().folder + "outcome.json",
+                            outcome_json(work.result, *work.plan, session.units, drawn, work.own_turn));
+    if (work.noisy) {
+        session.directory.write(work.of().folder + "noise.json",
+                                noise_json(*work.noisy, *work.plan->noise, work.problem, session.units));
+        session.directory.write(work.of().folder + "ensemble.csv",
+                                noise_csv(*work.noisy, rods, session.units));
     }
-    if (one.film) {
-        one.film->write(session.units, session.context.command);
-        if (one.is_over())
-            one.film->remove_log();
+    if (work.film) {
+        work.film->write(session.units, session.context.command);
+        if (work.is_over())
+            work.film->remove_log();
     }
-    if (one.samples.empty())
+    if (work.samples.empty())
         return;
-    store_ensemble(session.results, group + "/ensemble", one.samples, one.problem.output_times,
+    store_ensemble(session.results, group + "/ensemble", work.samples, work.problem.output_times,
                    session.units);
-    session.directory.write(one.of().folder + "ensemble.csv",
-                            ensemble_csv(one.samples, one.problem.box, session.units));
+    session.directory.write(work.of().folder + "ensemble.csv",
+                            ensemble_csv(work.samples, work.problem.box, session.units));
 }
 
-StageEnd report(const Session& session, const Work& one) {
-    const integrate::Status& status = one.result.solution.status;
-    const std::string name = one.of().label.empty() ? std::string("rods") : "rods, " + one.of().name;
+StageEnd report(const Session& session, const Work& work) {
+    const integrate::Status& status = work.result.solution.status;
+    const std::string name = work.of().label.empty() ? std::string("rods") : "rods, " + work.of().name;
     if (status.termination == integrate::Termination::failed) {
         session.log->error("{}: {}", name, status.message());
         return StageEnd::failed;
     }
-    session.log->info("{}: {} ({}); {}, {} steps", name, to_string(one.result.outcome.ending),
-                      one.result.outcome.reason, to_string(one.result.outcome.certificate),
-                      one.result.solution.statistics.steps);
+    session.log->info("{}: {} ({}); {}, {} steps", name, to_string(work.result.outcome.ending),
+                      work.result.outcome.reason, to_string(work.result.outcome.certificate),
+                      work.result.solution.statistics.steps);
     return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
                                                                      : StageEnd::finished;
 }
 
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const RodsPlan& plan, WakeFields& fields, std::size_t threads) {
-    Work one{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
+    Work work{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
     const rods::RodProblem& problem = plan.problem;
     const auto& medium = plan.of.scene.medium;
-    one.problem.sums.threads =
+    work.problem.sums.threads =
         medium && medium->is_dynamic()
             ? medium::worthwhile_threads(medium->memory(), problem.rods.size(), threads)
             : threads;
     if (!(problem.medium && problem.couplings.any() && (problem.rods.size() > 1 || problem.box)))
-        return one;
+        return work;
     if (medium->field != scene::FieldBackend::exact && !medium->is_dynamic())
-        one.problem.field = fields.of(plan.of.scene);
+        work.problem.field = fields.of(plan.of.scene);
     if (medium->field == scene::FieldBackend::measured)
-        one.measured = fields.measured(plan.of.scene);
-    return one;
+        work.measured = fields.measured(plan.of.scene);
+    return work;
 }
 
 /// What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval too
 /// wide.
-void report_capture(const Session& session, const Work& one, const rods::NoiseSums& sums) {
-    const scan::Proportion captures = captured(sums, one.problem.rods.size());
+void report_capture(const Session& session, const Work& work, const rods::NoiseSums& sums) {
+    const scan::Proportion captures = captured(sums, work.problem.rods.size());
     if (captures.of == 0) // a single rod
         return;
     const auto [low, high] = captures.wilson(capture_quantile);
     session.log->info(
         "noise{}: {} of {} runs end in contact or pursuit, capture probability {:.3g} ({:.3g} to "
         "{:.3g} with 95 % confidence)",
-        one.of().suffix(), captures.count, captures.of, captures.value(), low, high);
-    const NoisePlan& plan = *one.plan->noise;
+        work.of().suffix(), captures.count, captures.of, captures.value(), low, high);
+    const NoisePlan& plan = *work.plan->noise;
     const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
     if (wide && sums.ends.size() >= plan.most_runs)
         session.log->warn("noise{}: stopped at noise.most_runs = {} before the error of the capture "
                           "probability fell to noise.capture_error = {:g}",
-                          one.of().suffix(), plan.most_runs, *plan.capture_error);
+                          work.of().suffix(), plan.most_runs, *plan.capture_error);
 }
 
 /// One case after the other, each over all threads.
 StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
     StageEnd end = StageEnd::finished;
-    for (Work& one : cases) {
-        if (!one.plan->noise)
+    for (Work& work : cases) {
+        if (!work.plan->noise)
             continue;
         rods::NoiseSums sums;
-        if (!run_noise(session, *one.plan, one.problem, one.field_key(), sums))
+        if (!run_noise(session, *work.plan, work.problem, work.field_key(), sums))
             return StageEnd::interrupted;
         const auto failed = std::ranges::count_if(sums.ends, &rods::NoisyEnd::failed);
         if (failed > 0) {
-            session.log->error("noise{}: {} of {} runs failed, the first: {}", one.of().suffix(), failed,
+            session.log->error("noise{}: {} of {} runs failed, the first: {}", work.of().suffix(), failed,
                                sums.ends.size(), sums.failure);
             end = StageEnd::failed; // the folder stays open for another try
         }
-        report_capture(session, one, sums);
-        one.noisy = std::move(sums);
+        report_capture(session, work, sums);
+        work.noisy = std::move(sums);
     }
     return end;
 }
 
 /// One case after the other, each over all threads; false: stopped on the way.
 bool solve_samples(const Session& session, std::vector<Work>& cases) {
-    for (Work& one : cases) {
-        const auto& keys = one.of().scene.medium;
-        if (!one.measured || keys->measured->samples == 0)
+    for (Work& work : cases) {
+        const auto& keys = work.of().scene.medium;
+        if (!work.measured || keys->measured->samples == 0)
             continue;
-        one.samples = run_ensemble(one.problem, one.options, *one.measured, *keys->measured, session.context);
-        if (one.samples.empty())
+        work.samples =
+            run_ensemble(work.problem, work.options, *work.measured, *keys->measured, session.context);
+        if (work.samples.empty())
             return false;
-        session.log->info("rods: {} samples of the measured field's errors", one.samples.size());
+        session.log->info("rods: {} samples of the measured field's errors", work.samples.size());
     }
     return true;
 }
@@ -334,9 +336,9 @@ StageEnd run_rods(Session& session) {
     StageEnd end = solve_samples(session, cases) ? solve_noise(session, cases) : StageEnd::interrupted;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
-        const StageEnd one = report(session, cases[i]);
+        const StageEnd stage_end = report(session, cases[i]);
         if (end == StageEnd::finished)
-            end = one;
+            end = stage_end;
     }
     return end;
 }
@@ -444,28 +446,29 @@ std::vector<FileKind> rods_files() {
 /// timed by itself.
 std::string rods_cost(const Plan& plan) {
     std::string text;
-    for (const RodsPlan& one : plan.rods) {
-        const auto& medium = one.of.scene.medium;
-        double runs = one.noise ? static_cast<double>(one.noise->runs) : 1.0;
-        if (field_of(one) == scene::FieldBackend::measured)
+    for (const RodsPlan& rods_plan : plan.rods) {
+        const auto& medium = rods_plan.of.scene.medium;
+        double runs = rods_plan.noise ? static_cast<double>(rods_plan.noise->runs) : 1.0;
+        if (field_of(rods_plan) == scene::FieldBackend::measured)
             runs += static_cast<double>(medium->measured->samples);
-        text += fmt::format("  rods{}: {:g} run{} to t = {:g}", one.of.suffix(), runs, runs == 1.0 ? "" : "s",
-                            one.of.scene.rods_run->t_end);
-        if (one.noise && one.noise->capture_error)
-            text += fmt::format(", up to {} for noise.capture_error", one.noise->most_runs);
+        text += fmt::format("  rods{}: {:g} run{} to t = {:g}", rods_plan.of.suffix(), runs,
+                            runs == 1.0 ? "" : "s", rods_plan.of.scene.rods_run->t_end);
+        if (rods_plan.noise && rods_plan.noise->capture_error)
+            text += fmt::format(", up to {} for noise.capture_error", rods_plan.noise->most_runs);
         if (medium && medium->is_dynamic()) {
             text += "; steps of a dynamic medium are not timed\n";
             continue;
         }
-        rods::RodProblem problem = one.problem;
+        rods::RodProblem problem = rods_plan.problem;
         problem.field = nullptr;
         const rods::RodModel model = rods::model_of(problem);
         const std::vector<double> y = rods::to_state(problem.rods);
         std::vector<double> ydot(y.size());
         try {
             const double seconds = seconds_of([&] { model.rhs(y, ydot); }, 0.1 * cost_budget);
-            text += fmt::format(", {} for a right-hand side{}\n", duration_text(seconds),
-                                field_of(one) == scene::FieldBackend::exact ? "" : " in the exact field");
+            text +=
+                fmt::format(", {} for a right-hand side{}\n", duration_text(seconds),
+                            field_of(rods_plan) == scene::FieldBackend::exact ? "" : " in the exact field");
         } catch (const InputError&) { // rods that start in contact never ask for it
             text += "; not timed, as the field is singular where the rods start\n";
         }

@@ -18,7 +18,7 @@ namespace rodwake::app {
 
 namespace {
 
-void tell(const Logger& log, const char* component, const elastic::SmoothingReport& report) {
+void log_smoothing(const Logger& log, const char* component, const elastic::SmoothingReport& report) {
     log->info("measured field, {}: smoothing {:.3g}, chi2 {:.4g} of {} bins, tr(HR) {:.0f}", component,
               report.lambda, report.chi2, report.points, report.trace);
 }
@@ -44,15 +44,15 @@ std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& sce
 
 std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const scene::Scene& scene) {
     const double f_over_mu = scene.scales ? scene.scales->f_over_mu : 0.0;
-    for (const Smoothed& one : measured_)
-        if (one.medium == *scene.medium && one.f_over_mu == f_over_mu)
-            return one.field;
+    for (const Smoothed& smoothed : measured_)
+        if (smoothed.medium == *scene.medium && smoothed.f_over_mu == f_over_mu)
+            return smoothed.field;
     const MeasuredInput input = read_measured(scene, directory_);
     auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
     log_->info("measured field: {}", input.file.string());
-    tell(log_, "Ux", fitted->report_x());
-    tell(log_, "Uy", fitted->report_y());
+    log_smoothing(log_, "Ux", fitted->report_x());
+    log_smoothing(log_, "Uy", fitted->report_y());
     measured_.push_back({*scene.medium, f_over_mu, fitted});
     return fitted;
 }
@@ -95,12 +95,12 @@ bool is_of(const PeriodicTableData& table, const PeriodicTableData& wanted) {
            table.tolerance == wanted.tolerance;
 }
 
-std::string told(const PlaneTable& table) {
+std::string table_text(const PlaneTable& table) {
     return fmt::format("table of the wake: tolerance {:g}, largest error {:.2g} of {} points",
                        table.tolerance, table.strain_error, table.points_checked);
 }
 
-std::string told(const PeriodicTableData& table) {
+std::string table_text(const PeriodicTableData& table) {
     return fmt::format("table of the wake in its box: tolerance {:g}, largest error {:.2g}", table.tolerance,
                        table.error);
 }
@@ -123,7 +123,7 @@ std::optional<Table> read(const fs::path& file, const Table& wanted) {
 /// kept.
 template<class Table, class Make>
 Table kept(const RunContext& context, const fs::path& file, const Table& wanted, const Make& make) {
-    const auto tell = [&](Severity severity, const std::string& text) {
+    const auto log_line = [&](Severity severity, const std::string& text) {
         if (context.log)
             context.log(severity, text);
     };
@@ -131,17 +131,17 @@ Table kept(const RunContext& context, const fs::path& file, const Table& wanted,
         if (auto table = file.empty() ? std::nullopt : read(file, wanted))
             return std::move(*table);
     } catch (const std::exception& error) {
-        tell(Severity::warning, fmt::format("{}; it will be recomputed", error.what()));
+        log_line(Severity::warning, fmt::format("{}; it will be recomputed", error.what()));
     }
     Table table = make();
-    tell(Severity::info, told(table) + (file.empty() ? "" : ", " + file.string()));
+    log_line(Severity::info, table_text(table) + (file.empty() ? "" : ", " + file.string()));
     try {
         if (!file.empty()) {
             fs::create_directories(file.parent_path());
             store::write_atomically(file, encode(table));
         }
     } catch (const std::exception& error) {
-        tell(Severity::warning, fmt::format("the table of the wake is not kept: {}", error.what()));
+        log_line(Severity::warning, fmt::format("the table of the wake is not kept: {}", error.what()));
     }
     return table;
 }

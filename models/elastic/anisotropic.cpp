@@ -23,7 +23,7 @@ constexpr double cutoff = 6.5;    // q w of the last mode
 constexpr double finest = 1000.0; // longer side over the least width
 
 /// The two components of a mode, or of what drives it.
-struct Mode {
+struct ModeAmplitude {
     Complex x, y;
 };
 
@@ -31,8 +31,8 @@ struct Mode {
 struct Stiffness {
     Complex xx, xy, yy;
 
-    Mode times(const Mode& u) const { return {xx * u.x + xy * u.y, xy * u.x + yy * u.y}; }
-    Mode solve(const Mode& s) const {
+    ModeAmplitude times(const ModeAmplitude& u) const { return {xx * u.x + xy * u.y, xy * u.x + yy * u.y}; }
+    ModeAmplitude solve(const ModeAmplitude& s) const {
         const Complex determinant = xx * yy - xy * xy;
         return {(yy * s.x - xy * s.y) / determinant, (xx * s.y - xy * s.x) / determinant};
     }
@@ -58,16 +58,14 @@ OrthotropicMedium unit_constant(OrthotropicParameter parameter) {
     return m;
 }
 
-bool is_source(OrthotropicParameter p) { return p <= OrthotropicParameter::h_xxxyy; }
-
 RodSource unit_source(OrthotropicParameter p) {
     using enum OrthotropicParameter;
-    const auto one = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
-    return {one(force), one(p_xx),   one(p_yy),   one(q_xxx),   one(q_xyy),
-            one(q_yxy), one(t_xxxx), one(t_xxyy), one(h_xxxxx), one(h_xxxyy)};
+    const auto item = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
+    return {item(force), item(p_xx),   item(p_yy),   item(q_xxx),   item(q_xyy),
+            item(q_yxy), item(t_xxxx), item(t_xxyy), item(h_xxxxx), item(h_xxxyy)};
 }
 
-Mode driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
+ModeAmplitude driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
     const double half = 0.5 * qx * frame.length, sinc = half == 0.0 ? 1.0 : std::sin(half) / half;
     const double smooth = std::exp(-0.5 * (qx * qx + qy * qy) * frame.width * frame.width);
     const double fourth = qx * qx * (source.h_xxxxx * qx * qx + 6.0 * source.h_xxxyy * qy * qy),
@@ -96,11 +94,11 @@ struct Waves {
     Eigen::VectorXd q;
     MatrixXd cosine, sine;
 
-    Waves(std::span<const double> places, double side, double width) {
+    Waves(std::span<const double> positions, double side, double width) {
         const double first = 2.0 * std::numbers::pi / side;
         const auto modes = static_cast<Index>(std::ceil(cutoff / (first * width))) + 1;
         q = first * Eigen::VectorXd::LinSpaced(modes, 0.0, static_cast<double>(modes - 1));
-        const Eigen::Map<const Eigen::VectorXd> at(places.data(), static_cast<Index>(places.size()));
+        const Eigen::Map<const Eigen::VectorXd> at(positions.data(), static_cast<Index>(positions.size()));
         const MatrixXd phase = at * q.transpose();
         cosine = phase.array().cos();
         sine = phase.array().sin();
@@ -157,7 +155,7 @@ DisplacementMap AnisotropicField::Impl::sum(Solve solve) const {
     MatrixXd x(2 * modes, across.q.size()), y(2 * modes, across.q.size());
     for (Index n = 0; n < across.q.size(); ++n)
         for (Index m = 0; m < modes; ++m) {
-            const Mode u = m + n == 0 ? Mode{} : solve(along.q[m], across.q[n]);
+            const ModeAmplitude u = m + n == 0 ? ModeAmplitude{} : solve(along.q[m], across.q[n]);
             const double w = weight(m) * weight(n) / (frame.lx * frame.ly);
             x(m, n) = w * u.x.real();
             x(modes + m, n) = -w * u.x.imag();
@@ -172,7 +170,7 @@ DisplacementMap AnisotropicField::Impl::sum(Solve solve) const {
 AnisotropicField::AnisotropicField(const RodFrame& frame, std::span<const double> x,
                                    std::span<const double> y) {
     check_frame(frame);
-    const auto finite = [](double place) { return std::isfinite(place); };
+    const auto finite = [](double position) { return std::isfinite(position); };
     if (!std::ranges::all_of(x, finite) || !std::ranges::all_of(y, finite))
         throw InputError("places of a map must be finite numbers");
     impl_ = std::make_shared<const Impl>(frame, x, y);
@@ -189,7 +187,7 @@ DisplacementMap AnisotropicField::displacement(const OrthotropicMedium& medium,
 
 DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, const RodSource& source,
                                              OrthotropicParameter by) const {
-    if (is_source(by))
+    if (by <= OrthotropicParameter::h_xxxyy) // a source
         return displacement(medium, unit_source(by));
     return derivative(medium, source, unit_constant(by));
 }
@@ -200,9 +198,9 @@ DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, co
     validate(medium, frame.speed);
     return impl_->sum([&](double qx, double qy) {
         const Stiffness whole = stiffness(medium, frame.speed, qx, qy);
-        const Mode u = whole.solve(driving(source, frame, qx, qy)),
-                   less = whole.solve(stiffness(change, frame.speed, qx, qy).times(u));
-        return Mode{-less.x, -less.y};
+        const ModeAmplitude u = whole.solve(driving(source, frame, qx, qy)),
+                            less = whole.solve(stiffness(change, frame.speed, qx, qy).times(u));
+        return ModeAmplitude{-less.x, -less.y};
     });
 }
 

@@ -205,12 +205,12 @@ constexpr int series_terms = 8; // next term at z = 1/2: (1/16)^8/(8!)^2 = 1e-19
 
 /// Coefficients in t = z^2/4 of I0, of K0's regular part, of 2 I1/z and of K1's regular part
 /// (DLMF 10.25.2, 10.31.1-2).
-struct Series {
+struct BesselSeries {
     std::array<double, series_terms> i0, k0, i1, k1;
 };
 
-constexpr Series make_series() {
-    Series s{};
+constexpr BesselSeries make_series() {
+    BesselSeries s{};
     double factorial = 1.0, harmonic = 0.0;
     for (int k = 0; k < series_terms; ++k) {
         if (k > 0) {
@@ -226,7 +226,7 @@ constexpr Series make_series() {
     return s;
 }
 
-constexpr Series series = make_series();
+constexpr BesselSeries series = make_series();
 
 Pair horner(const std::array<double, series_terms>& c, Pair t) {
     Pair sum = t * c[series_terms - 1] + c[series_terms - 2];

@@ -18,7 +18,7 @@ namespace rodwake::elastic::HWY_NAMESPACE {
 
 /// Coefficient k of each lane's row in vector k.
 template<class D, TableShape shape>
-struct Rows {
+struct CoefficientRows {
     hn::Vec<D> c[shape.stride()];
 };
 
@@ -37,7 +37,7 @@ HWY_INLINE hn::Vec<D> RowBlocks(D d, const hn::TFromD<D>* from, const Index* at)
 }
 
 template<TableShape shape, class D, class Index>
-HWY_INLINE void TransposeRows(D d, const double* table, const Index* at, Rows<D, shape>& rows) {
+HWY_INLINE void TransposeRows(D d, const double* table, const Index* at, CoefficientRows<D, shape>& rows) {
     RODWAKE_UNROLL
     for (int k = 0; k < shape.terms; k += 2) {
         const auto even = RowBlocks(d, table + k, at), odd = RowBlocks(d, table + k, at + 1);
@@ -48,7 +48,7 @@ HWY_INLINE void TransposeRows(D d, const double* table, const Index* at, Rows<D,
 
 /// A row of floats is one block.
 template<TableShape shape, class D, class Index>
-HWY_INLINE void TransposeRows(D d, const float* table, const Index* at, Rows<D, shape>& rows) {
+HWY_INLINE void TransposeRows(D d, const float* table, const Index* at, CoefficientRows<D, shape>& rows) {
     static_assert(shape.stride() == 4);
     const auto r0 = RowBlocks(d, table, at), r1 = RowBlocks(d, table, at + 1),
                r2 = RowBlocks(d, table, at + 2), r3 = RowBlocks(d, table, at + 3);
@@ -66,8 +66,8 @@ HWY_INLINE void TransposeRows(D d, const float* table, const Index* at, Rows<D, 
 
 /// The rows of the table at these indices. Loading and transposing rows beats gathering their columns.
 template<TableShape shape, class D, class Index>
-HWY_INLINE Rows<D, shape> LoadRows(D d, const hn::TFromD<D>* table, Index index) {
-    Rows<D, shape> rows;
+HWY_INLINE CoefficientRows<D, shape> LoadRows(D d, const hn::TFromD<D>* table, Index index) {
+    CoefficientRows<D, shape> rows;
     if constexpr (hn::MaxLanes(D()) == 1) {
         const hn::TFromD<D>* const row = table + hn::GetLane(index);
         RODWAKE_UNROLL
@@ -111,13 +111,13 @@ constexpr std::size_t log_terms(TableShape shape) { return shape.piece_bits > 5 
 
 /// Row of the table and middle of the piece that holds an argument.
 template<class D>
-struct Piece {
+struct TablePiece {
     hn::VFromD<hn::RebindToSigned<D>> index;
     hn::Vec<D> middle;
 };
 
 template<TableShape shape, class D, class V = hn::Vec<D>>
-HWY_INLINE Piece<D> PieceOf(D d, V z) {
+HWY_INLINE TablePiece<D> PieceOf(D d, V z) {
     using Real = hn::TFromD<D>;
     using Signed = hwy::MakeSigned<Real>;
     using Unsigned = hwy::MakeUnsigned<Real>;
@@ -137,11 +137,11 @@ template<TableShape shape, std::size_t n, class D, class V = hn::Vec<D>>
 HWY_INLINE void BesselAt(D d, const hn::TFromD<D>* table, const V (&z)[n], const V (&inverse)[n],
                          ScaledBessel<D> (&result)[n]) {
     const V one = hn::Set(d, hn::TFromD<D>{1});
-    Rows<D, shape> rows[n];
+    CoefficientRows<D, shape> rows[n];
     V p[n], derivative[n], t[n], log[n];
     RODWAKE_UNROLL
     for (std::size_t i = 0; i < n; ++i) {
-        const Piece<D> piece = PieceOf<shape>(d, z[i]);
+        const TablePiece<D> piece = PieceOf<shape>(d, z[i]);
         rows[i] = LoadRows<shape>(d, table, piece.index);
         t[i] = hn::Mul(hn::Sub(z[i], piece.middle), inverse[i]);
         derivative[i] = rows[i].c[shape.terms - 1];

@@ -15,12 +15,12 @@ constexpr double eighth = 0.25 * std::numbers::pi;
 
 /// A coordinate's piece, and the polynomials there with their derivatives by the coordinate.
 template<std::size_t nodes>
-struct Axis {
+struct GridAxis {
     std::size_t piece;
     std::array<double, nodes> t, slope;
 
     /// `u` on [0, 1], `scale` = du over the coordinate's change.
-    Axis(double u, std::size_t pieces, double scale) {
+    GridAxis(double u, std::size_t pieces, double scale) {
         const double position = u * static_cast<double>(pieces);
         piece = static_cast<std::size_t>(std::clamp(position, 0.0, static_cast<double>(pieces) - 0.5));
         const double s = 2.0 * (position - static_cast<double>(piece)) - 1.0,
@@ -110,7 +110,7 @@ ChebyshevGrid::ChebyshevGrid(const Pieces& pieces, std::size_t functions, std::v
     set_centre();
 }
 
-double* ChebyshevGrid::values(const Node& n) {
+double* ChebyshevGrid::values(const ChebyshevNode& n) {
     const std::size_t cell = (n.piece * pieces_.place + n.row) * pieces_.place + n.column;
     const std::size_t node = (n.k * place_nodes + n.j) * place_nodes + n.i;
     return data_.data() + (cell * cell_nodes + node) * functions_;
@@ -132,8 +132,8 @@ void ChebyshevGrid::transform(std::size_t cell) {
 
 std::array<GridValue, ChebyshevGrid::most> ChebyshevGrid::at(double x, double y, double angle,
                                                              GridRequest request) const {
-    const Axis<place_nodes> in_x(x + 0.5, pieces_.place, 1.0), in_y(y + 0.5, pieces_.place, 1.0);
-    const Axis<angle_nodes> turn(angle / eighth, pieces_.angle, 1.0 / eighth);
+    const GridAxis<place_nodes> in_x(x + 0.5, pieces_.place, 1.0), in_y(y + 0.5, pieces_.place, 1.0);
+    const GridAxis<angle_nodes> turn(angle / eighth, pieces_.angle, 1.0 / eighth);
     const std::size_t cell = (turn.piece * pieces_.place + in_y.piece) * pieces_.place + in_x.piece;
     const double* const first = data_.data() + cell * cell_nodes * functions_;
     std::array<double, plane_nodes * most> sum;
@@ -156,7 +156,7 @@ std::array<GridValue, ChebyshevGrid::most> ChebyshevGrid::at(double x, double y,
 
 void ChebyshevGrid::set_centre() {
     const std::size_t middle = pieces_.place / 2;
-    const Axis<place_nodes> axis(0.5, pieces_.place, 1.0);
+    const GridAxis<place_nodes> axis(0.5, pieces_.place, 1.0);
     for (std::size_t piece = 0; piece < pieces_.angle; ++piece)
         for (std::size_t k = 0; k < angle_nodes; ++k)
             contract_plane(axis.t, axis.t, values({middle, middle, piece, 0, 0, k}), functions_,
@@ -164,7 +164,7 @@ void ChebyshevGrid::set_centre() {
 }
 
 std::array<GridValue, ChebyshevGrid::most> ChebyshevGrid::at_centre(double angle) const {
-    const Axis<angle_nodes> turn(angle / eighth, pieces_.angle, 1.0 / eighth);
+    const GridAxis<angle_nodes> turn(angle / eighth, pieces_.angle, 1.0 / eighth);
     const double* const first = centre_.data() + turn.piece * angle_nodes * functions_;
     std::array<double, most> value{}, slope{};
     contract(turn.t, first, functions_, value.data());

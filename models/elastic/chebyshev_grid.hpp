@@ -39,10 +39,10 @@ public:
     ChebyshevGrid(const Pieces& pieces, std::size_t functions, std::vector<double> coefficients);
 
     /// A node's values, to be set before `transform`: cell (row, column, angle piece), node (j, i, k).
-    struct Node {
+    struct ChebyshevNode {
         std::size_t row, column, piece, j, i, k;
     };
-    double* values(const Node& node);
+    double* values(const ChebyshevNode& node);
 
     /// From values at the nodes to coefficients, one cell; cells may be done in any order and at once.
     void transform(std::size_t cell);

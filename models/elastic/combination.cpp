@@ -41,12 +41,6 @@ Difference difference_by_integral(const Geometry& at, const Constants& medium, b
     return sum;
 }
 
-/// The integrand varies as exp(-a w) and as a power of a: the rule is exact to 1e-16 below this bound, and
-/// beyond it subtraction loses a factor 20 at most.
-bool nearly_equal(const Geometry& at, const Constants& medium) {
-    return std::abs(medium.delta) * (2.0 + at.w.high) <= 0.05;
-}
-
 } // namespace
 
 Combination combine(const Geometry& at, const Constants& medium, const Potentials& g, bool core) {
@@ -55,7 +49,7 @@ Combination combine(const Geometry& at, const Constants& medium, const Potential
     Combination sum;
     sum.trace = nu * d.x[1];
     sum.trace_gradient = {nu * l_xx, nu * l_xy};
-    if (nearly_equal(at, medium)) {
+    if (std::abs(medium.delta) * (2.0 + at.w.high) <= 0.05) {
         const Difference D = difference_by_integral(at, medium, core);
         sum.drift = (g.drift[0] - t_x) + D.x;
         sum.y = D.y;

@@ -189,23 +189,23 @@ double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd)
     const double near =
         std::min(crowd.count, std::numbers::pi * square(nodes.reach[first - 1]) * crowd.density);
     double sum = crowd.count * near * (polar_ ? 20.0 : 13.0);
-    for (const Octave& one : octaves(nodes, first, crowd.diagonal, crowd.side)) {
-        if (one.half > largest_half)
+    for (const Octave& item : octaves(nodes, first, crowd.diagonal, crowd.side)) {
+        if (item.half > largest_half)
             return HUGE_VAL;
-        const double grid = 2.4 * static_cast<double>(one.half) + 30.0,
-                     count = static_cast<double>(one.last - one.first);
+        const double grid = 2.4 * static_cast<double>(item.half) + 30.0,
+                     count = static_cast<double>(item.last - item.first);
         const double transform = 0.5 * square(grid) * std::log2(grid) + 35.0 * crowd.count;
         sum += (count + (polar_ ? 4.0 : 2.0)) * transform;
     }
     return sum;
 }
 
-FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
+FarWakes::QuadraturePlan FarWakes::plan(std::span<const KernelSource> rods) const {
     const Extent extent = extent_of(rods);
     const Crowd crowd{
         static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
         static_cast<double>(rods.size()) / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
-    Plan best{0, 0, 0.0, HUGE_VAL};
+    QuadraturePlan best{0, 0, 0.0, HUGE_VAL};
     if (crowd.diagonal > largest_crowd || crowd.density > densest)
         return best;
     for (std::size_t way = 0; way < nodes_.size(); ++way)
@@ -216,14 +216,14 @@ FarWakes::Plan FarWakes::plan(std::span<const KernelSource> rods) const {
     return best;
 }
 
-const NearHeat& FarWakes::near_heat(const Plan& plan) const {
+const NearHeat& FarWakes::near_heat(const QuadraturePlan& plan) const {
     const std::scoped_lock lock(mutex_);
     const std::pair key{plan.nodes, plan.first};
     const auto found = near_.find(key);
     return found != near_.end() ? found->second : near_.emplace(key, make_near_heat(plan)).first->second;
 }
 
-NearHeat FarWakes::make_near_heat(const Plan& plan) const {
+NearHeat FarWakes::make_near_heat(const QuadraturePlan& plan) const {
     const Nodes& nodes = nodes_[plan.nodes];
     std::vector<HeatNode> felt;
     for (std::size_t k = plan.first; k < nodes.last_for(plan.reach); ++k)
@@ -247,7 +247,7 @@ std::unique_ptr<HeatMesh> FarWakes::idle_mesh() const {
     return mesh;
 }
 
-void FarWakes::add(const Plan& plan, std::span<const KernelSource> rods, Team& team,
+void FarWakes::add(const QuadraturePlan& plan, std::span<const KernelSource> rods, ThreadPool& team,
                    std::span<double* const> sums) const {
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];

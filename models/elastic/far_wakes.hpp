@@ -49,21 +49,21 @@ public:
         double cutoff_at(double time) const; ///< of the Gaussian there, which is lower and wider
         double width_at(double time) const;
     };
-    struct Plan {
+    struct QuadraturePlan {
         std::size_t nodes; ///< which of the ways to place them
         std::size_t first; ///< node from which on the wakes are drifting heat, counted from 1
         double reach;      ///< pairs nearer than this, in xi, are near
         double cost;       ///< ns of one core, roughly
     };
     /// The cheapest way.
-    Plan plan(std::span<const KernelSource> rods) const;
+    QuadraturePlan plan(std::span<const KernelSource> rods) const;
 
     /// Adds the far wakes to the sums (all_parts or strain_parts of them); rods and sums in xi.
-    void add(const Plan& plan, std::span<const KernelSource> rods, Team& team,
+    void add(const QuadraturePlan& plan, std::span<const KernelSource> rods, ThreadPool& team,
              std::span<double* const> sums) const;
 
     /// What add() gave pairs nearer than the reach; lives as long as this.
-    const NearHeat& near_heat(const Plan& plan) const;
+    const NearHeat& near_heat(const QuadraturePlan& plan) const;
 
 private:
     /// Nodes from first to last in one mesh.
@@ -77,7 +77,7 @@ private:
     std::vector<Octave> octaves(const Nodes& nodes, std::size_t first, double diagonal, double side) const;
     double cost(const Nodes& nodes, std::size_t first, const Crowd& crowd) const;
     void find_reaches(Nodes& nodes) const;
-    NearHeat make_near_heat(const Plan& plan) const;
+    NearHeat make_near_heat(const QuadraturePlan& plan) const;
     std::unique_ptr<HeatMesh> idle_mesh() const;
 
     Field unit_; ///< at xi = 1

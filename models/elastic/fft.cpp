@@ -22,55 +22,59 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Lanes = hn::CappedTag<double, Fft::lanes>;
 using V = hn::Vec<Lanes>;
 
-struct Number {
+struct FftNumber {
     V re, im;
 };
 
-HWY_INLINE Number Add(const Number& a, const Number& b) { return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)}; }
-HWY_INLINE Number Sub(const Number& a, const Number& b) { return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)}; }
-HWY_INLINE Number Scale(double factor, const Number& a) {
+HWY_INLINE FftNumber Add(const FftNumber& a, const FftNumber& b) {
+    return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)};
+}
+HWY_INLINE FftNumber Sub(const FftNumber& a, const FftNumber& b) {
+    return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)};
+}
+HWY_INLINE FftNumber Scale(double factor, const FftNumber& a) {
     const V f = hn::Set(Lanes(), factor);
     return {hn::Mul(f, a.re), hn::Mul(f, a.im)};
 }
-HWY_INLINE Number Turn(const Complex& w, const Number& a) {
+HWY_INLINE FftNumber Turn(const Complex& w, const FftNumber& a) {
     const V re = hn::Set(Lanes(), w.re), im = hn::Set(Lanes(), w.im);
     return {hn::Sub(hn::Mul(re, a.re), hn::Mul(im, a.im)), hn::Add(hn::Mul(re, a.im), hn::Mul(im, a.re))};
 }
 /// -i a
-HWY_INLINE Number TurnedBack(const Number& a) { return {a.im, hn::Neg(a.re)}; }
+HWY_INLINE FftNumber TurnedBack(const FftNumber& a) { return {a.im, hn::Neg(a.re)}; }
 
-HWY_INLINE void ShortTransform(Number (&x)[2]) {
-    const Number sum = Add(x[0], x[1]);
+HWY_INLINE void ShortTransform(FftNumber (&x)[2]) {
+    const FftNumber sum = Add(x[0], x[1]);
     x[1] = Sub(x[0], x[1]);
     x[0] = sum;
 }
 
-HWY_INLINE void ShortTransform(Number (&x)[3]) {
+HWY_INLINE void ShortTransform(FftNumber (&x)[3]) {
     constexpr double sine = 0.86602540378443864676; // of 60 degrees
-    const Number sum = Add(x[1], x[2]), across = TurnedBack(Scale(sine, Sub(x[1], x[2])));
-    const Number middle = Sub(x[0], Scale(0.5, sum));
+    const FftNumber sum = Add(x[1], x[2]), across = TurnedBack(Scale(sine, Sub(x[1], x[2])));
+    const FftNumber middle = Sub(x[0], Scale(0.5, sum));
     x[0] = Add(x[0], sum);
     x[1] = Add(middle, across);
     x[2] = Sub(middle, across);
 }
 
-HWY_INLINE void ShortTransform(Number (&x)[4]) {
-    const Number even = Add(x[0], x[2]), odd = Add(x[1], x[3]), d = Sub(x[0], x[2]),
-                 across = TurnedBack(Sub(x[1], x[3]));
+HWY_INLINE void ShortTransform(FftNumber (&x)[4]) {
+    const FftNumber even = Add(x[0], x[2]), odd = Add(x[1], x[3]), d = Sub(x[0], x[2]),
+                    across = TurnedBack(Sub(x[1], x[3]));
     x[0] = Add(even, odd);
     x[1] = Add(d, across);
     x[2] = Sub(even, odd);
     x[3] = Sub(d, across);
 }
 
-HWY_INLINE void ShortTransform(Number (&x)[5]) {
+HWY_INLINE void ShortTransform(FftNumber (&x)[5]) {
     constexpr double c1 = 0.30901699437494742410, c2 = -0.80901699437494742410; // cos 72, 144
     constexpr double s1 = 0.95105651629515357212, s2 = 0.58778525229247312917;  // sin 72, 144
-    const Number p1 = Add(x[1], x[4]), m1 = Sub(x[1], x[4]), p2 = Add(x[2], x[3]), m2 = Sub(x[2], x[3]);
-    const Number a = Add(Add(x[0], Scale(c1, p1)), Scale(c2, p2)),
-                 b = Add(Add(x[0], Scale(c2, p1)), Scale(c1, p2));
-    const Number u = TurnedBack(Add(Scale(s1, m1), Scale(s2, m2))),
-                 v = TurnedBack(Sub(Scale(s2, m1), Scale(s1, m2)));
+    const FftNumber p1 = Add(x[1], x[4]), m1 = Sub(x[1], x[4]), p2 = Add(x[2], x[3]), m2 = Sub(x[2], x[3]);
+    const FftNumber a = Add(Add(x[0], Scale(c1, p1)), Scale(c2, p2)),
+                    b = Add(Add(x[0], Scale(c2, p1)), Scale(c1, p2));
+    const FftNumber u = TurnedBack(Add(Scale(s1, m1), Scale(s2, m2))),
+                    v = TurnedBack(Sub(Scale(s2, m1), Scale(s1, m2)));
     x[0] = Add(Add(x[0], p1), p2);
     x[1] = Add(a, u);
     x[2] = Add(b, v);
@@ -87,20 +91,20 @@ HWY_NOINLINE void Pass(std::size_t length, std::size_t stride, const Complex* tu
     for (std::size_t p = 0; p < part; ++p)
         for (std::size_t q = 0; q < stride; ++q)
             for (std::size_t lane = 0; lane < Fft::lanes; lane += hn::Lanes(d)) {
-                Number x[radix];
+                FftNumber x[radix];
                 RODWAKE_UNROLL
                 for (std::size_t k = 0; k < radix; ++k) {
-                    const Fft::Element& one = from[q + stride * (p + part * k)];
-                    x[k] = {hn::LoadU(d, &one.re[lane]), hn::LoadU(d, &one.im[lane])};
+                    const Fft::Element& item = from[q + stride * (p + part * k)];
+                    x[k] = {hn::LoadU(d, &item.re[lane]), hn::LoadU(d, &item.im[lane])};
                 }
                 ShortTransform(x);
                 RODWAKE_UNROLL
                 for (std::size_t k = 0; k < radix; ++k) {
                     if (k > 0)
                         x[k] = Turn(turns[k * p * stride], x[k]);
-                    Fft::Element& one = to[q + stride * (radix * p + k)];
-                    hn::StoreU(x[k].re, d, &one.re[lane]);
-                    hn::StoreU(x[k].im, d, &one.im[lane]);
+                    Fft::Element& each = to[q + stride * (radix * p + k)];
+                    hn::StoreU(x[k].re, d, &each.re[lane]);
+                    hn::StoreU(x[k].im, d, &each.im[lane]);
                 }
             }
 }

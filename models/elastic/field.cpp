@@ -25,8 +25,8 @@ public:
     FieldValues at(double x, double y, FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
-        return medium_derivatives(field_, x, y, request);
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
+        return elastic::medium_derivatives(field_, x, y, request);
     }
 
     const Field& field() const { return field_; }
@@ -53,9 +53,9 @@ private:
 };
 
 /// Columns of sums over rods, one after the other.
-class Columns {
+class SumColumns {
 public:
-    explicit Columns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
+    explicit SumColumns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
 
     StrainSums strain() { return {column(0), column(1), column(2)}; }
     PolarSums polar() { return {column(3), column(4), column(5), column(6)}; }
@@ -102,7 +102,7 @@ void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
         return WakeField::mutual(rods, request, sums);
     if (few)
         return strains(rods, sums);
-    Columns columns(rods.size());
+    SumColumns columns(rods.size());
     if (request.polar)
         kernels_.strain_and_polar(rods, columns.strain(), columns.polar());
     else
@@ -119,13 +119,15 @@ public:
     FieldValues at(double x, double y, FieldRequest request) const override {
         return field_.at(x, y, request);
     }
-    FieldValues by_heading(double x, double y, FieldRequest request) const override {
-        return field_.by_heading(x, y, request);
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override {
+        return field_.heading_derivative(x, y, request);
     }
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return field_.medium_derivatives(x, y, request);
     }
-    FieldValues at_own_place(FieldRequest request) const override { return field_.at_own_place(request); }
+    FieldValues self_image_field(FieldRequest request) const override {
+        return field_.self_image_field(request);
+    }
     FieldValues own_place_by_heading(FieldRequest request) const override {
         return field_.own_place_by_heading(request);
     }

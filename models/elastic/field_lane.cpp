@@ -18,11 +18,11 @@ using Lane = hn::CappedTag<double, 1>;
 using V = hn::Vec<Lane>;
 
 /// Where a point is, in units of 1/c_shear; s is its distance.
-struct Point {
+struct ScaledPoint {
     double X, Y, square, s;
 };
 
-HWY_INLINE Point PointAt(const Constants& medium, double x, double y) {
+HWY_INLINE ScaledPoint PointAt(const Constants& medium, double x, double y) {
     const Lane d;
     const V X = hn::Set(d, x * medium.c_shear), Y = hn::Set(d, y * medium.c_shear);
     const V square = Fma(d, X, X, hn::Mul(Y, Y));
@@ -36,7 +36,7 @@ HWY_INLINE Exponential<D> Corrected(D d, const Exponential<D>& e, hn::Vec<D> cor
 }
 
 /// Of nu w and of delta w, nu w <= 16: with lane_reach no exponent comes near its limit.
-struct Decay {
+struct DecayFactors {
     Exponential<Lane> longitudinal, difference;
 };
 
@@ -46,12 +46,12 @@ struct BothBessel {
 };
 
 /// Of the angle from the heading.
-struct Direction {
+struct LaneDirection {
     V cosine, sine;
 };
 
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE Direction DirectionOf(const Point& at, double inverse) {
+HWY_INLINE LaneDirection DirectionOf(const ScaledPoint& at, double inverse) {
     return {hn::Set(Lane(), at.X * inverse), hn::Set(Lane(), at.Y * inverse)};
 }
 
@@ -63,7 +63,7 @@ HWY_INLINE BothBessel BesselOf(const Constants& medium, double s, double inverse
     return {k[0], k[1]};
 }
 
-HWY_INLINE Decay DecayOf(const Constants& medium, double x, double accurate) {
+HWY_INLINE DecayFactors DecayOf(const Constants& medium, double x, double accurate) {
     const Lane d;
     Exponential<Lane> e[2];
     ExpMinus<exponential_terms(full_shape), false>(
@@ -84,7 +84,7 @@ HWY_INLINE V2 Two(double lower, double upper) {
 HWY_INLINE V Lower(V2 v) { return hn::LowerHalf(Lane(), v); }
 HWY_INLINE V Upper(V2 v) { return hn::UpperHalf(Lane(), v); }
 
-HWY_INLINE Direction DirectionOf(const Point& at, double inverse) {
+HWY_INLINE LaneDirection DirectionOf(const ScaledPoint& at, double inverse) {
     const V2 both = hn::Mul(hn::Set(Both(), inverse), Two(at.X, at.Y));
     return {Lower(both), Upper(both)};
 }
@@ -98,7 +98,7 @@ HWY_INLINE BothBessel BesselOf(const Constants& medium, double s, double inverse
             {Upper(k[0].k0), Upper(k[0].zk1), Upper(k[0].zk1_less), Upper(k[0].zd)}};
 }
 
-HWY_INLINE Decay DecayOf(const Constants& medium, double x, double accurate) {
+HWY_INLINE DecayFactors DecayOf(const Constants& medium, double x, double accurate) {
     const Both d;
     const V2 waves = Two(medium.nu, medium.delta);
     Exponential<Both> e[1];
@@ -112,16 +112,16 @@ HWY_INLINE Decay DecayOf(const Constants& medium, double x, double accurate) {
 /// behind the rod the exponentials of s + X, which Y^2/(s - X), exact there, corrects. K0 and K1 first:
 /// theirs is the longer way.
 template<bool polar>
-HWY_INLINE Wake<Lane> WakeOf(const Constants& medium, const Point& at) {
+HWY_INLINE WakeLanes<Lane> WakeOf(const Constants& medium, const ScaledPoint& at) {
     const Lane d;
     const double inverse = at.s * (1.0 / at.square), far = at.s + std::abs(at.X), sum = at.s + at.X;
     const V near = hn::Set(d, at.Y * at.Y / far);
     const V w = IfSigned(d, hn::Set(d, at.X), near, hn::Set(d, far));
     const BothBessel k = BesselOf(medium, at.s, inverse);
-    const Decay e = DecayOf(medium, sum, hn::GetLane(w));
+    const DecayFactors e = DecayOf(medium, sum, hn::GetLane(w));
     const Radial<Lane> radial{hn::Set(d, at.s), hn::Set(d, inverse), k.shear, k.longitudinal,
                               hn::FirstN(d, 1)};
-    const Direction towards = DirectionOf(at, inverse);
+    const LaneDirection towards = DirectionOf(at, inverse);
     const Bearing<Lane> bearing{towards.cosine,
                                 towards.sine,
                                 hn::Mul(w, radial.inverse),
@@ -135,18 +135,18 @@ HWY_INLINE Wake<Lane> WakeOf(const Constants& medium, const Point& at) {
 
 /// Where the strain is as accurate as by the closed form, beside lane_reach: further exponents want more
 /// digits.
-HWY_INLINE bool Suits(const Constants& medium, const Point& at) {
+HWY_INLINE bool Suits(const Constants& medium, const ScaledPoint& at) {
     return at.s >= 0x1p-20 && at.s <= medium.lane_reach && medium.nu * (at.s + at.X) <= 16.0;
 }
 
-HWY_INLINE SymmetricTensor StrainOf(const Constants& medium, const Wake<Lane>& wake) {
+HWY_INLINE SymmetricTensor StrainOf(const Constants& medium, const WakeLanes<Lane>& wake) {
     const double unit = 0.5 * std::numbers::inv_pi * medium.c_shear, half = 0.5 * unit;
     const double trace = hn::GetLane(wake.trace), yy = hn::GetLane(wake.yy);
     return {unit * trace - half * yy, half * hn::GetLane(wake.shear), half * yy};
 }
 
 bool StrainInLane(const Constants& medium, double x, double y, SymmetricTensor& strain) {
-    const Point at = PointAt(medium, x, y);
+    const ScaledPoint at = PointAt(medium, x, y);
     if (!Suits(medium, at))
         return false;
     strain = StrainOf(medium, WakeOf<false>(medium, at));
@@ -154,11 +154,11 @@ bool StrainInLane(const Constants& medium, double x, double y, SymmetricTensor& 
 }
 
 bool PolarInLane(const Constants& medium, double x, double y, FieldValues& field) {
-    const Point at = PointAt(medium, x, y);
+    const ScaledPoint at = PointAt(medium, x, y);
     const bool along_axis = 8.0 * std::abs(at.Y) < at.X; // lap U vanishes near r = eta xi on the axis ahead
     if (along_axis || !Suits(medium, at))
         return false;
-    const Wake<Lane> wake = WakeOf<true>(medium, at);
+    const WakeLanes<Lane> wake = WakeOf<true>(medium, at);
     const double third = 0.5 * std::numbers::inv_pi * medium.c_shear * medium.c_shear;
     field.strain = StrainOf(medium, wake);
     field.laplacian = {third * hn::GetLane(wake.laplacian_x), third * hn::GetLane(wake.laplacian_y)};

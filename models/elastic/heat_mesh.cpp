@@ -64,15 +64,15 @@ MeshGrid::MeshGrid(double box, std::size_t half_modes, std::size_t kernel_width,
       fields(field_count), columns(whole(size + MeshKernel::widest + 1)), lines(size + width + 1),
       per_length(static_cast<double>(size) / box) {}
 
-void HeatMesh::begin(double x, double y, double box, std::size_t half, Team& team) {
+void HeatMesh::begin(double x, double y, double box, std::size_t half, ThreadPool& team) {
     team_ = &team;
     x_ = x;
     y_ = y;
     box_ = box;
     unit_ = 2.0 * std::numbers::pi / box;
     half_ = half;
-    for (auto* one : {&ux_, &uy_})
-        one->assign((2 * half + 1) * (half + 1), {});
+    for (auto* item : {&ux_, &uy_})
+        item->assign((2 * half + 1) * (half + 1), {});
 }
 
 const MeshKernel& HeatMesh::kernel(double cutoff) const {
@@ -82,13 +82,13 @@ const MeshKernel& HeatMesh::kernel(double cutoff) const {
 namespace {
 
 /// Working space that each thread keeps: lines of `size`.
-struct Lines {
+struct MeshLines {
     std::vector<Fft::Element> field[strain_parts], other;
 };
-Lines& lines(std::size_t size) {
-    thread_local Lines kept;
-    for (auto* one : {&kept.field[0], &kept.field[1], &kept.field[2], &kept.other})
-        one->resize(size);
+MeshLines& lines(std::size_t size) {
+    thread_local MeshLines kept;
+    for (auto* item : {&kept.field[0], &kept.field[1], &kept.field[2], &kept.other})
+        item->resize(size);
     return kept;
 }
 
@@ -196,7 +196,7 @@ void HeatMesh::add(const NearSources& rods, const HeatNode& node, double cutoff,
 /// Columns of fields to m.
 void HeatMesh::columns_to_modes(const MeshGrid& g, const Fft& fft, std::size_t block) {
     const std::size_t line = g.fields * g.columns, first = block * Fft::lanes;
-    Lines& work = lines(g.size);
+    MeshLines& work = lines(g.size);
     for (std::size_t i = 0; i < g.size; ++i) {
         copy_lanes(&grid_[(i + g.pad) * line + first], work.field[0][i].re);
         std::memset(work.field[0][i].im, 0, sizeof(work.field[0][i].im));
@@ -210,7 +210,7 @@ void HeatMesh::columns_to_modes(const MeshGrid& g, const Fft& fft, std::size_t b
 
 /// Lines m to n, and to the displacement.
 void HeatMesh::add_modes(const MeshGrid& g, const Fft& fft, const Weights& weights, std::size_t block) {
-    Lines& work = lines(g.size);
+    MeshLines& work = lines(g.size);
     const std::size_t first = block * Fft::lanes, count = std::min(Fft::lanes, g.half + 1 - first);
     for (std::size_t field = 0; field < strain_parts; ++field) {
         for (std::size_t lane = 0; lane < count; ++lane) {
@@ -256,7 +256,7 @@ void HeatMesh::read(const NearSources& rods, double cutoff, std::span<double* co
 
 void HeatMesh::field_to_lines(const MeshGrid& g, const Fft& fft, const std::vector<double>& inverse,
                               std::size_t field, std::size_t block) {
-    Lines& work = lines(g.size);
+    MeshLines& work = lines(g.size);
     auto& data = work.field[0];
     const std::size_t first = block * Fft::lanes, count = std::min(Fft::lanes, g.half + 1 - first);
     clear(data);
@@ -280,7 +280,7 @@ void HeatMesh::field_to_lines(const MeshGrid& g, const Fft& fft, const std::vect
 
 void HeatMesh::modes_to_columns(const MeshGrid& g, const Fft& fft, std::size_t block) {
     const std::size_t line = g.fields * g.columns, first = block * Fft::lanes;
-    Lines& work = lines(g.size);
+    MeshLines& work = lines(g.size);
     auto& data = work.field[0];
     clear(data);
     for (std::size_t m = 0; m <= g.half; ++m)

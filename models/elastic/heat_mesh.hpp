@@ -57,7 +57,7 @@ public:
     HeatMesh(double eta, std::span<const MeshKernel> kernels) : diffusivity_(1.0 + eta), kernels_(kernels) {}
 
     /// Begins a sum in a square from (x, y) on, of modes up to `half` each way; `team` outlives it.
-    void begin(double x, double y, double box, std::size_t half, Team& team);
+    void begin(double x, double y, double box, std::size_t half, ThreadPool& team);
     /// Forces of the rods within `felt` of the inner square, which is `margin` from the sides.
     void add(const NearSources& rods, const HeatNode& node, double cutoff, double margin, double felt);
     /// Adds strain, and polar vectors if there are sums for them, at rods within the square.
@@ -81,7 +81,7 @@ private:
 
     double diffusivity_; ///< D_L
     std::span<const MeshKernel> kernels_;
-    Team* team_ = nullptr;
+    ThreadPool* team_ = nullptr;
     double x_ = 0.0, y_ = 0.0, box_ = 0.0, unit_ = 0.0; ///< unit of wave numbers
     std::size_t half_ = 0;
     std::vector<fourier::Complex> ux_, uy_;       ///< modes (m, n) at (n + half) (half + 1) + m

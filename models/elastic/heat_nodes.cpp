@@ -69,15 +69,15 @@ HWY_INLINE Potential PotentialOf(V a, V x, V s, V c, const V* f) {
 
 /// A wake from its radial functions, in the units of WakeFrom.
 template<bool polar>
-HWY_INLINE Wake<Lanes> WakeOf(const V (&f)[NearHeat::functions], V x, V y, V s, const Bearing<Lanes>& b,
-                              V nu) {
+HWY_INLINE WakeLanes<Lanes> WakeOf(const V (&f)[NearHeat::functions], V x, V y, V s, const Bearing<Lanes>& b,
+                                   V nu) {
     const Lanes d;
     const V *t = f, *l = f + NearHeat::functions / 2;
     const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5), cq = hn::Mul(b.c, b.q), qq = hn::Mul(b.q, b.q);
     const Potential shear = PotentialOf(one, x, s, b.c, t), longitudinal = PotentialOf(nu, x, s, b.c, l);
     const V first_x = Fms(d, x, t[1], t[0]), first_y = hn::Mul(y, t[1]); // of the gradient
     const auto both = [&](V of_t, V of_l) HWY_ATTR { return Fms(d, b.e_t, of_t, hn::Mul(b.e_l, of_l)); };
-    Wake<Lanes> wake;
+    WakeLanes<Lanes> wake;
     wake.trace = Fma(d, half, both(shear.laplacian, longitudinal.laplacian), hn::Mul(b.e_t, first_x));
     wake.yy = both(Fma(d, qq, t[2], t[1]), Fma(d, qq, l[2], l[1]));
     wake.shear = both(hn::Mul(cq, t[2]), Fms(d, cq, l[2], hn::Mul(nu, hn::Mul(y, l[1]))));
@@ -97,22 +97,22 @@ HWY_INLINE Wake<Lanes> WakeOf(const V (&f)[NearHeat::functions], V x, V y, V s, 
 /// Adds the exact field in these lanes.
 template<bool polar>
 HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<FullKind>& with, const V (&X)[1], const V (&Y)[1],
-                                      V distance, hn::Mask<Lanes> lanes, Wake<Lanes>& wake) {
+                                      V distance, hn::Mask<Lanes> lanes, WakeLanes<Lanes>& wake) {
     const Lanes d;
     const V distances[1] = {distance};
     Radial<Lanes> radial[1];
     RadialAt<FullKind::shape>(d, with.table, distances, with.medium, radial);
     const Radial<Lanes>* const shown[1] = {&radial[0]};
-    Wake<Lanes> exact[1];
+    WakeLanes<Lanes> exact[1];
     WakeAt<polar, FullKind::shape>(d, X, Y, shown, with.medium, exact);
-    const auto add = [&](V Wake<Lanes>::*part) HWY_ATTR {
+    const auto add = [&](V WakeLanes<Lanes>::*part) HWY_ATTR {
         wake.*part = hn::Add(wake.*part, hn::IfThenElseZero(lanes, exact[0].*part));
     };
-    for (const auto part : {&Wake<Lanes>::trace, &Wake<Lanes>::yy, &Wake<Lanes>::shear})
+    for (const auto part : {&WakeLanes<Lanes>::trace, &WakeLanes<Lanes>::yy, &WakeLanes<Lanes>::shear})
         add(part);
     if constexpr (polar)
-        for (const auto part : {&Wake<Lanes>::laplacian_x, &Wake<Lanes>::laplacian_y,
-                                &Wake<Lanes>::gradient_x, &Wake<Lanes>::gradient_y})
+        for (const auto part : {&WakeLanes<Lanes>::laplacian_x, &WakeLanes<Lanes>::laplacian_y,
+                                &WakeLanes<Lanes>::gradient_x, &WakeLanes<Lanes>::gradient_y})
             add(part);
     return hn::Or(radial[0].in_range, hn::Not(lanes));
 }
@@ -120,27 +120,27 @@ HWY_NOINLINE hn::Mask<Lanes> AddExact(const Setting<FullKind>& with, const V (&X
 /// What a vector of sources gives at (x, y), less their heat. Rods that are too near for the table lose none:
 /// it is nothing beside their wake.
 template<bool polar>
-HWY_INLINE Parts<FullKind> NearAt(const Setting<FullKind>& with, const NearHeat& heat,
-                                  const NearSources& sources, std::size_t first, double x, double y) {
+HWY_INLINE PartVectors<FullKind> NearAt(const Setting<FullKind>& with, const NearHeat& heat,
+                                        const NearSources& sources, std::size_t first, double x, double y) {
     const Lanes d;
     const auto load = [&](const std::vector<double>& from) HWY_ATTR { return hn::LoadU(d, &from[first]); };
     const V cosine = load(sources.cosine), sine = load(sources.sine), scale = hn::Set(d, with.c_shear);
     const V dx = hn::Mul(hn::Sub(hn::Set(d, x), load(sources.x)), scale),
             dy = hn::Mul(hn::Sub(hn::Set(d, y), load(sources.y)), scale);
     const V X[1] = {Fma(d, cosine, dx, hn::Mul(sine, dy))}, Y[1] = {Fms(d, cosine, dy, hn::Mul(sine, dx))};
-    Radial<Lanes> place;
-    place.s = hn::Sqrt(Fma(d, dx, dx, hn::Mul(dy, dy)));
-    place.inverse = hn::Div(hn::Set(d, 1.0), place.s);
-    const Radial<Lanes>* const shown[1] = {&place};
+    Radial<Lanes> position;
+    position.s = hn::Sqrt(Fma(d, dx, dx, hn::Mul(dy, dy)));
+    position.inverse = hn::Div(hn::Set(d, 1.0), position.s);
+    const Radial<Lanes>* const shown[1] = {&position};
     Bearing<Lanes> bearing[1];
     BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
     V f[NearHeat::functions];
-    const auto nearest = FunctionsAt(heat, place.s, f);
-    Wake<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
+    const auto nearest = FunctionsAt(heat, position.s, f);
+    WakeLanes<Lanes> wake = WakeOf<polar>(f, X[0], Y[0], position.s, bearing[0], with.medium.nu);
     if (HWY_LIKELY(hn::AllFalse(d, nearest)))
         return LabParts<polar>(wake, cosine, sine, with.unit);
-    const auto in_range = AddExact<polar>(with, X, Y, place.s, nearest, wake);
-    Parts<FullKind> parts = LabParts<polar>(wake, cosine, sine, with.unit);
+    const auto in_range = AddExact<polar>(with, X, Y, position.s, nearest, wake);
+    PartVectors<FullKind> parts = LabParts<polar>(wake, cosine, sine, with.unit);
     if (HWY_UNLIKELY(!hn::AllTrue(d, in_range)))
         ReplaceLanes<polar, FullKind>(parts, in_range, [&](std::size_t lane, double* exact) {
             const std::size_t k = first + lane;
@@ -157,17 +157,17 @@ void PartsAt(const WakeFunctions& functions, const KernelMedium& medium, const F
     V f[NearHeat::functions];
     for (std::size_t k = 0; k < NearHeat::functions; ++k)
         f[k] = hn::Set(d, functions[k]);
-    Radial<Lanes> place;
-    place.s = hn::Set(d, s);
-    place.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
-    const Radial<Lanes>* const shown[1] = {&place};
+    Radial<Lanes> position;
+    position.s = hn::Set(d, s);
+    position.inverse = hn::Set(d, s > 0.0 ? 1.0 / s : 0.0);
+    const Radial<Lanes>* const shown[1] = {&position};
     for (std::size_t k = 0; k < heat_lanes; k += hn::Lanes(d)) {
-        const V X[1] = {hn::Mul(place.s, hn::LoadU(d, cosine + k))},
-                Y[1] = {hn::Mul(place.s, hn::LoadU(d, sine + k))};
+        const V X[1] = {hn::Mul(position.s, hn::LoadU(d, cosine + k))},
+                Y[1] = {hn::Mul(position.s, hn::LoadU(d, sine + k))};
         Bearing<Lanes> bearing[1];
         BearingsOf<FullKind::shape>(d, X, Y, shown, with.medium, bearing);
-        const Wake<Lanes> wake = WakeOf<true>(f, X[0], Y[0], place.s, bearing[0], with.medium.nu);
-        const Parts<FullKind> lab = LabParts<true>(wake, hn::Set(d, 1.0), hn::Zero(d), with.unit);
+        const WakeLanes<Lanes> wake = WakeOf<true>(f, X[0], Y[0], position.s, bearing[0], with.medium.nu);
+        const PartVectors<FullKind> lab = LabParts<true>(wake, hn::Set(d, 1.0), hn::Zero(d), with.unit);
         for (int part = 0; part < all_parts; ++part)
             hn::StoreU(lab.part[part], d, parts[part] + k);
     }
@@ -180,7 +180,7 @@ HWY_NOINLINE void AddNear(const KernelMedium& medium, const Field& field, const 
     const Setting<FullKind> with = SettingOf<FullKind>(medium, field);
     double slots[all_parts][heat_lanes] = {}; // one a lane of the longest vector, whatever vectors there are
     for (std::size_t first = 0; first < sources.count; first += hn::Lanes(d)) {
-        const Parts<FullKind> parts = NearAt<polar>(with, heat, sources, first, x, y);
+        const PartVectors<FullKind> parts = NearAt<polar>(with, heat, sources, first, x, y);
         const auto meant = hn::FirstN(d, sources.count - first);
         for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
             double* slot = slots[k] + first % heat_lanes;

@@ -69,8 +69,8 @@ struct NearSources {
     /// Room for so many, and a vector beyond.
     void reserve(std::size_t most) {
         if (x.size() < most + heat_lanes)
-            for (auto* one : {&x, &y, &cosine, &sine, &number})
-                one->resize(most + heat_lanes);
+            for (auto* item : {&x, &y, &cosine, &sine, &number})
+                item->resize(most + heat_lanes);
     }
     void add(const KernelSource& source, double as) {
         x[count] = source.x;

@@ -32,10 +32,10 @@ HWY_INLINE void PlaceAlong(const MeshRods& task, int axis, std::size_t from, Cov
     const hn::RebindToSigned<Lanes> i;
     const auto set = [](double value) HWY_ATTR { return hn::Set(Lanes(), value); };
     constexpr auto pieces = static_cast<double>(MeshKernel::pieces);
-    const double *places = (axis == 0 ? task.rods.x : task.rods.y).data() + from,
+    const double *positions = (axis == 0 ? task.rods.x : task.rods.y).data() + from,
                  *headings = (axis == 0 ? task.rods.cosine : task.rods.sine).data() + from;
     for (std::size_t k = 0; k < mesh_lanes; k += hn::Lanes(d)) {
-        const V then = Fnma(d, hn::LoadU(d, headings + k), set(task.time), hn::LoadU(d, places + k));
+        const V then = Fnma(d, hn::LoadU(d, headings + k), set(task.time), hn::LoadU(d, positions + k));
         const V at = hn::Mul(hn::Sub(then, set(axis == 0 ? task.x : task.y)), set(task.grid.per_length)),
                 edge = hn::Sub(at, set(0.5 * static_cast<double>(task.grid.width))), first = hn::Ceil(edge),
                 z = hn::Mul(set(pieces), hn::Sub(first, edge)),

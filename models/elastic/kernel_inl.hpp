@@ -68,7 +68,7 @@ HWY_INLINE void RadialAt(D d, const hn::TFromD<D>* table, const V (&distance)[n]
 /// The field in the rod's frame but for its unit: strain times 2 pi/c_shear, polar vectors times 2
 /// pi/c_shear^2.
 template<class D>
-struct Wake {
+struct WakeLanes {
     hn::Vec<D> trace, yy, shear;         ///< div U, eps_yy - eps_xx = yy - trace, 2 eps_xy = shear
     hn::Vec<D> laplacian_x, laplacian_y; ///< lap U; zero unless asked for
     hn::Vec<D> gradient_x, gradient_y;   ///< grad div U
@@ -114,7 +114,7 @@ HWY_INLINE void BearingsOf(D d, const V (&X)[n], const V (&Y)[n], const Radial<D
 
 /// The field at a point from its parts.
 template<bool polar, class D, class V = hn::Vec<D>>
-HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const LaneMedium<D>& m) {
+HWY_INLINE WakeLanes<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const LaneMedium<D>& m) {
     const V one = hn::Set(d, hn::TFromD<D>{1});
     const V &c = b.c, &q = b.q, &p = b.p, &e_l = b.e_l, &e_t = b.e_t;
     const ScaledBessel<D>&t = at.shear, &l = at.longitudinal;
@@ -127,7 +127,7 @@ HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const
     const V ld = hn::Mul(hn::Mul(e_l, m.nu), hn::Mul(at.inverse, l.zd)); // nu^2 e_L (k1_L - k0_L)
     const V l1 = hn::Add(l0, ld), across = Fma(d, p, l0, ld);
     const V h = hn::Mul(hn::Sub(q, c), hn::Add(q, c)), qq = hn::Mul(q, q), cq2 = hn::Mul(hn::Add(c, c), q);
-    Wake<D> wake; // n, which comes last, goes in last
+    WakeLanes<D> wake; // n, which comes last, goes in last
     wake.trace = Fnma(d, p, l1, ld);
     wake.yy = Fma(d, h, n, hn::Mul(qq, hn::Sub(t0, l0)));
     wake.shear = Fma(d, cq2, n, hn::Mul(q, Fms(d, c, t0, across)));
@@ -149,7 +149,7 @@ HWY_INLINE Wake<D> WakeFrom(D d, const Bearing<D>& b, const Radial<D>& at, const
 /// The field at n points (X, Y), lengths in units of 1/c_shear; at[i] is that of sqrt(X^2 + Y^2).
 template<bool polar, TableShape shape = full_shape, std::size_t n, class D, class V = hn::Vec<D>>
 HWY_INLINE void WakeAt(D d, const V (&X)[n], const V (&Y)[n], const Radial<D>* const (&at)[n],
-                       const LaneMedium<D>& m, Wake<D> (&wake)[n]) {
+                       const LaneMedium<D>& m, WakeLanes<D> (&wake)[n]) {
     Bearing<D> bearing[n];
     BearingsOf<shape>(d, X, Y, at, m, bearing);
     RODWAKE_UNROLL

@@ -19,18 +19,18 @@ namespace rodwake::elastic::HWY_NAMESPACE {
 
 /// An accuracy as the kernels see it: working precision and table.
 template<class T, TableShape table_shape, std::size_t most_lanes = 64 / sizeof(T)>
-struct Kind {
+struct LaneKind {
     using Real = T;
-    using OneLane = Kind<T, table_shape, 1>;
+    using OneLane = LaneKind<T, table_shape, 1>;
     using Lanes = hn::CappedTag<T, most_lanes>;
     using V = hn::Vec<Lanes>;
     static constexpr TableShape shape = table_shape;
     static constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
     static constexpr bool single = std::is_same_v<T, float>;
 };
-using FullKind = Kind<double, full_shape>;
-using FineKind = Kind<double, fine_shape>;
-using SingleKind = Kind<float, single_shape>;
+using FullKind = LaneKind<double, full_shape>;
+using FineKind = LaneKind<double, fine_shape>;
+using SingleKind = LaneKind<float, single_shape>;
 
 template<class K>
 const typename K::Real* TableOf() {
@@ -88,18 +88,18 @@ HWY_INLINE typename K::V Offset(const Coordinates<K>& a, const Coordinates<K>& b
 
 /// What a source gives at each lane, lab components.
 template<class K>
-struct Parts {
+struct PartVectors {
     typename K::V part[all_parts];
 };
 
 template<class K>
-struct Units {
+struct PartUnits {
     typename K::V strain, polar;
 };
 
 template<bool polar, class K>
-HWY_INLINE Parts<K> LabParts(const Wake<typename K::Lanes>& wake, typename K::V cosine, typename K::V sine,
-                             const Units<K>& unit) {
+HWY_INLINE PartVectors<K> LabParts(const WakeLanes<typename K::Lanes>& wake, typename K::V cosine,
+                                   typename K::V sine, const PartUnits<K>& unit) {
     const typename K::Lanes d;
     using V = typename K::V;
     const V cos2 = Fms(d, cosine, cosine, hn::Mul(sine, sine)), sin2 = hn::Mul(hn::Add(sine, sine), cosine);
@@ -107,7 +107,7 @@ HWY_INLINE Parts<K> LabParts(const Wake<typename K::Lanes>& wake, typename K::V 
     const V half = hn::Mul(unit.strain, hn::Set(d, typename K::Real{0.5})), mean = hn::Mul(half, wake.trace);
     const V own_across = hn::Mul(half, hn::Sub(wake.yy, wake.trace)), own_shear = hn::Mul(half, wake.shear);
     const V across = Fma(d, own_across, cos2, hn::Mul(own_shear, sin2));
-    Parts<K> parts;
+    PartVectors<K> parts;
     parts.part[0] = hn::Sub(mean, across);
     parts.part[1] = Fms(d, own_shear, cos2, hn::Mul(own_across, sin2));
     parts.part[2] = hn::Add(mean, across);
@@ -127,7 +127,7 @@ struct Setting {
     const typename K::Real* table;
     double c_shear;
     LaneMedium<typename K::Lanes> medium;
-    Units<K> unit;
+    PartUnits<K> unit;
     const Field* field;
 };
 
@@ -145,7 +145,8 @@ HWY_INLINE Setting<K> SettingOf(const KernelMedium& medium, const Field& field) 
 
 /// Puts exact numbers in the lanes that the kernel cannot do: exact(lane, parts) gives those of a lane.
 template<bool polar, class K, class Exact>
-HWY_INLINE void ReplaceLanes(Parts<K>& parts, hn::Mask<typename K::Lanes> in_range, const Exact& exact) {
+HWY_INLINE void ReplaceLanes(PartVectors<K>& parts, hn::Mask<typename K::Lanes> in_range,
+                             const Exact& exact) {
     const typename K::Lanes d;
     using Real = typename K::Real;
     constexpr int count = polar ? all_parts : strain_parts;

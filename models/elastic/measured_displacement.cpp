@@ -47,7 +47,7 @@ std::vector<double> unit_errors(const MeasuredGrid& grid, double correlation, co
     return errors;
 }
 
-struct Component {
+struct MeasuredComponent {
     SmoothingSpline spline;
     std::vector<double> values, sigma; ///< delta at the points
     SmoothingReport report;
@@ -95,12 +95,12 @@ struct MeasuredDisplacement::Impl {
     MeasuredOptions options;
     QuinticKnots knots;
     std::vector<std::size_t> bins; ///< those outside the core
-    std::vector<Component> components;
+    std::vector<MeasuredComponent> components;
     std::vector<double> coefficients_x, coefficients_y;
 
     Impl(const MeasuredGrid& g, const Medium& m, const MeasuredOptions& o);
-    Component component(const std::vector<double>& U, const std::vector<double>& sigma,
-                        const std::vector<double>& theory) const;
+    MeasuredComponent component(const std::vector<double>& U, const std::vector<double>& sigma,
+                                const std::vector<double>& theory) const;
     std::vector<double> errors(double radius, const RandomStream& random) const;
     std::vector<double> levelled(std::vector<double> coefficients) const;
     double x(std::size_t bin) const { return grid.place(bin % grid.n); }
@@ -129,9 +129,9 @@ MeasuredDisplacement::Impl::Impl(const MeasuredGrid& g, const Medium& m, const M
     coefficients_y = levelled(components[1].spline.fit(components[1].values));
 }
 
-Component MeasuredDisplacement::Impl::component(const std::vector<double>& U,
-                                                const std::vector<double>& sigma,
-                                                const std::vector<double>& theory) const {
+MeasuredComponent MeasuredDisplacement::Impl::component(const std::vector<double>& U,
+                                                        const std::vector<double>& sigma,
+                                                        const std::vector<double>& theory) const {
     SplinePoints points;
     std::vector<double> values;
     for (std::size_t k = 0; k < bins.size(); ++k) {
@@ -140,13 +140,13 @@ Component MeasuredDisplacement::Impl::component(const std::vector<double>& U,
         points.sigma.push_back(sigma[bins[k]]);
         values.push_back(grid.known[bins[k]] ? U[bins[k]] - theory[k] : 0.0);
     }
-    Component c{SmoothingSpline(knots, points), values, points.sigma, {}};
+    MeasuredComponent c{SmoothingSpline(knots, points), values, points.sigma, {}};
     constexpr std::uint32_t probes = 16; // tr(H R) to about 2 % of a field of 78 bins a side
     constexpr std::uint64_t seed = 0x70726f6265;
     Eigen::MatrixXd z(static_cast<Eigen::Index>(bins.size()), probes);
     for (std::uint32_t k = 0; k < probes; ++k) {
-        const std::vector<double> one = errors(options.window, RandomStream(seed, k));
-        z.col(k) = Eigen::Map<const Eigen::VectorXd>(one.data(), z.rows());
+        const std::vector<double> item = errors(options.window, RandomStream(seed, k));
+        z.col(k) = Eigen::Map<const Eigen::VectorXd>(item.data(), z.rows());
     }
     if (options.smoothing)
         c.spline.set_lambda(*options.smoothing);
@@ -199,7 +199,7 @@ std::shared_ptr<const WakeField> MeasuredDisplacement::field(std::optional<Perio
 std::shared_ptr<const WakeField> MeasuredDisplacement::drawn(std::uint64_t seed, std::uint32_t sample,
                                                              std::optional<PeriodicBox> box) const {
     const auto coefficients = [&](std::uint32_t which) {
-        const Component& c = impl_->components[which];
+        const MeasuredComponent& c = impl_->components[which];
         const std::vector<double> errors = impl_->errors(
             std::max(impl_->options.window, impl_->options.correlation), RandomStream(seed, sample, which));
         std::vector<double> values = c.values;
@@ -221,8 +221,8 @@ struct Line {
 };
 
 /// s((place - from)/width), by place.
-Line smooth_step(double place, double width) {
-    const double t = std::clamp(place / width, 0.0, 1.0), r = 1.0 - t, per = 1.0 / width;
+Line smooth_step(double position, double width) {
+    const double t = std::clamp(position / width, 0.0, 1.0), r = 1.0 - t, per = 1.0 / width;
     return {t * t * t * t * (35.0 + t * (-84.0 + t * (70.0 - 20.0 * t))), 140.0 * t * t * t * r * r * r * per,
             420.0 * t * t * r * r * (r - t) * per * per,
             840.0 * t * r * (r * r - 3.0 * t * r + t * t) * per * per * per};

@@ -58,16 +58,18 @@ public:
         images_.visit(*residual_, x, y, [&](Vector at, Vector) { residual_->add_to(f, at.x, at.y); });
         return f;
     }
-    FieldValues by_heading(double x, double y, FieldRequest request) const override;
-    MediumDerivatives by_medium(double, double, FieldRequest) const override {
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
+    MediumDerivatives medium_derivatives(double, double, FieldRequest) const override {
         throw InputError("a measured field has no derivatives by the medium");
     }
-    FieldValues at_own_place(FieldRequest request) const override { return theory_->at_own_place(request); }
+    FieldValues self_image_field(FieldRequest request) const override {
+        return theory_->self_image_field(request);
+    }
     FieldValues own_place_by_heading(FieldRequest request) const override {
         return theory_->own_place_by_heading(request);
     }
     MediumDerivatives own_place_by_medium(FieldRequest request) const override {
-        return by_medium(0.0, 0.0, request);
+        return medium_derivatives(0.0, 0.0, request);
     }
 
 private:
@@ -77,8 +79,8 @@ private:
 };
 
 /// As the rod turns, the ways to its images turn back in its frame.
-FieldValues MeasuredWake::by_heading(double x, double y, FieldRequest request) const {
-    FieldValues f = theory_->by_heading(x, y, request);
+FieldValues MeasuredWake::heading_derivative(double x, double y, FieldRequest request) const {
+    FieldValues f = theory_->heading_derivative(x, y, request);
     images_.visit(*residual_, x, y, [&](Vector at, Vector way) {
         FieldValues here{};
         residual_->add_to(here, at.x, at.y);
@@ -122,9 +124,9 @@ void MeasuredField::mutual(std::span<const Source> rods, FieldRequest request,
             if (&rods[a] == &source)
                 continue;
             const Vector at = turned(Vector{rods[a].x - source.x, rods[a].y - source.y}, cosine, -sine);
-            images.visit(*residual_, at.x, at.y, [&](Vector place, Vector) {
+            images.visit(*residual_, at.x, at.y, [&](Vector position, Vector) {
                 FieldValues more{};
-                residual_->add_to(more, place.x, place.y);
+                residual_->add_to(more, position.x, position.y);
                 add(sums[a], turned(more, cosine, sine));
             });
         }

@@ -34,11 +34,11 @@ Tile<K> TileOf(std::span<const KernelSource> rods) {
     for (std::size_t i = 0; i < 2 * tile_rods; ++i) {
         constexpr double none = std::numeric_limits<double>::quiet_NaN();
         const std::size_t rod = i % tile_rods;
-        const KernelSource one = rod < rods.size() ? rods[rod] : KernelSource{none, none, 1.0, 0.0};
-        tile.x[i] = one.x;
-        tile.y[i] = one.y;
-        tile.cosine[i] = static_cast<typename K::Real>(one.cosine);
-        tile.sine[i] = static_cast<typename K::Real>(one.sine);
+        const KernelSource source = rod < rods.size() ? rods[rod] : KernelSource{none, none, 1.0, 0.0};
+        tile.x[i] = source.x;
+        tile.y[i] = source.y;
+        tile.cosine[i] = static_cast<typename K::Real>(source.cosine);
+        tile.sine[i] = static_cast<typename K::Real>(source.sine);
     }
     return tile;
 }
@@ -51,15 +51,15 @@ struct TileSums {
 
 /// Lanes of a step: rods i, i + 1, ... of tile a and j, j + 1, ... of tile b.
 template<class K>
-struct Step {
+struct TileStep {
     const Tile<K>&a, &b;
     std::size_t i, j;
 };
 
 /// The exact field in the lanes that the kernel cannot do: of b's rods at a's if `at_a`, else of a's at b's.
 template<bool polar, class K>
-HWY_NOINLINE void ReplacePairs(Parts<K>& parts, hn::Mask<typename K::Lanes> in_range, const Field& field,
-                               const Step<K>& step, bool at_a) {
+HWY_NOINLINE void ReplacePairs(PartVectors<K>& parts, hn::Mask<typename K::Lanes> in_range,
+                               const Field& field, const TileStep<K>& step, bool at_a) {
     ReplaceLanes<polar, K>(parts, in_range, [&](std::size_t lane, double* exact) {
         const std::size_t i = step.i + lane, j = step.j + lane;
         if (std::isnan(step.a.x[i]) || std::isnan(step.b.x[j]))
@@ -71,7 +71,7 @@ HWY_NOINLINE void ReplacePairs(Parts<K>& parts, hn::Mask<typename K::Lanes> in_r
 }
 
 template<bool polar, class K>
-HWY_INLINE void AddParts(const Parts<K>& parts, TileSums<K>& sums, std::size_t at) {
+HWY_INLINE void AddParts(const PartVectors<K>& parts, TileSums<K>& sums, std::size_t at) {
     const typename K::Lanes d;
     RODWAKE_UNROLL
     for (int k = 0; k < (polar ? all_parts : strain_parts); ++k) {
@@ -82,7 +82,8 @@ HWY_INLINE void AddParts(const Parts<K>& parts, TileSums<K>& sums, std::size_t a
 
 /// What a vector of rods of a and one of b give each other: K0 and K1 once for both.
 template<bool polar, class K>
-HWY_INLINE void AddStep(const Setting<K>& with, const Step<K>& step, TileSums<K>& sum_a, TileSums<K>& sum_b) {
+HWY_INLINE void AddStep(const Setting<K>& with, const TileStep<K>& step, TileSums<K>& sum_a,
+                        TileSums<K>& sum_b) {
     const typename K::Lanes d;
     using V = typename K::V;
     const Tile<K>&a = step.a, &b = step.b;
@@ -96,10 +97,10 @@ HWY_INLINE void AddStep(const Setting<K>& with, const Step<K>& step, TileSums<K>
     // a's rods as b's see them, and b's as a's do
     const V X[2] = {Fma(d, cos_b, x, hn::Mul(sin_b, y)), hn::Neg(Fma(d, cos_a, x, hn::Mul(sin_a, y)))};
     const V Y[2] = {Fms(d, cos_b, y, hn::Mul(sin_b, x)), Fms(d, sin_a, x, hn::Mul(cos_a, y))};
-    Wake<typename K::Lanes> wake[2];
+    WakeLanes<typename K::Lanes> wake[2];
     WakeAt<polar, K::shape>(d, X, Y, {&radial[0], &radial[0]}, with.medium, wake);
-    Parts<K> at_a = LabParts<polar>(wake[0], cos_b, sin_b, with.unit),
-             at_b = LabParts<polar>(wake[1], cos_a, sin_a, with.unit);
+    PartVectors<K> at_a = LabParts<polar>(wake[0], cos_b, sin_b, with.unit),
+                   at_b = LabParts<polar>(wake[1], cos_a, sin_a, with.unit);
     if (HWY_UNLIKELY(!hn::AllTrue(d, radial[0].in_range))) {
         ReplacePairs<polar, K>(at_a, radial[0].in_range, *with.field, step, true);
         ReplacePairs<polar, K>(at_b, radial[0].in_range, *with.field, step, false);
@@ -110,7 +111,7 @@ HWY_INLINE void AddStep(const Setting<K>& with, const Step<K>& step, TileSums<K>
 
 /// Adds both halves of a tile's sums to those of its block, in double.
 template<bool polar, class K>
-HWY_INLINE void Flush(const TileSums<K>& sums, BlockSums& block, std::size_t first) {
+HWY_INLINE void Flush(const TileSums<K>& sums, RodSums& block, std::size_t first) {
     for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
         for (std::size_t i = 0; i < tile_rods; ++i)
             block.part[k][first + i] +=

@@ -14,7 +14,7 @@ inline constexpr std::size_t tile_rods = 16;
 inline constexpr std::size_t block_tiles = 8, block_rods = block_tiles * tile_rods;
 
 /// Sums of the rods of a block, part by part; the polar parts are left alone unless asked for.
-struct BlockSums {
+struct RodSums {
     std::array<std::array<double, block_rods>, all_parts> part{};
 };
 
@@ -22,7 +22,7 @@ struct BlockSums {
 /// every two of a.
 struct BlockPair {
     std::span<const KernelSource> a, b; ///< block_rods at most
-    BlockSums *sum_a, *sum_b;
+    RodSums *sum_a, *sum_b;
 };
 
 /// Throws InputError for two rods at one place.

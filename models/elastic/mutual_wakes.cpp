@@ -35,7 +35,7 @@ struct Task {
     const KernelMedium& medium;
     const Field& field;
     const MutualWakesOptions& options;
-    Team& team;
+    ThreadPool& team;
     bool polar;
     std::span<const KernelSource> rods;
     std::array<double*, all_parts> sum; ///< one number a rod, zero to begin with
@@ -47,7 +47,7 @@ struct Task {
     }
 };
 
-void add_block(const Task& task, std::size_t block, const BlockSums& sums) {
+void add_block(const Task& task, std::size_t block, const RodSums& sums) {
     for (int k = 0; k < task.parts(); ++k)
         for (std::size_t i = 0; i < task.block(block).size(); ++i)
             task.sum[k][block * block_rods + i] += sums.part[k][i];
@@ -56,7 +56,7 @@ void add_block(const Task& task, std::size_t block, const BlockSums& sums) {
 /// Two blocks and what their rods give each other.
 struct BlockWork {
     std::size_t a, b;
-    BlockSums sum_a, sum_b;
+    RodSums sum_a, sum_b;
 };
 
 /// All pairs. Blocks two by two on threads, some hundred at a time; their sums are added up in one order. Two
@@ -66,15 +66,15 @@ void add_all_pairs(const Task& task) {
     std::vector<BlockWork> work;
     const auto finish = [&] {
         parallel_for(work.size(), task.team, [&](std::size_t k) {
-            BlockWork& one = work[k];
+            BlockWork& item = work[k];
             const std::span<const KernelSource> none;
             add_block_pair(
                 task.medium, task.field, task.options.accuracy, task.polar,
-                {task.block(one.a), one.a == one.b ? none : task.block(one.b), &one.sum_a, &one.sum_b});
+                {task.block(item.a), item.a == item.b ? none : task.block(item.b), &item.sum_a, &item.sum_b});
         });
-        for (const BlockWork& one : work) {
-            add_block(task, one.a, one.sum_a);
-            add_block(task, one.b, one.sum_b);
+        for (const BlockWork& each : work) {
+            add_block(task, each.a, each.sum_a);
+            add_block(task, each.b, each.sum_b);
         }
         work.clear();
     };
@@ -99,8 +99,8 @@ template<class Range, class At>
 Box box_around(const Range& range, const At& at) {
     const KernelSource& first = at(*range.begin());
     Box box{first.x, first.x, first.y, first.y};
-    for (const auto& one : range) {
-        const KernelSource& rod = at(one);
+    for (const auto& item : range) {
+        const KernelSource& rod = at(item);
         box = {std::min(box.x0, rod.x), std::max(box.x1, rod.x), std::min(box.y0, rod.y),
                std::max(box.y1, rod.y)};
     }
@@ -154,7 +154,7 @@ Circle circle_around(std::span<const KernelSource> rods) {
     return {x, y, radius};
 }
 
-struct Near {
+struct NearBlocks {
     const NearHeat& heat;
     double reach; ///< in the rods' unit
     std::vector<Circle> blocks;
@@ -166,11 +166,11 @@ bool within(const Circle& a, const Circle& b, double distance) {
 }
 
 /// Rods near to a block, to a group of it and to a rod.
-struct Around {
+struct SurroundingSources {
     NearSources block, group, rod;
 };
 
-void find_around(const Task& task, const Near& near, std::size_t block, Around& around) {
+void find_around(const Task& task, const NearBlocks& near, std::size_t block, SurroundingSources& around) {
     NearSources& all = around.group; // not yet in use
     const Circle& circle = near.blocks[block];
     all.count = 0;
@@ -198,7 +198,8 @@ void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std:
 }
 
 /// Puts the exact field of near rods in at a group, in place of their far wakes.
-std::size_t add_group(const Task& task, const Near& near, Around& around, std::size_t first) {
+std::size_t add_group(const Task& task, const NearBlocks& near, SurroundingSources& around,
+                      std::size_t first) {
     const auto group = task.rods.subspan(first, std::min(group_rods, task.rods.size() - first));
     const Circle circle = circle_around(group);
     find_near(around.block, circle.x, circle.y, near.reach + circle.radius, -1.0, around.group);
@@ -218,13 +219,13 @@ std::size_t add_group(const Task& task, const Near& near, Around& around, std::s
 }
 
 std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
-    Near near{heat, heat.reach * task.field.medium().xi, {}};
+    NearBlocks near{heat, heat.reach * task.field.medium().xi, {}};
     for (std::size_t k = 0; k < task.blocks(); ++k)
         near.blocks.push_back(circle_around(task.block(k)));
     std::atomic<std::size_t> done{0};
     parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::size_t end = block * block_rods + task.block(block).size();
-        thread_local Around around;
+        thread_local SurroundingSources around;
         find_around(task, near, block, around);
         for (std::size_t first = block * block_rods; first < end; first += group_rods)
             done += add_group(task, near, around, first);
@@ -233,7 +234,7 @@ std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
 }
 
 /// Sums of the far wakes of rods in compact order.
-void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
+void add_far(const Task& task, const FarWakes& far, const FarWakes::QuadraturePlan& plan,
              std::span<const KernelSource> in_xi) {
     const double per_xi = 1.0 / task.field.medium().xi;
     far.add(plan, in_xi, task.team, std::span(task.sum).first(static_cast<std::size_t>(task.parts())));
@@ -242,7 +243,7 @@ void add_far(const Task& task, const FarWakes& far, const FarWakes::Plan& plan,
             task.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
 }
 
-/// ns of one core as FarWakes::Plan counts them, as measured.
+/// ns of one core as FarWakes::QuadraturePlan counts them, as measured.
 double all_pairs_cost(const Task& task) {
     const auto n = static_cast<double>(task.rods.size());
     const double exact = task.polar ? 9.0 : 6.2;
@@ -293,7 +294,7 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     if (!may_be_far(options, task.field.medium(), task.polar, rods.size()))
         return std::nullopt;
     const FarWakes& far = kept.of(task.field.medium(), options, task.polar);
-    const FarWakes::Plan plan = far.plan(in_xi);
+    const FarWakes::QuadraturePlan plan = far.plan(in_xi);
     if (plan.cost > all_pairs_cost(task))
         return std::nullopt;
     const NearHeat& near = far.near_heat(plan);
@@ -311,7 +312,7 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     return done;
 }
 
-std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Team& team,
+std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, ThreadPool& team,
                 MutualWakes::Far& far, std::span<const Source> rods, const StrainSums& strain,
                 const PolarSums* polar) {
     require_lengths(rods.size(), strain);
@@ -344,8 +345,8 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Tea
 } // namespace
 
 MutualWakes::MutualWakes(const Medium& medium, const MutualWakesOptions& options)
-    : kernel_(medium, options.accuracy), options_(options), team_(std::make_shared<Team>(options.threads)),
-      far_(std::make_shared<Far>()) {
+    : kernel_(medium, options.accuracy), options_(options),
+      team_(std::make_shared<ThreadPool>(options.threads)), far_(std::make_shared<Far>()) {
     require(options.threads > 0, "threads = 0: give at least one");
     for (const double tolerance : {options.strain_tolerance, options.polar_tolerance})
         require(tolerance >= 0.0 && std::isfinite(tolerance),

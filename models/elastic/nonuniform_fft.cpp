@@ -96,7 +96,7 @@ std::size_t NonuniformFft::grid_of(std::size_t half) {
         std::max(static_cast<std::size_t>(oversampling * modes) + 1, 2 * SpreadKernel::width + slab_rows));
 }
 
-NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
+NonuniformFft::NonuniformFft(double box, std::size_t half, ThreadPool& team)
     : half_(half), side_(2 * half + 1), fft_(grid_of(half)), team_(team), modes_(side_ * side_),
       between_(grid() * side_), places_{grid(), {}, {}, {}, {}},
       slabs_((grid() + slab_rows - 1) / slab_rows) {
@@ -108,12 +108,12 @@ NonuniformFft::NonuniformFft(double box, std::size_t half, Team& team)
         inverse_.push_back(1.0 / kernel_.transform(static_cast<double>(m) - static_cast<double>(half), size));
 }
 
-void NonuniformFft::place(std::span<const double> places) {
-    const std::size_t count = places.size() / 3;
+void NonuniformFft::place(std::span<const double> positions) {
+    const std::size_t count = positions.size() / 3;
     places_.resize(count);
     constexpr std::size_t block = 64;
     team_.run((count + block - 1) / block, [&](std::size_t k) {
-        cover_points(kernel_, per_length_, places, k * block, std::min((k + 1) * block, count), places_);
+        cover_points(kernel_, per_length_, positions, k * block, std::min((k + 1) * block, count), places_);
     });
     for (auto& slab : slabs_)
         slab.clear();

@@ -100,14 +100,14 @@ struct SpreadPlaces {
 class NonuniformFft {
 public:
     /// `team` outlives it.
-    NonuniformFft(double box, std::size_t half, Team& team);
+    NonuniformFft(double box, std::size_t half, ThreadPool& team);
 
     std::size_t grid() const { return fft_.size(); } ///< points a side
     std::size_t side() const { return side_; }       ///< modes a side, 2 half + 1
     static std::size_t grid_of(std::size_t half);
 
     /// Where the points are: x and y of point a are places[3 a] and places[3 a + 1] (layout of poses).
-    void place(std::span<const double> places);
+    void place(std::span<const double> positions);
 
     /// C_q of the last placed points, at (m + half) side() + n + half.
     std::span<Complex> modes() { return modes_; }
@@ -133,7 +133,7 @@ private:
     std::size_t half_, side_;
     SpreadKernel kernel_;
     Fft fft_;
-    Team& team_;
+    ThreadPool& team_;
     std::vector<double> inverse_;  ///< 1/transform of the kernel at each mode of a side
     std::vector<Complex> modes_;   ///< side x side
     std::vector<Complex> between_; ///< grid x side: one direction transformed
@@ -146,7 +146,7 @@ private:
 
 /// Places of points `first` to `last` from their coordinates in grid points; layout of poses.
 void cover_points(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
-                  std::size_t first, std::size_t last, SpreadPlaces& places);
+                  std::size_t first, std::size_t last, SpreadPlaces& positions);
 /// Adds a weighted point to rows of the grid from `begin` to `end`.
 void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
                   std::size_t end, std::size_t line, Complex* grid);

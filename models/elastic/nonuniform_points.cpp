@@ -56,54 +56,54 @@ struct Cover {
 };
 
 /// What a point covers, at `at` grid spacings.
-HWY_INLINE Cover CoverOf(double at, const SpreadPlaces& places) {
-    const auto grid = static_cast<double>(places.grid);
+HWY_INLINE Cover CoverOf(double at, const SpreadPlaces& positions) {
+    const auto grid = static_cast<double>(positions.grid);
     const double wrapped = at - grid * std::floor(at / grid),
                  edge = wrapped - 0.5 * static_cast<double>(SpreadKernel::width), first = std::ceil(edge);
     const auto index = static_cast<std::uint32_t>(first < 0.0 ? first + grid : first);
-    return {index % static_cast<std::uint32_t>(places.grid), 2.0 * (first - edge) - 1.0};
+    return {index % static_cast<std::uint32_t>(positions.grid), 2.0 * (first - edge) - 1.0};
 }
 
 void CoverPoints(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
-                 std::size_t first, std::size_t last, SpreadPlaces& places) {
+                 std::size_t first, std::size_t last, SpreadPlaces& positions) {
     for (std::size_t a = first; a < last; ++a) {
-        const Cover row = CoverOf(poses[3 * a] * per_length, places),
-                    column = CoverOf(poses[3 * a + 1] * per_length, places);
-        places.first_row[a] = row.first;
-        places.first_column[a] = column.first;
+        const Cover row = CoverOf(poses[3 * a] * per_length, positions),
+                    column = CoverOf(poses[3 * a + 1] * per_length, positions);
+        positions.first_row[a] = row.first;
+        positions.first_column[a] = column.first;
         PolynomialsAt(row.u, kernel.values(0), SpreadKernel::row, kernel.terms(), SpreadKernel::row,
-                      &places.x[a * SpreadKernel::row]);
+                      &positions.x[a * SpreadKernel::row]);
         PolynomialsAt(column.u, kernel.twice(0), SpreadKernel::pairs, kernel.terms(), SpreadKernel::pairs,
-                      &places.y[a * SpreadKernel::pairs]);
+                      &positions.y[a * SpreadKernel::pairs]);
     }
 }
 
-void SpreadPoint(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
+void SpreadPoint(const SpreadPlaces& positions, std::size_t point, Complex weight, std::size_t begin,
                  std::size_t end, std::size_t line, Complex* grid) {
     const Lanes d;
-    const double *x = &places.x[point * SpreadKernel::row], *y = &places.y[point * SpreadKernel::pairs];
-    std::size_t row = places.first_row[point];
-    for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
+    const double *x = &positions.x[point * SpreadKernel::row], *y = &positions.y[point * SpreadKernel::pairs];
+    std::size_t row = positions.first_row[point];
+    for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == positions.grid ? 0 : row + 1) {
         if (row < begin || row >= end)
             continue;
         const double re = x[i] * weight.re, im = x[i] * weight.im,
                      pairs[8] = {re, im, re, im, re, im, re, im};
-        double* to = &grid[row * line + places.first_column[point]].re;
+        double* to = &grid[row * line + positions.first_column[point]].re;
         for (std::size_t j = 0; j < SpreadKernel::pairs; j += hn::Lanes(d))
             hn::StoreU(Fma(d, hn::LoadU(d, y + j), hn::LoadU(d, pairs + j % 8), hn::LoadU(d, to + j)), d,
                        to + j);
     }
 }
 
-Complex ReadPoint(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
+Complex ReadPoint(const SpreadPlaces& positions, std::size_t point, std::size_t line, const Complex* grid) {
     const Lanes d;
-    const double *x = &places.x[point * SpreadKernel::row], *y = &places.y[point * SpreadKernel::pairs];
+    const double *x = &positions.x[point * SpreadKernel::row], *y = &positions.y[point * SpreadKernel::pairs];
     double sums[SpreadKernel::pairs] = {};
     for (std::size_t j = 0; j < SpreadKernel::pairs; j += hn::Lanes(d)) {
         auto sum = hn::Zero(d);
-        std::size_t row = places.first_row[point];
-        for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == places.grid ? 0 : row + 1) {
-            const double* from = &grid[row * line + places.first_column[point]].re + j;
+        std::size_t row = positions.first_row[point];
+        for (std::size_t i = 0; i < SpreadKernel::width; ++i, row = row + 1 == positions.grid ? 0 : row + 1) {
+            const double* from = &grid[row * line + positions.first_column[point]].re + j;
             sum = Fma(d, hn::Set(d, x[i]), hn::LoadU(d, from), sum);
         }
         hn::StoreU(hn::Mul(sum, hn::LoadU(d, y + j)), d, sums + j);
@@ -125,17 +125,17 @@ HWY_EXPORT(SpreadPoint);
 HWY_EXPORT(ReadPoint);
 
 void cover_points(const SpreadKernel& kernel, double per_length, std::span<const double> poses,
-                  std::size_t first, std::size_t last, SpreadPlaces& places) {
-    HWY_DYNAMIC_DISPATCH(CoverPoints)(kernel, per_length, poses, first, last, places);
+                  std::size_t first, std::size_t last, SpreadPlaces& positions) {
+    HWY_DYNAMIC_DISPATCH(CoverPoints)(kernel, per_length, poses, first, last, positions);
 }
 
-void spread_point(const SpreadPlaces& places, std::size_t point, Complex weight, std::size_t begin,
+void spread_point(const SpreadPlaces& positions, std::size_t point, Complex weight, std::size_t begin,
                   std::size_t end, std::size_t line, Complex* grid) {
-    HWY_DYNAMIC_DISPATCH(SpreadPoint)(places, point, weight, begin, end, line, grid);
+    HWY_DYNAMIC_DISPATCH(SpreadPoint)(positions, point, weight, begin, end, line, grid);
 }
 
-Complex read_point(const SpreadPlaces& places, std::size_t point, std::size_t line, const Complex* grid) {
-    return HWY_DYNAMIC_DISPATCH(ReadPoint)(places, point, line, grid);
+Complex read_point(const SpreadPlaces& positions, std::size_t point, std::size_t line, const Complex* grid) {
+    return HWY_DYNAMIC_DISPATCH(ReadPoint)(positions, point, line, grid);
 }
 
 } // namespace rodwake::fourier

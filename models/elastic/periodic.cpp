@@ -50,7 +50,7 @@ void check_box(const PeriodicBox& box, const Medium& medium) {
     throw InputError(message.str());
 }
 
-void add_gradients(FieldValues& f, const Parts& p, FieldRequest request, double third, double fourth,
+void add_gradients(FieldValues& f, const JetParts& p, FieldRequest request, double third, double fourth,
                    double shear_decay) {
     const auto& [a, b, c] = p;
     if (request.strain) {
@@ -73,7 +73,8 @@ void refuse_gradients(FieldRequest request) {
 
 } // namespace
 
-FieldValues assembled(const Parts& p, FieldRequest request, double unit, double shear_decay, double uniform) {
+FieldValues assembled(const JetParts& p, FieldRequest request, double unit, double shear_decay,
+                      double uniform) {
     const double first = 0.5 * std::numbers::inv_pi, second = first / unit, third = second / unit;
     FieldValues f = unrequested();
     if (request.displacement)
@@ -121,7 +122,7 @@ NearestImage PeriodicField::Impl::nearest(double x, double y) const {
     return {lab.x - i * sides.x, lab.y - j * sides.y, shift, offset};
 }
 
-Parts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
+JetParts PeriodicField::Impl::parts(double x, double y, Needed needed) const {
     needed.by_c = false;
     const Jet t = to_rod(shear.at(x, y, needed).g, needed.third),
               l = to_rod(longitudinal.at(x, y, needed).g, needed.third);
@@ -158,12 +159,12 @@ FieldValues PeriodicField::Impl::rest(double x, double y, FieldRequest request) 
 MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, FieldRequest request) const {
     Needed needed = needed_for(request);
     needed.by_c = true;
-    const Jets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
+    const WaveVectorJets t = shear.at(x, y, needed), l = longitudinal.at(x, y, needed);
     const Jet gt = to_rod(t.g, false), gl = to_rod(l.g, false), ct = shear.c() * to_rod(t.by_c, false),
               cl = longitudinal.c() * to_rod(l.by_c, false);
-    const Parts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
+    const JetParts by_eta{{}, xi * nu * cl, -nu * nu * (gl + cl)};
     const double per = 1.0 / unit; // xi of the caller's over xi here
-    const Parts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
+    const JetParts by_xi{(-per / xi) * ct, per * (gt + -1.0 * gl + -1.0 * ct + cl), (-per * nu / xi) * cl};
     MediumDerivatives d{assembled(by_eta, request, unit, 1.0 / xi, 0.0),
                         assembled(by_xi, request, unit, 1.0 / xi, 0.0)};
     if (request.polar) // the shear decay 1/xi itself
@@ -187,7 +188,9 @@ FieldValues PeriodicField::at(double x, double y, FieldRequest request) const {
     return f;
 }
 
-FieldValues PeriodicField::at_own_place(FieldRequest request) const { return impl_->rest(0.0, 0.0, request); }
+FieldValues PeriodicField::self_image_field(FieldRequest request) const {
+    return impl_->rest(0.0, 0.0, request);
+}
 
 MediumDerivatives PeriodicField::medium_derivatives(double x, double y, FieldRequest request) const {
     refuse_gradients(request);
@@ -278,7 +281,7 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
 const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
     std::call_once(turning_once_, [this] {
         const auto turned = [this](double c) {
-            return PeriodicPotential(WaveVector::by_heading(c, cosine, sine), sides);
+            return PeriodicPotential(WaveVector::heading_derivative(c, cosine, sine), sides);
         };
         turning_.emplace(Turning{turned(shear.c()), turned(longitudinal.c())});
     });
@@ -290,7 +293,8 @@ const PeriodicField::Impl::Turning& PeriodicField::Impl::turning() const {
 FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldRequest request) const {
     const double x = (p.shift.x + p.offset.x) / unit, y = (p.shift.y + p.offset.y) / unit;
     Needed needed{.second = true, .third = needed_for(request).second, .by_c = true};
-    const Jets t = turning().shear.at(p.x, p.y, needed), l = turning().longitudinal.at(p.x, p.y, needed);
+    const WaveVectorJets t = turning().shear.at(p.x, p.y, needed),
+                         l = turning().longitudinal.at(p.x, p.y, needed);
     const Jet t_wave = to_rod(t.by_c, false), l_wave = to_rod(l.by_c, false),
               t_place = by_angle(x, y, to_rod(t.g, true)), l_place = by_angle(x, y, to_rod(l.g, true));
     // The derivatives by the wave vector are of order c: no need of the integral over it
@@ -299,7 +303,7 @@ FieldValues PeriodicField::Impl::rest_by_heading(const NearestImage& p, FieldReq
                      request, unit, 1.0 / xi, 0.0);
 }
 
-FieldValues PeriodicField::by_heading(double x, double y, FieldRequest request) const {
+FieldValues PeriodicField::heading_derivative(double x, double y, FieldRequest request) const {
     refuse_turned_gradients(request);
     const NearestImage p = impl_->nearest(x, y);
     FieldValues f = impl_->rest_by_heading(p, request);

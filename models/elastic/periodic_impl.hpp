@@ -13,13 +13,14 @@ namespace rodwake::elastic {
 
 /// U = (1/2 pi) [A xhat + grad B], div U = (1/2 pi) d_x C: A = G_T, B = xi (G_T - G_L), C = nu G_L, or their
 /// derivatives by the medium or the heading. Rod's axes; unit of length: the box's shorter side.
-struct Parts {
+struct JetParts {
     Jet a, b, c;
 };
 
 /// The field of these parts. `unit`: of length, the caller's. `uniform`: density of the counterforce, which
 /// the Laplacian of the field itself holds; 0 for derivatives.
-FieldValues assembled(const Parts& p, FieldRequest request, double unit, double shear_decay, double uniform);
+FieldValues assembled(const JetParts& p, FieldRequest request, double unit, double shear_decay,
+                      double uniform);
 
 /// Which derivatives of the potentials a request takes.
 Needed needed_for(FieldRequest request);
@@ -51,7 +52,7 @@ struct PeriodicField::Impl {
     Jet to_rod(const Jet& box_axes, bool third) const { return from_axes(cosine, -sine, box_axes, third); }
 
     /// Of the whole field where it is summed as rows, of the rest near the rod.
-    Parts parts(double x, double y, Needed needed) const;
+    JetParts parts(double x, double y, Needed needed) const;
     FieldValues rest(double x, double y, FieldRequest request) const;
     MediumDerivatives rest_derivatives(double x, double y, FieldRequest request) const;
     FieldValues rest_by_heading(const NearestImage& p, FieldRequest request) const;

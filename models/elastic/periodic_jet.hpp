@@ -18,7 +18,9 @@ struct WaveVector {
     double c, ux, uy, wx, wy;
 
     static WaveVector by_c(double c, double ux, double uy) { return {c, ux, uy, ux, uy}; }
-    static WaveVector by_heading(double c, double ux, double uy) { return {c, ux, uy, -c * uy, c * ux}; }
+    static WaveVector heading_derivative(double c, double ux, double uy) {
+        return {c, ux, uy, -c * uy, c * ux};
+    }
 
     double along() const { return ux * wx + uy * wy; } ///< of the direction: dc
     double across() const { return ux * wy - uy * wx; }
@@ -26,7 +28,7 @@ struct WaveVector {
 };
 
 /// A potential and its derivative by its wave vector.
-struct Jets {
+struct WaveVectorJets {
     Jet g, by_c;
 };
 

@@ -13,21 +13,21 @@ namespace {
 constexpr int samples = 2 * LocalRest::terms; // a multiple of 8: none on a diagonal
 constexpr double radius = 0.5;
 
-struct Place {
+struct LocalPoint {
     double x, y;
 };
 
 /// The circle's places, none on an axis.
-const std::array<Place, samples>& circle() {
-    static const auto places = [] {
-        std::array<Place, samples> p;
+const std::array<LocalPoint, samples>& circle() {
+    static const auto positions = [] {
+        std::array<LocalPoint, samples> p;
         for (int j = 0; j < samples; ++j) {
             const double angle = 2.0 * std::numbers::pi * (j + 0.5) / samples;
             p[j] = {radius * std::cos(angle), radius * std::sin(angle)};
         }
         return p;
     }();
-    return places;
+    return positions;
 }
 
 /// e^(-i m angle_j) radius^-m (2 - [m = 0])/samples
@@ -45,8 +45,9 @@ const Transform& transform() {
 }
 
 /// The potential on the circle and its derivative by c. Places j and samples-1-j are mirrored in y.
-std::array<Rows::Values, samples> on_circle(const PeriodicBox& box, const Rows& columns, const Rows& rows) {
-    std::array<Rows::Values, samples> v;
+std::array<PeriodicRows::Values, samples> on_circle(const PeriodicBox& box, const PeriodicRows& columns,
+                                                    const PeriodicRows& rows) {
+    std::array<PeriodicRows::Values, samples> v;
     const auto positive = [](double x, double side) { return x < 0.0 ? x + side : x; };
     for (int j = 0; j < samples / 2; ++j) {
         const auto [x, y] = circle()[j];
@@ -192,7 +193,8 @@ LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, doubl
     return s;
 }
 
-LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const Rows& columns, const Rows& rows)
+LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const PeriodicRows& columns,
+                     const PeriodicRows& rows)
     : c_(wave), density_(1.0 / box.area()) {
     const double c = wave.c, along = wave.along(), across = wave.across() / c;
     const auto potential = on_circle(box, columns, rows);
@@ -223,10 +225,10 @@ LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const Rows&
     }
 }
 
-void LocalRest::add(Jets& sum, double x, double y, Needed needed) const {
+void LocalRest::add(WaveVectorJets& sum, double x, double y, Needed needed) const {
     const auto [c, ux, uy, wx, wy] = c_;
     const double along = ux * x + uy * y, across = ux * y - uy * x, decay = std::exp(-c * along);
-    const Jets uniform = uniform_part(c, along, across, needed.third);
+    const WaveVectorJets uniform = uniform_part(c, along, across, needed.third);
     const Basis basis(c, x, y);
     Coefficients a = a_, a_by_c = a_by_c_;
     if (!needed.without_log) {
@@ -270,7 +272,7 @@ Jet radial(double f, double f1, double f2, double f3, double x, double y) {
 // in the rod's own column, exp(-c.r) K0(c r) each.
 
 /// One source at the origin; c r > 0.5, exponent = c r + c.r.
-void add_source(Jets& sum, const WaveVector& c, double x, double y, double r, double exponent,
+void add_source(WaveVectorJets& sum, const WaveVector& c, double x, double y, double r, double exponent,
                 Needed needed) {
     const double k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy, decay = std::exp(-exponent);
     const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
@@ -286,7 +288,8 @@ void add_source(Jets& sum, const WaveVector& c, double x, double y, double r, do
 
 /// Those at (0, j Y), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of
 /// all.
-void add_column_images(Jets& sum, const WaveVector& c, double period, double x, double y, Needed needed) {
+void add_column_images(WaveVectorJets& sum, const WaveVector& c, double period, double x, double y,
+                       Needed needed) {
     for (const double side : {-1.0, 1.0})
         for (double j = side;; j += side) {
             const double dy = y - j * period, r = std::hypot(x, dy),
@@ -305,12 +308,12 @@ PeriodicPotential::PeriodicPotential(const WaveVector& c, const PeriodicBox& box
         local_.emplace(c, box, columns_, rows_);
 }
 
-Jets PeriodicPotential::at(double x, double y, Needed needed) const {
+WaveVectorJets PeriodicPotential::at(double x, double y, Needed needed) const {
     return is_near(x, y) ? near(x, y, needed) : far(x, y, needed);
 }
 
-Jets PeriodicPotential::far(double x, double y, Needed needed) const {
-    Jets sum;
+WaveVectorJets PeriodicPotential::far(double x, double y, Needed needed) const {
+    WaveVectorJets sum;
     if (std::abs(x) >= std::abs(y)) {
         columns_.add_all(sum, x < 0.0 ? x + box_.x : x, y, needed);
         return sum;
@@ -320,8 +323,8 @@ Jets PeriodicPotential::far(double x, double y, Needed needed) const {
 }
 
 /// Of the two directions of a column the one the rod heads across: wakes do not run along it.
-Jets PeriodicPotential::near(double x, double y, Needed needed) const {
-    Jets sum;
+WaveVectorJets PeriodicPotential::near(double x, double y, Needed needed) const {
+    WaveVectorJets sum;
     if (local_) {
         local_->add(sum, x, y, needed);
         return sum;

@@ -24,9 +24,10 @@ public:
     static constexpr double largest_c = 6.0;
 
     /// `columns` along y, `rows` along x (built with exchanged axes).
-    LocalRest(const WaveVector& c, const PeriodicBox& box, const Rows& columns, const Rows& rows);
+    LocalRest(const WaveVector& c, const PeriodicBox& box, const PeriodicRows& columns,
+              const PeriodicRows& rows);
 
-    void add(Jets& sum, double x, double y, Needed needed) const;
+    void add(WaveVectorJets& sum, double x, double y, Needed needed) const;
 
     static constexpr int terms = 28;
 
@@ -46,7 +47,7 @@ private:
 //   lap P + 2 c d_x P = 2 pi,   P = (pi/c^2) (c x - 1 + exp(-c x) I0(c r)),   x along the heading
 
 /// P and its derivative by c at (x, y), second derivatives and all; third ones if needed. For |c| r <= 5.
-Jets uniform_part(double c, double x, double y, bool third = false);
+WaveVectorJets uniform_part(double c, double x, double y, bool third = false);
 
 /// The same without derivatives by place; by_angle = (x d_y - y d_x) P.
 struct UniformValue {
@@ -77,17 +78,17 @@ public:
     PeriodicPotential(const WaveVector& c, const PeriodicBox& box);
 
     /// Far: the whole potential; near: without the infinite plane's.
-    Jets at(double x, double y, Needed needed) const;
+    WaveVectorJets at(double x, double y, Needed needed) const;
 
     double c() const { return c_.c; }
 
 private:
-    Jets far(double x, double y, Needed needed) const;
-    Jets near(double x, double y, Needed needed) const;
+    WaveVectorJets far(double x, double y, Needed needed) const;
+    WaveVectorJets near(double x, double y, Needed needed) const;
 
     WaveVector c_;
     PeriodicBox box_;
-    Rows columns_, rows_; ///< rows: with x and y exchanged
+    PeriodicRows columns_, rows_; ///< rows: with x and y exchanged
     std::optional<LocalRest> local_;
 };
 

@@ -122,7 +122,7 @@ Mean in_box(Mean m, const PeriodicBox& box) {
 }
 
 /// xxx = -2 cx xx by the equation.
-void add(Jets& sum, const Mean& m, double cx, double wx) {
+void add(WaveVectorJets& sum, const Mean& m, double cx, double wx) {
     const double decay = 2.0 * cx;
     sum.g.v += m.g;
     sum.g.x += m.x;
@@ -155,7 +155,7 @@ void add_third(Jet& sum, Complex t, Complex tx, Complex txx, Complex txxx, doubl
 } // namespace
 
 /// One column gives (pi/s Y) e^(k u); `towards` -1 for k-, 1 for k+. Twice the real part is both n and -n.
-Rows::Term Rows::term(Complex k, Complex s, double q, double towards) const {
+PeriodicRows::Term PeriodicRows::term(Complex k, Complex s, double q, double towards) const {
     const Complex per_s = inverse(s), slope = -towards * times(wx_ * k + Complex(0.0, wy_ * q), per_s);
     const Complex s_slope = times(Complex(cx_ * wx_, -wy_ * q), per_s);
     const Complex open = one_minus_exp(-towards * box_.x * k), per_open = inverse(open);
@@ -164,7 +164,7 @@ Rows::Term Rows::term(Complex k, Complex s, double q, double towards) const {
     return {k, weight, slope, times(weight, closing - times(s_slope, per_s))};
 }
 
-Rows::Rows(const WaveVector& c, const PeriodicBox& box, double nearest)
+PeriodicRows::PeriodicRows(const WaveVector& c, const PeriodicBox& box, double nearest)
     : cx_(c.c * c.ux), wx_(c.wx), wy_(c.wy), box_(box), wave_(two_pi / box.y) {
     const double cy = c.c * c.uy;
     for (double q = wave_;; q += wave_) {
@@ -178,54 +178,55 @@ Rows::Rows(const WaveVector& c, const PeriodicBox& box, double nearest)
     }
 }
 
-void Rows::add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const {
+void PeriodicRows::add_side(WaveVectorJets& sum, const std::vector<Term>& terms, double u, double y,
+                            Needed needed) const {
     const Complex turn(std::cos(wave_ * y), std::sin(wave_ * y));
     Complex phase = turn;
     double q = wave_;
-    for (const Term& one : terms) {
-        if (std::abs(one.k.real() * u) > row_cutoff)
+    for (const Term& term : terms) {
+        if (std::abs(term.k.real() * u) > row_cutoff)
             break;
-        const Complex e = times(phase, exponential(one.k * u)), t = times(one.weight, e);
-        const Complex tx = times(one.k, t), txx = times(one.k, tx);
+        const Complex e = times(phase, exponential(term.k * u)), t = times(term.weight, e);
+        const Complex tx = times(term.k, t), txx = times(term.k, tx);
         add_term(sum.g, t, tx, txx, q, needed.second);
         if (needed.third)
-            add_third(sum.g, t, tx, txx, times(one.k, txx), q);
+            add_third(sum.g, t, tx, txx, times(term.k, txx), q);
         if (needed.by_c) {
-            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t), g = times(one.k_c, t);
-            const Complex fx = times(one.k, f) + g, fxx = times(one.k, fx + g);
+            const Complex f = times(term.weight_c, e) + u * times(term.k_c, t), g = times(term.k_c, t);
+            const Complex fx = times(term.k, f) + g, fxx = times(term.k, fx + g);
             add_term(sum.by_c, f, fx, fxx, q, needed.second);
             if (needed.third)
-                add_third(sum.by_c, f, fx, fxx, times(one.k, fxx + times(one.k, g)), q);
+                add_third(sum.by_c, f, fx, fxx, times(term.k, fxx + times(term.k, g)), q);
         }
         phase = times(phase, turn);
         q += wave_;
     }
 }
 
-void Rows::add_all(Jets& sum, double x, double y, Needed needed) const {
+void PeriodicRows::add_all(WaveVectorJets& sum, double x, double y, Needed needed) const {
     add(sum, in_box(mean_of_all(2.0 * box_.x * cx_, x / box_.x), box_), cx_, wx_);
     add_side(sum, behind_, x, y, needed);
     add_side(sum, ahead_, x - box_.x, y, needed);
 }
 
-void Rows::add_others(Jets& sum, double x, double y, Needed needed) const {
+void PeriodicRows::add_others(WaveVectorJets& sum, double x, double y, Needed needed) const {
     add(sum, in_box(mean_of_others(2.0 * box_.x * cx_, x / box_.x), box_), cx_, wx_);
     add_side(sum, behind_, x + box_.x, y, needed);
     add_side(sum, ahead_, x - box_.x, y, needed);
 }
 
-Rows::Mirrored Rows::values(double x, double y) const {
+PeriodicRows::Mirrored PeriodicRows::values(double x, double y) const {
     const Mean mean = in_box(mean_of_all(2.0 * box_.x * cx_, x / box_.x), box_);
     Mirrored sum{{mean.g, wx_ * mean.z}, {mean.g, wx_ * mean.z}};
     const Complex turn(std::cos(wave_ * y), std::sin(wave_ * y));
     for (const bool front : {false, true}) {
         const double u = front ? x - box_.x : x;
         Complex phase = turn;
-        for (const Term& one : front ? ahead_ : behind_) {
-            if (std::abs(one.k.real() * u) > row_cutoff)
+        for (const Term& term : front ? ahead_ : behind_) {
+            if (std::abs(term.k.real() * u) > row_cutoff)
                 break;
-            const Complex e = exponential(one.k * u), t = times(one.weight, e);
-            const Complex f = times(one.weight_c, e) + u * times(one.k_c, t);
+            const Complex e = exponential(term.k * u), t = times(term.weight, e);
+            const Complex f = times(term.weight_c, e) + u * times(term.k_c, t);
             const auto upper = [&](Complex a) { return a.real() * phase.real() - a.imag() * phase.imag(); };
             const auto lower = [&](Complex a) { return a.real() * phase.real() + a.imag() * phase.imag(); };
             sum.upper.g += upper(t);
@@ -243,16 +244,16 @@ namespace {
 constexpr double pi = std::numbers::pi;
 
 /// phi = (e^-p - 1 + p)/p^2 and its slope.
-struct Phi {
+struct PhiValue {
     double value, slope;
 };
 
-Phi phi(double p) {
+PhiValue phi(double p) {
     if (std::abs(p) >= 1.0) {
         const double one = -std::expm1(-p) / p, two = (1.0 - one) / p;
         return {two, (one - 2.0 * two) / p};
     }
-    Phi sum{0.0, 0.0};
+    PhiValue sum{0.0, 0.0};
     double term = 0.5, before = 0.0; // (-p)^k/(k+2)!, and that over -p
     for (int k = 0; k < 18; ++k) {
         sum.value += term;
@@ -264,8 +265,8 @@ Phi phi(double p) {
 }
 
 /// (I0 - 1)/t with I0 of 2 sqrt(t), and its slope.
-Phi rest_of_bessel(double t) {
-    Phi sum{1.0, 0.0};
+PhiValue rest_of_bessel(double t) {
+    PhiValue sum{1.0, 0.0};
     double before = 1.0; // t^(k-1)/k!^2
     for (int k = 2; k < 24 && before > 1e-18; ++k) {
         const double step = before / (k * k);
@@ -291,7 +292,7 @@ double bessel_ratio(int m, double t) {
 
 UniformValue uniform_value(double c, double x, double y) {
     const double rr = x * x + y * y, p = c * x, t = 0.25 * c * c * rr, e = std::exp(-p);
-    const Phi f = phi(p), j = rest_of_bessel(t);
+    const PhiValue f = phi(p), j = rest_of_bessel(t);
     return {pi * (x * x * f.value + 0.25 * e * rr * j.value),
             pi * (x * x * x * f.slope + 0.25 * e * rr * (0.5 * c * rr * j.slope - x * j.value)),
             -pi * y * (x * (1.0 - p * f.value) - 0.25 * c * e * rr * j.value)};
@@ -300,7 +301,7 @@ UniformValue uniform_value(double c, double x, double y) {
 namespace {
 
 /// Third derivatives of P. Those of exp(-p) I0 over c^2 exp(-p), b_m = bessel_ratio(m, t).
-void add_third(Jets& sum, double c, double x, double y, const std::array<double, 5>& b) {
+void add_third(WaveVectorJets& sum, double c, double x, double y, const std::array<double, 5>& b) {
     const double cc = c * c, p = c * x, q = c * y, scale = pi * std::exp(-p);
     const double t_c = 0.5 * c * (x * x + y * y), b0_c = b[1] * t_c, b1_c = b[2] * t_c / 2.0,
                  b2_c = b[3] * t_c / 3.0, b3_c = b[4] * t_c / 4.0;
@@ -328,11 +329,11 @@ void add_third(Jets& sum, double c, double x, double y, const std::array<double,
 
 } // namespace
 
-Jets uniform_part(double c, double x, double y, bool third) {
+WaveVectorJets uniform_part(double c, double x, double y, bool third) {
     const double rr = x * x + y * y, p = c * x, t = 0.25 * c * c * rr, e = std::exp(-p);
     const double b0 = bessel_ratio(0, t), b1 = bessel_ratio(1, t), b2 = bessel_ratio(2, t),
                  b3 = bessel_ratio(3, t), cc = c * c, t_c = 0.5 * c * rr;
-    const Phi f = phi(p), j = rest_of_bessel(t);
+    const PhiValue f = phi(p), j = rest_of_bessel(t);
     const UniformValue value = uniform_value(c, x, y);
     const double one = 1.0 - p * f.value, one_slope = -f.value - p * f.slope; // (1 - e^-p)/p
     const double xx = b0 - p * b1 + 0.5 * b1 + 0.125 * cc * x * x * b2,
@@ -350,9 +351,9 @@ Jets uniform_part(double c, double x, double y, bool third) {
                  yy_c = 0.5 * b1_c + 0.25 * c * y * y * b2 + 0.125 * cc * y * y * b2_c;
     const double x_c = x * x * one_slope + e * (0.5 * x * (b1_c - x * b1) -
                                                 0.25 * rr * ((1.0 - p) * j.value + c * j.slope * t_c));
-    Jets sum{g,
-             {value.by_c, pi * x_c, pi * e * 0.5 * y * (b1_c - x * b1), pi * e * (xx_c - x * xx),
-              pi * e * (xy_c - x * xy), pi * e * (yy_c - x * yy)}};
+    WaveVectorJets sum{g,
+                       {value.by_c, pi * x_c, pi * e * 0.5 * y * (b1_c - x * b1), pi * e * (xx_c - x * xx),
+                        pi * e * (xy_c - x * xy), pi * e * (yy_c - x * yy)}};
     if (third)
         add_third(sum, c, x, y, {b0, b1, b2, b3, bessel_ratio(4, t)});
     return sum;

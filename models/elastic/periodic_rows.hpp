@@ -46,15 +46,15 @@ inline Complex root(Complex a) {
     return {re, 0.5 * a.imag() / re};
 }
 
-class Rows {
+class PeriodicRows {
 public:
     /// For points at least `nearest` away from the columns that take part.
-    Rows(const WaveVector& c, const PeriodicBox& box, double nearest);
+    PeriodicRows(const WaveVector& c, const PeriodicBox& box, double nearest);
 
     /// All columns; nearest <= x <= X - nearest.
-    void add_all(Jets& sum, double x, double y, Needed needed) const;
+    void add_all(WaveVectorJets& sum, double x, double y, Needed needed) const;
     /// All but the column at 0; |x| <= X/2.
-    void add_others(Jets& sum, double x, double y, Needed needed) const;
+    void add_others(WaveVectorJets& sum, double x, double y, Needed needed) const;
     /// Values alone, at (x, y) and (x, -y), of the potential and its derivative by the wave
     /// vector.
     struct Values {
@@ -71,7 +71,8 @@ private:
         Complex k, weight, k_c, weight_c;
     };
     Term term(Complex k, Complex s, double q, double towards) const;
-    void add_side(Jets& sum, const std::vector<Term>& terms, double u, double y, Needed needed) const;
+    void add_side(WaveVectorJets& sum, const std::vector<Term>& terms, double u, double y,
+                  Needed needed) const;
 
     double cx_, wx_, wy_;
     PeriodicBox box_;

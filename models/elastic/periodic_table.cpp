@@ -84,7 +84,7 @@ PeriodicTable::Impl::Rest PeriodicTable::Impl::in_first_eighth(double heading, d
             put(rest.by_y, g, v, &GridValue::y);
         }
         if (derivatives.by_angle)
-            put(rest.by_heading, g, v, &GridValue::angle);
+            put(rest.heading_derivative, g, v, &GridValue::angle);
     }
     return rest;
 }
@@ -116,7 +116,7 @@ PeriodicTable::Impl::Rest PeriodicTable::Impl::rest(double heading, double x, do
         rest.by_y = combined(sine, by_x, cosine * mirror, by_y);
     }
     if (derivatives.by_angle)
-        rest.by_heading = combined(mirror, back(own.by_heading), 0.0, own.value);
+        rest.heading_derivative = combined(mirror, back(own.heading_derivative), 0.0, own.value);
     return rest;
 }
 
@@ -141,15 +141,15 @@ FieldValues PeriodicTable::Impl::at(const Source& source, double x, double y, Fi
 }
 
 /// The infinite plane's field turns, and the place turns back in the rod's frame.
-FieldValues PeriodicTable::Impl::by_heading(const Source& source, double x, double y,
-                                            FieldRequest request) const {
+FieldValues PeriodicTable::Impl::heading_derivative(const Source& source, double x, double y,
+                                                    FieldRequest request) const {
     const Nearest p = nearest(source, x, y, box);
     const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
     const Vector offset = turned(p.offset, cosine, -sine);
     FieldValues own = turning(field.at(offset.x, offset.y, request));
     add(own, along(field, offset, {offset.y, -offset.x}, request));
     FieldValues f = turned(own, cosine, sine);
-    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).by_heading);
+    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).heading_derivative);
     return f;
 }
 
@@ -164,7 +164,7 @@ FieldValues PeriodicTable::at(const Source& source, double x, double y, FieldReq
     return impl_->at(source, x, y, request);
 }
 
-FieldValues PeriodicTable::at_own_place(double heading, FieldRequest request) const {
+FieldValues PeriodicTable::self_image_field(double heading, FieldRequest request) const {
     const auto rest = impl_->rest(heading, 0.0, 0.0, request, {.by_place = request.gradients});
     FieldValues f = rest.value;
     if (request.gradients)
@@ -173,14 +173,15 @@ FieldValues PeriodicTable::at_own_place(double heading, FieldRequest request) co
     return f;
 }
 
-FieldValues PeriodicTable::by_heading(const Source& source, double x, double y, FieldRequest request) const {
+FieldValues PeriodicTable::heading_derivative(const Source& source, double x, double y,
+                                              FieldRequest request) const {
     refuse_gradients(request);
-    return impl_->by_heading(source, x, y, request);
+    return impl_->heading_derivative(source, x, y, request);
 }
 
 FieldValues PeriodicTable::own_place_by_heading(double heading, FieldRequest request) const {
     refuse_gradients(request);
-    return impl_->rest(heading, 0.0, 0.0, request, {.by_angle = true}).by_heading;
+    return impl_->rest(heading, 0.0, 0.0, request, {.by_angle = true}).heading_derivative;
 }
 
 const Medium& PeriodicTable::medium() const { return impl_->medium; }
@@ -199,12 +200,12 @@ public:
           sine_(std::sin(heading)) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override;
-    FieldValues by_heading(double x, double y, FieldRequest request) const override;
-    FieldValues at_own_place(FieldRequest request) const override {
-        return to_rod(table_.at_own_place(source_.heading, request));
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
+    FieldValues self_image_field(FieldRequest request) const override {
+        return to_rod(table_.self_image_field(source_.heading, request));
     }
     FieldValues own_place_by_heading(FieldRequest request) const override;
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
         return exact().medium_derivatives(x, y, request);
     }
     MediumDerivatives own_place_by_medium(FieldRequest request) const override {
@@ -222,8 +223,8 @@ private:
 };
 
 FieldValues BoxTableWake::at(double x, double y, FieldRequest request) const {
-    const Vector place = to_lab(x, y);
-    const FieldValues lab = table_.at(source_, place.x, place.y, request);
+    const Vector position = to_lab(x, y);
+    const FieldValues lab = table_.at(source_, position.x, position.y, request);
     FieldValues f = to_rod(lab);
     if (!request.gradients)
         return f;
@@ -238,14 +239,14 @@ FieldValues BoxTableWake::at(double x, double y, FieldRequest request) const {
 }
 
 /// At a fixed place in the rod's frame the one in the lab's goes around the rod, and the rod's axes turn.
-FieldValues BoxTableWake::by_heading(double x, double y, FieldRequest request) const {
+FieldValues BoxTableWake::heading_derivative(double x, double y, FieldRequest request) const {
     request.displacement = request.dipole = request.gradients = false;
-    const Vector place = to_lab(x, y);
-    FieldValues change = table_.by_heading(source_, place.x, place.y, request);
+    const Vector position = to_lab(x, y);
+    FieldValues change = table_.heading_derivative(source_, position.x, position.y, request);
     request.gradients = true;
-    const FieldValues lab = table_.at(source_, place.x, place.y, request);
-    add_times(change, -place.y, gradient_x(lab));
-    add_times(change, place.x, gradient_y(lab));
+    const FieldValues lab = table_.at(source_, position.x, position.y, request);
+    add_times(change, -position.y, gradient_x(lab));
+    add_times(change, position.x, gradient_y(lab));
     FieldValues f = to_rod(change);
     add_times(f, -1.0, turning(to_rod(lab)));
     return f;
@@ -253,7 +254,7 @@ FieldValues BoxTableWake::by_heading(double x, double y, FieldRequest request) c
 
 FieldValues BoxTableWake::own_place_by_heading(FieldRequest request) const {
     FieldValues f = to_rod(table_.own_place_by_heading(source_.heading, request));
-    add_times(f, -1.0, turning(at_own_place(request)));
+    add_times(f, -1.0, turning(self_image_field(request)));
     return f;
 }
 
@@ -279,7 +280,7 @@ void BoxTableField::mutual(std::span<const Source> rods, FieldRequest request,
         throw InputError("sums over rods: as many results as rods are needed");
     request.gradients = false;
     for (std::size_t a = 0; a < rods.size(); ++a) {
-        sums[a] = table_.at_own_place(rods[a].heading, request);
+        sums[a] = table_.self_image_field(rods[a].heading, request);
         for (std::size_t b = 0; b < rods.size(); ++b)
             if (b != a)
                 add(sums[a], table_.at(rods[b], rods[a].x, rods[a].y, request));

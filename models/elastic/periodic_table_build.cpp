@@ -89,18 +89,18 @@ void PeriodicTable::Impl::fill(const Pieces& pieces, std::size_t angle) {
     const std::size_t lines = pieces.place * place_nodes;
     for (std::size_t b = 0; b < lines; ++b)
         for (std::size_t a = 0; a < lines; ++a) {
-            const auto place = [&](std::size_t n) {
+            const auto index = [&](std::size_t n) {
                 return chebyshev_node(n / place_nodes, pieces.place, n % place_nodes, place_nodes) - 0.5;
             };
             const FieldValues f =
-                turned(PeriodicInternals::smooth_rest(exact, place(a), place(b), everything), cosine, sine);
-            const ChebyshevGrid::Node node{b / place_nodes, a / place_nodes, piece,
-                                           b % place_nodes, a % place_nodes, k};
+                turned(PeriodicInternals::smooth_rest(exact, index(a), index(b), everything), cosine, sine);
+            const ChebyshevGrid::ChebyshevNode node{b / place_nodes, a / place_nodes, piece,
+                                                    b % place_nodes, a % place_nodes, k};
             store(node, f);
         }
 }
 
-void PeriodicTable::Impl::store(const ChebyshevGrid::Node& node, const FieldValues& f) {
+void PeriodicTable::Impl::store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f) {
     const auto set = [&](std::size_t group, std::initializer_list<double> v) {
         std::copy(v.begin(), v.end(), groups[group].values(node));
     };
@@ -149,8 +149,8 @@ PeriodicTableData PeriodicTable::data() const {
 
 double PeriodicTable::Impl::error_at(const PeriodicField& exact, Vector lab) const {
     const double cosine = std::cos(exact.heading()), sine = std::sin(exact.heading());
-    const Vector place = turned(lab, cosine, -sine);
-    FieldValues f = turned(exact.at(place.x, place.y, everything), cosine, sine);
+    const Vector position = turned(lab, cosine, -sine);
+    FieldValues f = turned(exact.at(position.x, position.y, everything), cosine, sine);
     add_times(f, -1.0, at({0.0, 0.0, exact.heading()}, lab.x, lab.y, everything));
     const auto off = sizes(f), scale = largest_at(exact, std::hypot(lab.x, lab.y));
     double worst = 0.0;

@@ -23,13 +23,13 @@ struct PeriodicTable::Impl {
     /// The smooth rest and its derivatives, the former by place in units of the box.
     struct Rest {
         FieldValues value = unrequested(), by_x = unrequested(), by_y = unrequested(),
-                    by_heading = unrequested();
+                    heading_derivative = unrequested();
     };
     /// |x|, |y| <= 1/2 in the box's axes and side, any heading.
     Rest rest(double heading, double x, double y, FieldRequest request, GridRequest derivatives) const;
 
     FieldValues at(const Source& source, double x, double y, FieldRequest request) const;
-    FieldValues by_heading(const Source& source, double x, double y, FieldRequest request) const;
+    FieldValues heading_derivative(const Source& source, double x, double y, FieldRequest request) const;
 
     std::size_t bytes() const;
 
@@ -38,7 +38,7 @@ struct PeriodicTable::Impl {
 
 private:
     void fill(const Pieces& pieces, std::size_t angle);
-    void store(const ChebyshevGrid::Node& node, const FieldValues& f);
+    void store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f);
     double error_at(const PeriodicField& exact, Vector lab) const;
     Rest in_first_eighth(double heading, double x, double y, FieldRequest request,
                          GridRequest derivatives) const;

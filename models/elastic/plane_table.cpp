@@ -128,18 +128,19 @@ std::vector<double> CellFit<components>::fit(const Square& cell) const {
 template<std::size_t components>
 bool CellFit<components>::good(const Square& cell, const std::vector<double>& coefficients) const {
     const int points = degree_ + 2;
-    const auto place = [&](int i) { return std::cos(std::numbers::pi * i / (points - 1)); };
+    const auto position = [&](int i) { return std::cos(std::numbers::pi * i / (points - 1)); };
     for (int a = 0; a < points; ++a)
         for (int b = 0; b < points; ++b) {
-            const auto value = evaluate_cell<components>(degree_, coefficients.data(), place(a), place(b)).f;
-            if (!(relative_error(value, exact(cell, place(a), place(b))) <= tolerance_))
+            const auto value =
+                evaluate_cell<components>(degree_, coefficients.data(), position(a), position(b)).f;
+            if (!(relative_error(value, exact(cell, position(a), position(b))) <= tolerance_))
                 return false;
         }
     return true;
 }
 
 /// A level with its cells' polynomials; empty: exact, or in the hole that lower levels fill.
-struct Level {
+struct BuiltLevel {
     std::int32_t n = 0;
     std::vector<std::vector<double>> cells;
     bool complete = true;
@@ -148,9 +149,9 @@ struct Level {
 bool in_hole(std::size_t i, std::size_t j, std::size_t n) { return i >= n && i < 3 * n && j < n; }
 
 template<std::size_t components>
-Level make_level(const CellFit<components>& fit, int exponent, std::int32_t n, std::size_t threads) {
+BuiltLevel make_level(const CellFit<components>& fit, int exponent, std::int32_t n, std::size_t threads) {
     const auto count = static_cast<std::size_t>(n);
-    Level level{n, std::vector<std::vector<double>>(8 * count * count), true};
+    BuiltLevel level{n, std::vector<std::vector<double>>(8 * count * count), true};
     const double unit = std::ldexp(1.0, exponent), half = 0.5 * unit / n;
     parallel_for(2 * count, threads, [&](std::size_t j) {
         for (std::size_t i = 0; i < 4 * count; ++i) {
@@ -171,8 +172,8 @@ Level make_level(const CellFit<components>& fit, int exponent, std::int32_t n, s
 
 /// The coarsest level that is complete, else the finest.
 template<std::size_t components>
-Level best_level(const CellFit<components>& fit, int exponent, std::size_t threads) {
-    Level level;
+BuiltLevel best_level(const CellFit<components>& fit, int exponent, std::size_t threads) {
+    BuiltLevel level;
     for (const std::int32_t n : cells_per_unit) {
         level = make_level(fit, exponent, n, threads);
         if (level.complete)
@@ -181,10 +182,7 @@ Level best_level(const CellFit<components>& fit, int exponent, std::size_t threa
     return level;
 }
 
-/// Measured: with fewer terms the cells become so many that they fall out of the caches.
-int degree_for(double tolerance) { return tolerance >= 3e-5 ? 3 : tolerance >= 1e-7 ? 5 : 7; }
-
-void append(CellTable& table, const Level& level, std::size_t& polynomials) {
+void append(CellTable& table, const BuiltLevel& level, std::size_t& polynomials) {
     table.cells_per_unit.push_back(level.n);
     for (const std::vector<double>& cell : level.cells) {
         table.polynomial_of.push_back(cell.empty() ? -1 : static_cast<std::int32_t>(polynomials++));
@@ -213,7 +211,7 @@ PlaneTable make_plane_table(double eta, double tolerance, std::size_t threads) {
     PlaneTable table;
     table.eta = eta;
     table.tolerance = tolerance;
-    table.degree = degree_for(tolerance);
+    table.degree = tolerance >= 3e-5 ? 3 : tolerance >= 1e-7 ? 5 : 7;
     table.lowest_level = lowest_level;
     table.strain = make_cells<strain_components>(eta, tolerance, table.degree, threads);
     table.gradient = make_cells<gradient_components>(eta, tolerance, table.degree, threads);
@@ -250,8 +248,8 @@ TableErrors plane_table_errors(const PlaneTable& table, std::int64_t points, std
         }
     });
     TableErrors all{0.0, 0.0};
-    for (const TableErrors& one : worst)
-        all = {std::max(all.strain, one.strain), std::max(all.gradient, one.gradient)};
+    for (const TableErrors& item : worst)
+        all = {std::max(all.strain, item.strain), std::max(all.gradient, item.gradient)};
     return all;
 }
 
@@ -318,8 +316,8 @@ public:
           exact_(medium), per_xi_(1.0 / medium.xi) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override;
-    MediumDerivatives by_medium(double x, double y, FieldRequest request) const override {
-        return medium_derivatives(exact_, x, y, request);
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
+        return elastic::medium_derivatives(exact_, x, y, request);
     }
 
     const Medium& medium() const { return exact_.medium(); }
@@ -336,7 +334,7 @@ private:
 
 /// x and y >= 0 in units of xi; false: not in the table.
 bool TableWake::put_strain(FieldValues& f, double x, double y, double sign) const {
-    const CellIndex::Found cell = strain_.find(x, y);
+    const CellIndex::LocatedCell cell = strain_.find(x, y);
     if (!cell.coefficients)
         return false;
     const auto value = evaluate_cell<strain_components>(table_->degree, cell.coefficients, cell.u, cell.v).f;
@@ -346,7 +344,7 @@ bool TableWake::put_strain(FieldValues& f, double x, double y, double sign) cons
 
 /// What is made of the gradient.
 bool TableWake::put_slopes(FieldValues& f, double x, double y, double sign, FieldRequest request) const {
-    const CellIndex::Found cell = gradient_.find(x, y);
+    const CellIndex::LocatedCell cell = gradient_.find(x, y);
     if (!cell.coefficients)
         return false;
     const auto value =

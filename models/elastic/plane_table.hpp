@@ -17,13 +17,13 @@ class CellIndex {
 public:
     CellIndex(const CellTable& table, int lowest_level, int degree, std::size_t components);
 
-    struct Found {
+    struct LocatedCell {
         const double* coefficients; ///< null: exact
         double u, v;                ///< within the cell
         double scale;               ///< du/dx
     };
     /// Of a place in units of xi with y >= 0.
-    Found find(double x, double y) const {
+    LocatedCell find(double x, double y) const {
         const double m = std::max(std::abs(x), y);
         const int e = static_cast<int>(std::bit_cast<std::uint64_t>(m) >> 52U) - exponent_bias;
         const int k = e - lowest_;

@@ -20,7 +20,7 @@ struct Targets {
 
 /// Puts the exact field in the lanes that the kernel cannot do.
 template<bool polar, class K>
-HWY_NOINLINE void Replace(Parts<K>& parts, hn::Mask<typename K::Lanes> in_range, const Field& field,
+HWY_NOINLINE void Replace(PartVectors<K>& parts, hn::Mask<typename K::Lanes> in_range, const Field& field,
                           const KernelSource& source, const Targets& targets) {
     ReplaceLanes<polar, K>(parts, in_range, [&](std::size_t lane, double* exact) {
         if (lane < targets.used)
@@ -32,7 +32,7 @@ HWY_NOINLINE void Replace(Parts<K>& parts, hn::Mask<typename K::Lanes> in_range,
 /// one is longer than its work.
 template<bool polar, class K, std::size_t vectors>
 HWY_INLINE void SumBlock(const Setting<K>& with, std::span<const KernelSource> sources,
-                         const Targets (&targets)[vectors], Parts<K> (&sum)[vectors]) {
+                         const Targets (&targets)[vectors], PartVectors<K> (&sum)[vectors]) {
     const typename K::Lanes d;
     using V = typename K::V;
     using Real = typename K::Real;
@@ -63,11 +63,11 @@ HWY_INLINE void SumBlock(const Setting<K>& with, std::span<const KernelSource> s
         RODWAKE_UNROLL
         for (std::size_t i = 0; i < vectors; ++i)
             at[i] = &radial[i];
-        Wake<typename K::Lanes> wake[vectors];
+        WakeLanes<typename K::Lanes> wake[vectors];
         WakeAt<polar, K::shape>(d, X, Y, at, with.medium, wake);
         RODWAKE_UNROLL
         for (std::size_t i = 0; i < vectors; ++i) {
-            Parts<K> parts = LabParts<polar>(wake[i], cosine, sine, with.unit);
+            PartVectors<K> parts = LabParts<polar>(wake[i], cosine, sine, with.unit);
             if (HWY_UNLIKELY(!hn::AllTrue(d, radial[i].in_range)))
                 Replace<polar, K>(parts, radial[i].in_range, *with.field, source, targets[i]);
             for (int k = 0; k < count; ++k)
@@ -102,7 +102,7 @@ HWY_INLINE void SumTargets(const Setting<K>& with, std::span<const KernelSource>
     std::size_t from = 0;
     do {
         const std::size_t left = sources.size() - from, run = K::single ? std::min(single_run, left) : left;
-        Parts<K> parts[vectors];
+        PartVectors<K> parts[vectors];
         SumBlock<polar, K>(with, sources.subspan(from, run), targets, parts);
         for (int k = 0; k < (polar ? all_parts : strain_parts); ++k)
             for (std::size_t i = 0; i < vectors; ++i)

@@ -12,7 +12,7 @@ namespace {
 constexpr double margin = 1.0 + 1e-12;
 
 /// What bounds the parts of one potential, as the header names it.
-struct Bounds {
+struct PotentialBounds {
     double B, P, Q, R, N;
 };
 
@@ -22,7 +22,7 @@ double largest(double m, double a, double w) {
     return std::pow(at, m) * std::exp(-a * at);
 }
 
-Bounds bounds(double a, double s, double w) {
+PotentialBounds bounds(double a, double s, double w) {
     const double b = std::sqrt(0.5 * std::numbers::pi / (a * s)), e0 = std::exp(-a * w),
                  e1 = largest(1.0, a, w) / s, half = largest(0.5, a, w) * std::sqrt(2.0 / s);
     return {b * e0, b * std::min(2.0 * e0, e1), b * std::min(e0, 2.0 * e1), b * std::min(e0, half),
@@ -35,7 +35,7 @@ WakeBound::WakeBound(const Medium& medium) : c_shear_(0.5 / medium.xi), nu_(medi
 
 double WakeBound::strain(double distance, double ahead) const {
     const double s = distance * c_shear_, w = ahead * c_shear_, nn = nu_ * nu_;
-    const Bounds t = bounds(1.0, s, w), l = bounds(nu_, s, w);
+    const PotentialBounds t = bounds(1.0, s, w), l = bounds(nu_, s, w);
     const double D = nu_ * l.B / (2.0 * s), N = std::max(t.N, l.N);
     const double T = std::max(D, nn * l.P + nu_ * l.P / (2.0 * s));
     const double S = T + std::max(t.Q, nn * l.Q) + N, H = 2.0 * N + t.R + nn * l.P + D;
@@ -44,7 +44,7 @@ double WakeBound::strain(double distance, double ahead) const {
 
 double WakeBound::polar(double distance, double ahead) const {
     const double s = distance * c_shear_, w = ahead * c_shear_;
-    const Bounds t = bounds(1.0, s, w), l = bounds(nu_, s, w);
+    const PotentialBounds t = bounds(1.0, s, w), l = bounds(nu_, s, w);
     const double L = std::sqrt(5.0) * nu_ * (nu_ * nu_ * l.P + nu_ * l.B / (2.0 * s));
     const double gradient = nu_ * l.N + L;
     const double laplacian = std::max(t.N, l.N) + std::abs(1.0 - nu_) * l.N + L + t.Q + t.P + t.B / (2.0 * s);

@@ -43,14 +43,14 @@ void add_wake(const WakeField& field, std::span<const Source> rods, std::size_t 
         if (a != b)
             add_turned(sums[a], wake->at(at.x, at.y, request), request, cosine, sine);
         else if (field.box())
-            add_turned(sums[a], wake->at_own_place(request), request, cosine, sine);
+            add_turned(sums[a], wake->self_image_field(request), request, cosine, sine);
     }
 }
 
 } // namespace
 
-FieldValues Wake::by_heading(double, double, FieldRequest) const { return nothing; }
-FieldValues Wake::at_own_place(FieldRequest) const { return nothing; }
+FieldValues Wake::heading_derivative(double, double, FieldRequest) const { return nothing; }
+FieldValues Wake::self_image_field(FieldRequest) const { return nothing; }
 FieldValues Wake::own_place_by_heading(FieldRequest) const { return nothing; }
 MediumDerivatives Wake::own_place_by_medium(FieldRequest) const { return {nothing, nothing}; }
 
@@ -110,12 +110,12 @@ FieldValues superpose(const Field& field, std::span<const Source> sources, doubl
                       FieldRequest request) {
     FieldValues sum;
     for (const Source& source : sources) {
-        const FieldValues one = lab_field(field, source, x, y, request);
-        sum.displacement += one.displacement;
-        sum.strain += one.strain;
-        sum.laplacian += one.laplacian;
-        sum.gradient_of_trace += one.gradient_of_trace;
-        sum.dipole += one.dipole;
+        const FieldValues item = lab_field(field, source, x, y, request);
+        sum.displacement += item.displacement;
+        sum.strain += item.strain;
+        sum.laplacian += item.laplacian;
+        sum.gradient_of_trace += item.gradient_of_trace;
+        sum.dipole += item.dipole;
     }
     return sum;
 }

@@ -72,7 +72,7 @@ void exact_parts(const Field& field, const KernelSource& source, double x, doubl
 WakeKernel::WakeKernel(const Medium& medium, Accuracy accuracy)
     : field_(medium), constants_(KernelInternals::constants(field_)), accuracy_(accuracy) {}
 
-void WakeKernel::strain(std::span<const Source> sources, Places targets, const StrainSums& sums) const {
+void WakeKernel::strain(std::span<const Source> sources, FieldPoints targets, const StrainSums& sums) const {
     require_length(targets.y.size(), targets.x.size(), "y");
     require_lengths(targets.x.size(), sums);
     sum_wakes(constants_, field_, accuracy_, kernel_sources(sources),
@@ -82,8 +82,8 @@ void WakeKernel::strain(std::span<const Source> sources, Places targets, const S
                {sums.xx.data(), sums.xy.data(), sums.yy.data()}});
 }
 
-void WakeKernel::strain_and_polar(std::span<const Source> sources, Places targets, const StrainSums& strain,
-                                  const PolarSums& polar) const {
+void WakeKernel::strain_and_polar(std::span<const Source> sources, FieldPoints targets,
+                                  const StrainSums& strain, const PolarSums& polar) const {
     require_length(targets.y.size(), targets.x.size(), "y");
     require_lengths(targets.x.size(), strain);
     require_lengths(targets.x.size(), polar);
@@ -97,8 +97,8 @@ void WakeKernel::strain_and_polar(std::span<const Source> sources, Places target
 
 SymmetricTensor WakeKernel::strain(const Source& source, double x, double y) const {
     SymmetricTensor sum;
-    const KernelSource one = kernel_source(source);
-    sum_wakes(constants_, field_, accuracy_, {&one, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
+    const KernelSource item = kernel_source(source);
+    sum_wakes(constants_, field_, accuracy_, {&item, 1}, {&x, &y, 1, {&sum.xx, &sum.xy, &sum.yy}});
     return sum;
 }
 

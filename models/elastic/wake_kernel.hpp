@@ -14,10 +14,10 @@ struct KernelSource {
 
 /// A medium's constants as the kernels take them.
 struct KernelInternals {
-    using Constants = WakeKernel::Constants;
-    static Constants constants(const Field& field);
+    using KernelConstants = WakeKernel::KernelConstants;
+    static KernelConstants constants(const Field& field);
 };
-using KernelMedium = KernelInternals::Constants;
+using KernelMedium = KernelInternals::KernelConstants;
 
 /// In this order: xx, xy, yy of the strain; lap U; grad div U.
 inline constexpr int strain_parts = 3, all_parts = 7;

@@ -112,6 +112,6 @@ inline Vector3 uncoupled_along(const Vector3& n, const Vector3& relative, double
 /// Beads get what the force of this time gives them over the duration, where they are. Each on its own: the
 /// number of threads changes no bit.
 void kick(Bodies& bodies, const BodyForce& force, const PeriodicBox& box, double time, double duration,
-          Team& team);
+          ThreadPool& team);
 
 } // namespace rodwake::granular

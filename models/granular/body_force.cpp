@@ -43,7 +43,7 @@ double BodyForce::at(double place_x, double place_y, double time, const Periodic
 }
 
 void kick(Bodies& bodies, const BodyForce& force, const PeriodicBox& box, double time, double duration,
-          Team& team) {
+          ThreadPool& team) {
     const Push push(force, time, box);
     const Eigen::Vector2d way = duration * direction(force.direction);
     team.run((bodies.beads + beads_per_block - 1) / beads_per_block, [&](std::size_t block) {

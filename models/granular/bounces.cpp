@@ -114,7 +114,7 @@ bool in_a_plate(const Bodies& bodies, std::size_t bead, const PlateStep& step) {
 
 /// From its first touch on, which is the k-th. Few bounce again within the step.
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
-                 const Touches& first, std::size_t k, Range& velocities, PlateTally& tally) {
+                 const Touches& first, std::size_t k, BodyRange& velocities, PlateTally& tally) {
     Touches again;
     const Touches* touch = &first;
     for (int bounces = 0; touch->side[k] != 0.0; ++bounces) {
@@ -142,7 +142,7 @@ void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const 
 } // namespace
 
 void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const PlateStep& step,
-                  const Surface& surface, Range& velocities, PlateTally& tally) {
+                  const Surface& surface, BodyRange& velocities, PlateTally& tally) {
     Touches touches;
     for (; !beads.empty(); beads = beads.subspan(std::min(beads.size(), Touches::most))) {
         const std::span<const std::uint32_t> some = beads.first(std::min(beads.size(), Touches::most));

@@ -16,7 +16,7 @@ namespace rodwake::granular {
 /// them fly for the rest of the step; again if they come back within the step. A bead whose hops are shorter
 /// than a twentieth of a step comes to rest on the plate. Velocities on the way are added to `velocities`.
 void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const PlateStep& step,
-                  const Surface& surface, Range& velocities, PlateTally& tally);
+                  const Surface& surface, BodyRange& velocities, PlateTally& tally);
 
 /// Moves a rod through one step. Between impulses it flies freely (rod_motion.hpp); where one of its spheres
 /// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact

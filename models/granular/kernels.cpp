@@ -25,7 +25,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #define RODWAKE_ROWS 0
 #endif
 
-void DriftOne(double* x, double* v, const Drift& d, Range& range) {
+void DriftOne(double* x, double* v, const Drift& d, BodyRange& range) {
     range.include(v);
     // adding nothing turns -0 into 0, as the vectors do
     for (int k = 0; k < 3; ++k) {
@@ -43,7 +43,7 @@ bool Outside(const double* x, const Drift& d) {
 
 template<bool own>
 void DriftEach(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
-               Range& range, std::vector<std::uint32_t>& out) {
+               BodyRange& range, std::vector<std::uint32_t>& out) {
     std::size_t i = begin;
 #if RODWAKE_ROWS
     // as many beads at a time as fit into a vector: one or two
@@ -94,7 +94,7 @@ void DriftEach(double* position, double* velocity, std::size_t begin, std::size_
 }
 
 void DriftBeads(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
-                Range& range, std::vector<std::uint32_t>& out) {
+                BodyRange& range, std::vector<std::uint32_t>& out) {
     if (d.own_radii)
         DriftEach<true>(position, velocity, begin, end, d, range, out);
     else
@@ -102,11 +102,11 @@ void DriftBeads(double* position, double* velocity, std::size_t begin, std::size
 }
 
 /// Squared distance in the plane and height difference of a pair, the nearest image.
-struct Separation {
+struct SquaredSeparation {
     double flat2, height;
 };
 
-Separation Separate(const double* position, const Pair& pair, const PeriodicBox& box) {
+SquaredSeparation Separate(const double* position, const Pair& pair, const PeriodicBox& box) {
     const double *a = position + 4 * std::size_t{pair.first}, *b = position + 4 * std::size_t{pair.second};
     const double x = nearest_image_rounded(a[0] - b[0], box.x), y = nearest_image_rounded(a[1] - b[1], box.y);
     return {x * x + y * y, a[2] - b[2]};
@@ -129,11 +129,11 @@ BoxLanes LanesOf(const PeriodicBox& box) {
 }
 
 /// x, y and z of four rows.
-struct Columns {
+struct FourRows {
     hn::Vec<Row> x, y, z;
 };
 
-HWY_INLINE Columns Difference(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs) {
+HWY_INLINE FourRows Difference(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs) {
     const Row row;
     const auto difference = [&](int k) HWY_ATTR {
         return hn::Sub(hn::LoadU(row, position + 4 * std::size_t{pairs[k].first}),
@@ -149,10 +149,10 @@ HWY_INLINE Columns Difference(const double* HWY_RESTRICT position, const Pair* H
 /// The same for as many pairs as fit into a vector.
 HWY_INLINE void SeparateSome(const double* HWY_RESTRICT position, const Pair* HWY_RESTRICT pairs,
                              const BoxLanes& box, V& flat2, V& height) {
-    Columns first = Difference(position, pairs);
+    FourRows first = Difference(position, pairs);
 #if HWY_MAX_BYTES >= 64
     const Lanes lanes;
-    const Columns second = Difference(position, pairs + 4);
+    const FourRows second = Difference(position, pairs + 4);
     V x = hn::Combine(lanes, second.x, first.x), y = hn::Combine(lanes, second.y, first.y);
     height = hn::Combine(lanes, second.z, first.z);
 #else
@@ -202,7 +202,7 @@ HWY_INLINE std::size_t Select(std::size_t begin, std::size_t end, std::uint32_t*
 std::size_t OverlappingPairs(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                              const PeriodicBox& box, std::uint32_t* found) {
     const auto one = [&](std::size_t k) {
-        const Separation s = Separate(position, list.pairs[k], box);
+        const SquaredSeparation s = Separate(position, list.pairs[k], box);
         return s.flat2 + s.height * s.height < list.reach_of(k) * list.reach_of(k);
     };
 #if RODWAKE_ROWS
@@ -283,26 +283,26 @@ HWY_EXPORT(PairsWithinReach);
 HWY_EXPORT(FurthestSquared);
 HWY_EXPORT(Target);
 
-Range Range::empty() {
+BodyRange BodyRange::empty() {
     const double inf = std::numeric_limits<double>::infinity();
     return {{inf, inf, inf, inf}, {-inf, -inf, -inf, -inf}};
 }
 
-void Range::include(const Range& other) {
+void BodyRange::include(const BodyRange& other) {
     for (int k = 0; k < 4; ++k) {
         low[k] = std::min(low[k], other.low[k]);
         high[k] = std::max(high[k], other.high[k]);
     }
 }
 
-void Range::include(const double* row) {
+void BodyRange::include(const double* row) {
     for (int k = 0; k < 3; ++k) {
         low[k] = std::min(low[k], row[k]);
         high[k] = std::max(high[k], row[k]);
     }
 }
 
-double Range::fastest_in_plane() const {
+double BodyRange::fastest_in_plane() const {
     const auto largest = [this](int k) { return std::max({-low[k], high[k], 0.0}); };
     return repeatable::length(largest(0), largest(1));
 }
@@ -317,7 +317,7 @@ void PairList::resize(std::size_t count) {
     reach.resize(common > 0.0 ? 0 : count);
 }
 
-std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list) {
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, ThreadPool& team, PairList& list) {
     std::vector<std::size_t> begin(parts.size() + 1, 0);
     for (std::size_t c = 0; c < parts.size(); ++c)
         begin[c + 1] = begin[c] + parts[c].size();
@@ -331,7 +331,7 @@ std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, 
 }
 
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& d,
-           Range& velocities, std::vector<std::uint32_t>& out) {
+           BodyRange& velocities, std::vector<std::uint32_t>& out) {
     HWY_DYNAMIC_DISPATCH(DriftBeads)(position, velocity, begin, end, d, velocities, out);
 }
 

@@ -61,11 +61,11 @@ struct Pair {
 };
 
 /// Smallest and largest of a quantity over many bodies, per axis (and a fourth lane that stays 0).
-struct Range {
+struct BodyRange {
     double low[4], high[4];
 
-    static Range empty();
-    void include(const Range& other);
+    static BodyRange empty();
+    void include(const BodyRange& other);
     void include(const double* row);
     /// No body is faster in the plane.
     double fastest_in_plane() const;
@@ -82,7 +82,7 @@ struct Drift {
 /// outside (lowest, highest), NaN among them, to `out`, and their velocities before the step to `velocities`,
 /// whose fourth numbers are 0.
 void drift(double* position, double* velocity, std::size_t begin, std::size_t end, const Drift& drift,
-           Range& velocities, std::vector<std::uint32_t>& out);
+           BodyRange& velocities, std::vector<std::uint32_t>& out);
 
 /// Where all radii are equal a pair has no number of its own: a step reads half as much.
 struct PairList {
@@ -102,7 +102,7 @@ struct PairList {
 };
 
 /// One list of all, in their order; where each begins, and the end.
-std::vector<std::size_t> gather(const std::vector<PairList>& parts, Team& team, PairList& list);
+std::vector<std::size_t> gather(const std::vector<PairList>& parts, ThreadPool& team, PairList& list);
 
 /// Pairs of [begin, end) that overlap in space now: their indices in the list, and how many. `found` has room
 /// for end - begin + 8.

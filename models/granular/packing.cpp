@@ -23,13 +23,13 @@ constexpr double push = 0.55;      // share of the overlap that each of two bead
 constexpr double kick = 0.1;       // of a radius, when shaken
 constexpr int sweeps_a_round = 2500, rounds = 4;
 
-struct Place {
+struct BeadSphere {
     double x, y, z, radius;
 };
 
 class PushApart {
 public:
-    PushApart(Places& places, const Room& room)
+    PushApart(BeadPositions& places, const Room& room)
         : places_(places), room_(room), skin_(skin_share * room.radius) {}
 
     /// Largest overlap left.
@@ -63,17 +63,17 @@ private:
         double x, y, z, distance;
     };
 
-    static Gap gap(const Place& a, const Place& b, const PeriodicBox& box) {
+    static Gap gap(const BeadSphere& a, const BeadSphere& b, const PeriodicBox& box) {
         const double x = nearest_image_rounded(a.x - b.x, box.x);
         const double y = nearest_image_rounded(a.y - b.y, box.y);
         const double z = a.z - b.z;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
-    Gap gap_to_rod(Near pair) const {
+    Gap gap_to_rod(NearPair pair) const {
         const Disc& disc = room_.rods[pair.other];
         return gap(p_[pair.bead], {disc.x, disc.y, disc.height, disc.radius}, room_.box);
     }
-    double touching(Near pair) const { return room_.rods[pair.other].radius + p_[pair.bead].radius; }
+    double touching(NearPair pair) const { return room_.rods[pair.other].radius + p_[pair.bead].radius; }
 
     /// Pairs of the places as they are; the largest overlap.
     double find() {
@@ -108,12 +108,12 @@ private:
 
     double largest_overlap() const {
         double largest = 0.0;
-        for (const Near pair : near_.beads) {
-            const Place &a = p_[pair.bead], &b = p_[pair.other];
+        for (const NearPair pair : near_.beads) {
+            const BeadSphere &a = p_[pair.bead], &b = p_[pair.other];
             largest =
                 std::max(largest, (a.radius + b.radius) * (1.0 + separation) - gap(a, b, room_.box).distance);
         }
-        for (const Near pair : near_.rods)
+        for (const NearPair pair : near_.rods)
             largest = std::max(largest, touching(pair) * (1.0 + separation) - gap_to_rod(pair).distance);
         return largest;
     }
@@ -121,7 +121,7 @@ private:
     /// Every pair once; the largest overlap met on the way.
     double sweep() {
         double largest = part_beads();
-        for (const Near pair : near_.rods)
+        for (const NearPair pair : near_.rods)
             largest = std::max(largest, part_from_rod(pair));
         if (room_.container)
             keep_inside();
@@ -130,7 +130,7 @@ private:
 
     /// What this brings together, the next sweep parts.
     void keep_inside() {
-        for (Place& bead : p_) {
+        for (BeadSphere& bead : p_) {
             const Eigen::Vector2d inside =
                 put_inside(*room_.container, {bead.x, bead.y}, bead.radius * (1.0 + separation));
             bead.x = inside.x();
@@ -142,13 +142,13 @@ private:
     double part_beads() {
         const PeriodicBox box = room_.box;
         const double between_plates = room_.gap;
-        const auto move = [between_plates](Place& at, double x, double y, double z) {
+        const auto move = [between_plates](BeadSphere& at, double x, double y, double z) {
             const double top = free_height(between_plates, at.radius);
             at = {at.x + x, at.y + y, std::clamp(at.z + z, -top, top), at.radius};
         };
         double largest = 0.0;
-        for (const Near pair : near_.beads) {
-            Place &a = p_[pair.bead], &b = p_[pair.other];
+        for (const NearPair pair : near_.beads) {
+            BeadSphere &a = p_[pair.bead], &b = p_[pair.other];
             const Gap g = gap(a, b, box);
             const double reach = a.radius + b.radius, missing = reach * (1.0 + aim) - g.distance;
             if (missing <= 0.0)
@@ -166,29 +166,29 @@ private:
     }
 
     /// In the plane only: a bead cannot leave a rod upwards.
-    double part_from_rod(Near pair) {
+    double part_from_rod(NearPair pair) {
         const Gap g = gap_to_rod(pair);
         const double wanted = touching(pair) * (1.0 + aim);
         if (g.distance >= wanted)
             return 0.0;
         const double in_plane = repeatable::length(g.x, g.y),
                      missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
-        Place& bead = p_[pair.bead];
+        BeadSphere& bead = p_[pair.bead];
         bead.x += in_plane > 0.0 ? missing * g.x / in_plane : missing;
         bead.y += in_plane > 0.0 ? missing * g.y / in_plane : 0.0;
         return std::max(0.0, touching(pair) * (1.0 + separation) - g.distance);
     }
 
-    Places& places_;
+    BeadPositions& places_;
     const Room& room_;
     double skin_;
-    Neighbours near_;
-    std::vector<Place> p_, found_at_; ///< cell by cell; now, and when the pairs were found
+    NeighbourPairs near_;
+    std::vector<BeadSphere> p_, found_at_; ///< cell by cell; now, and when the pairs were found
 };
 
 } // namespace
 
-double push_apart(Places& places, const Room& room, RandomStream random) {
+double push_apart(BeadPositions& places, const Room& room, RandomStream random) {
     PushApart work(places, room);
     double left = work.settle(sweeps_a_round);
     for (int round = 1; round < rounds && left > 0.0; ++round) {
@@ -284,7 +284,7 @@ RandomStream stream_for(Purpose purpose, std::uint64_t seed, std::uint32_t run, 
     return RandomStream(seed ^ salt, run, static_cast<std::uint32_t>(index));
 }
 
-void Places::add(double to_x, double to_y, double to_z, double of_radius, std::uint8_t of_kind) {
+void BeadPositions::add(double to_x, double to_y, double to_z, double of_radius, std::uint8_t of_kind) {
     x.push_back(to_x);
     y.push_back(to_y);
     z.push_back(to_z);
@@ -301,10 +301,10 @@ std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
     return kept;
 }
 
-Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
-                  const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
-                  std::uint32_t run) {
-    Places places;
+BeadPositions flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
+                         const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
+                         std::uint32_t run) {
+    BeadPositions places;
     for (std::size_t i = 0; i < kept.size(); ++i) {
         const double height = jitter * free_height(room.gap, sizes.radius[i]);
         places.add(sites[kept[i]].x(), sites[kept[i]].y(),
@@ -314,14 +314,14 @@ Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<s
     return places;
 }
 
-Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
+BeadPositions on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
     const auto fitted = [&] {
         return lattice_sites(fit_lattice(problem.box, sites_needed(problem, room), problem.orientation),
                              problem.box);
     };
     const auto sites = room.container ? container_sites(problem, room) : fitted();
-    Places places = flat_layer(sites, kept_sites(sites, {}, problem, room, run), bead_sizes(problem, run),
-                               problem, room, run);
+    BeadPositions places = flat_layer(sites, kept_sites(sites, {}, problem, room, run),
+                                      bead_sizes(problem, run), problem, room, run);
     if (room.container && problem.bead_spread > 0.0) // sites are those of the smallest beads
         for (std::size_t i = 0; i < places.size(); ++i) {
             const Eigen::Vector2d inside = put_inside(*room.container, {places.x[i], places.y[i]},
@@ -332,8 +332,8 @@ Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_
     return places;
 }
 
-Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run) {
-    Places places;
+BeadPositions at_random(const GranularProblem& problem, const Room& room, std::uint32_t run) {
+    BeadPositions places;
     const PeriodicBox& sides = bed_sides(problem);
     const BeadSizes sizes = bead_sizes(problem, run);
     const auto is_free = [&](double x, double y, double bead) {
@@ -365,7 +365,7 @@ double square_in_plan(double dx, double dy, const PeriodicBox& box) {
 
 /// In an order that decides how beads are moved apart: that of the cells.
 void bead_pairs(const CellList& cells, const std::vector<double>& radius, const PeriodicBox& box, double skin,
-                std::vector<Near>& pairs) {
+                std::vector<NearPair>& pairs) {
     const auto &x = cells.x(), &y = cells.y();
     cells.pairs([&](std::size_t p, std::size_t q) {
         const double range = radius[p] + radius[q] + skin;
@@ -387,7 +387,7 @@ Span span_of(std::size_t at, std::size_t cells, double range_in_cells) {
 }
 
 void rod_pairs(const CellList& cells, const std::vector<double>& radius, const Room& room, double skin,
-               std::vector<Near>& pairs) {
+               std::vector<NearPair>& pairs) {
     const double largest = radius.empty() ? 0.0 : std::ranges::max(radius);
     for (std::size_t k = 0; k < room.rods.size(); ++k) {
         const Disc& disc = room.rods[k];
@@ -406,10 +406,10 @@ void rod_pairs(const CellList& cells, const std::vector<double>& radius, const R
 
 } // namespace
 
-Neighbours neighbours(const Places& places, const Room& room, double skin) {
+NeighbourPairs neighbours(const BeadPositions& places, const Room& room, double skin) {
     const double largest = places.radius.empty() ? room.radius : std::ranges::max(places.radius);
     const CellList cells(places.x, places.y, room.box, 2.0 * largest + skin);
-    Neighbours found;
+    NeighbourPairs found;
     found.order = cells.member();
     std::vector<double> radius; // in the order of the cells
     for (const std::uint32_t i : found.order)

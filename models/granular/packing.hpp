@@ -40,7 +40,7 @@ struct Room {
 /// The centre of a bead of this radius keeps to |z| <= that, m; a thousandth of it stays free at both plates.
 inline double free_height(double gap, double radius) { return (1.0 - 1e-3) * (0.5 * gap - radius); }
 
-struct Places {
+struct BeadPositions {
     std::vector<double> x, y, z;    ///< m
     std::vector<double> radius;     ///< m
     std::vector<std::uint8_t> kind; ///< number of the bead's kind
@@ -54,7 +54,7 @@ inline constexpr double separation = 1e-6;
 
 /// Moves overlapping beads, in turn and always in the same order, and shakes them if that does not end.
 /// Returns the largest remaining overlap, m: 0 if nothing overlaps, more if no packing was found.
-double push_apart(Places& places, const Room& room, RandomStream random);
+double push_apart(BeadPositions& places, const Room& room, RandomStream random);
 
 // First places of the beads, before they are pushed apart.
 
@@ -72,15 +72,15 @@ std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
                                     const Room& room, std::uint32_t run);
 
 /// Beads of these sizes at these of the sites, at mid gap but for a little.
-Places flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
-                  const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
-                  std::uint32_t run);
+BeadPositions flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::vector<std::size_t>& kept,
+                         const BeadSizes& sizes, const GranularProblem& problem, const Room& room,
+                         std::uint32_t run);
 
 /// On the lattice that fits best; in a container on a perfect one, as wide as the beads allow.
-Places on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run);
+BeadPositions on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run);
 
 /// Uniform in the room outside the rods.
-Places at_random(const GranularProblem& problem, const Room& room, std::uint32_t run);
+BeadPositions at_random(const GranularProblem& problem, const Room& room, std::uint32_t run);
 
 /// fit.sites points in the box, exact to rounding, always in the same order; the first is (0, 0).
 std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const PeriodicBox& box);
@@ -88,18 +88,18 @@ std::vector<Eigen::Vector2d> lattice_sites(const LatticeFit& fit, const Periodic
 // Pairs of beads and of beads with rod spheres that are near each other in plan view.
 
 /// Of beads by their places in Neighbours::order, and of spheres of rods by their numbers.
-struct Near {
+struct NearPair {
     std::uint32_t bead, other; ///< other: a bead, or a rod's sphere
 };
 
-struct Neighbours {
+struct NeighbourPairs {
     std::vector<std::uint32_t> order; ///< the beads, cell by cell: neighbours are near each other here too
-    std::vector<Near> beads;          ///< each pair once
-    std::vector<Near> rods;
+    std::vector<NearPair> beads;      ///< each pair once
+    std::vector<NearPair> rods;
 };
 
 /// All pairs whose surfaces are less than `skin` apart in plan view, in an order that depends on the places
 /// only.
-Neighbours neighbours(const Places& places, const Room& room, double skin);
+NeighbourPairs neighbours(const BeadPositions& places, const Room& room, double skin);
 
 } // namespace rodwake::granular

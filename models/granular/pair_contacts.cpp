@@ -80,7 +80,7 @@ Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
 }
 
 template<bool equal>
-std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
+std::optional<PairContacts::TouchingPair> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
                                                            WorstOverlap& worst) const {
     const Vector3 r = apart(bodies, pair);
     const double one = bodies.radius_of<equal>(pair.first), two = bodies.radius_of<equal>(pair.second),
@@ -96,12 +96,12 @@ std::optional<PairContacts::Meeting> PairContacts::meeting(const Bodies& bodies,
     const double root = std::sqrt(along * along + speed2 * excess);
     const double back = along < 0.0 ? excess / (root - along) : (along + root) / speed2;
     if (back <= setting_.time_step)
-        return Meeting{pair, back, reach};
-    return along < 0.0 ? std::optional(Meeting{pair, 0.0, distance}) : std::nullopt;
+        return TouchingPair{pair, back, reach};
+    return along < 0.0 ? std::optional(TouchingPair{pair, 0.0, distance}) : std::nullopt;
 }
 
 template<bool equal>
-void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const {
+void PairContacts::bead_bead(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const {
     if constexpr (!equal)
         return unequal_beads(bodies, meeting, virial);
     const auto [one, two] = meeting.pair;
@@ -127,7 +127,7 @@ void PairContacts::bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor
 }
 
 /// As bead_bead, of beads that differ in size.
-void PairContacts::unequal_beads(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const {
+void PairContacts::unequal_beads(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const {
     const auto [one, two] = meeting.pair;
     auto v1 = row(bodies.velocity, one), v2 = row(bodies.velocity, two), w1 = row(bodies.spin, one),
          w2 = row(bodies.spin, two);
@@ -156,7 +156,7 @@ void PairContacts::unequal_beads(Bodies& bodies, const Meeting& meeting, PlaneTe
     add_virial(virial, meeting.length * n, impulse);
 }
 
-void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const {
     const auto [bead, sphere] = meeting.pair;
     const std::uint32_t index = bodies.rod_of[sphere - bodies.beads];
     MovingRod& rod = bodies.rods[index];
@@ -182,7 +182,7 @@ void PairContacts::bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tal
     fly_both(meeting.back);
 }
 
-void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const {
+void PairContacts::rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const {
     const auto [sphere1, sphere2] = meeting.pair;
     const std::uint32_t first = bodies.rod_of[sphere1 - bodies.beads],
                         second = bodies.rod_of[sphere2 - bodies.beads];
@@ -209,7 +209,7 @@ void PairContacts::rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tall
     fly_both(meeting.back);
 }
 
-void PairContacts::keep_first(const Bodies& bodies, const Meeting& meeting) {
+void PairContacts::keep_first(const Bodies& bodies, const TouchingPair& meeting) {
     const std::uint32_t one = bodies.rod_of[meeting.pair.first - bodies.beads],
                         two = bodies.rod_of[meeting.pair.second - bodies.beads];
     const auto known = std::find_if(rod_contacts_.begin(), rod_contacts_.end(), [&](const RodContact& c) {
@@ -224,7 +224,7 @@ void PairContacts::keep_first(const Bodies& bodies, const Meeting& meeting) {
 /// Pairs with both beads below `end`, the first number after the block; the others are left.
 template<bool equal>
 void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end,
-                                Block& block) const {
+                                ContactBlock& block) const {
     block.left.clear();
     block.worst = {};
     block.impulses = 0;
@@ -245,11 +245,11 @@ void PairContacts::within_block(Bodies& bodies, std::span<const Pair> pairs, std
 
 template<bool equal>
 void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst,
-                              Tallies& tallies) {
+                              Counters& tallies) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         const Pair pair = pairs[k];
         fetch_ahead(bodies, pairs, k);
-        std::optional<Meeting> found = meeting<equal>(bodies, pair, worst);
+        std::optional<TouchingPair> found = meeting<equal>(bodies, pair, worst);
         if (bodies.is_bead(pair.second)) {
             if (found) {
                 bead_bead<equal>(bodies, *found, tallies.virial);
@@ -306,15 +306,15 @@ double PairContacts::move_apart(Bodies& bodies, std::span<const Pair> pairs) con
     return moved;
 }
 
-WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
-                                   Team& team, bool settles) {
+WorstOverlap PairContacts::resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                                   ThreadPool& team, bool settles) {
     return bodies.equal_beads ? resolve_as<true>(bodies, overlapping, tallies, team, settles)
                               : resolve_as<false>(bodies, overlapping, tallies, team, settles);
 }
 
 template<bool equal>
-WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies,
-                                      Team& team, bool settles) {
+WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                                      ThreadPool& team, bool settles) {
     tallies.overlaps += static_cast<std::int64_t>(overlapping.size());
     blocks_.resize((bodies.beads + beads_per_block - 1) / beads_per_block);
     const auto first_from = [&](std::size_t bead) {
@@ -326,14 +326,14 @@ WorstOverlap PairContacts::resolve_as(Bodies& bodies, std::span<const Pair> over
     });
     WorstOverlap worst;
     rod_contacts_.clear();
-    for (const Block& block : blocks_) {
+    for (const ContactBlock& block : blocks_) {
         if (block.worst.radii > worst.radii)
             worst = block.worst;
         tallies.bead_bead += block.impulses;
         for (std::size_t k = 0; k < tallies.virial.size(); ++k)
             tallies.virial[k] += block.virial[k];
     }
-    for (const Block& block : blocks_)
+    for (const ContactBlock& block : blocks_)
         one_by_one<equal>(bodies, block.left, worst, tallies);
     one_by_one<equal>(bodies, {first_from(bodies.beads), overlapping.end()}, worst, tallies);
     for (const RodContact& contact : rod_contacts_)

@@ -41,17 +41,17 @@ public:
     /// Approaching pairs get an impulse; of the contacts of a rod with one bead or one other rod only the
     /// first to touch. A bed that settles is not moved apart: what is jammed at its start gives way by
     /// itself.
-    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
-                         bool settles = false);
+    WorstOverlap resolve(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                         ThreadPool& team, bool settles = false);
 
 private:
     /// Two spheres that overlap and approach.
-    struct Meeting {
+    struct TouchingPair {
         Pair pair;
         double back;   ///< how long ago they touched, s
         double length; ///< of their distance vector then, m: R1 + R2, or less if they overlapped before
     };
-    struct Block {
+    struct ContactBlock {
         std::vector<Pair> left; ///< pairs with a partner outside
         WorstOverlap worst;
         std::int64_t impulses = 0;
@@ -59,29 +59,30 @@ private:
     };
     struct RodContact {
         std::uint32_t first_rod, second_rod;
-        Meeting meeting;
+        TouchingPair meeting;
     };
     // Compiled for beads that are all equal and for others; what they share differs in bits.
     template<bool equal>
-    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Tallies& tallies, Team& team,
-                            bool settles);
+    WorstOverlap resolve_as(Bodies& bodies, std::span<const Pair> overlapping, Counters& tallies,
+                            ThreadPool& team, bool settles);
     template<bool equal>
-    std::optional<Meeting> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
+    std::optional<TouchingPair> meeting(const Bodies& bodies, const Pair& pair, WorstOverlap& worst) const;
     Vector3 apart(const Bodies& bodies, const Pair& pair) const;
     template<bool equal>
-    void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end, Block& block) const;
+    void within_block(Bodies& bodies, std::span<const Pair> pairs, std::size_t end,
+                      ContactBlock& block) const;
     template<bool equal>
-    void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Tallies& tallies);
+    void one_by_one(Bodies& bodies, std::span<const Pair> pairs, WorstOverlap& worst, Counters& tallies);
     template<bool equal>
-    void bead_bead(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const;
-    void unequal_beads(Bodies& bodies, const Meeting& meeting, PlaneTensor& virial) const;
-    void bead_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
-    void rod_rod(Bodies& bodies, const Meeting& meeting, Tallies& tallies) const;
-    void keep_first(const Bodies& bodies, const Meeting& meeting);
+    void bead_bead(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const;
+    void unequal_beads(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const;
+    void bead_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
+    void rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
+    void keep_first(const Bodies& bodies, const TouchingPair& meeting);
     double move_apart(Bodies& bodies, std::span<const Pair> pairs) const;
 
     PairSetting setting_;
-    std::vector<Block> blocks_;
+    std::vector<ContactBlock> blocks_;
     std::vector<RodContact> rod_contacts_;
 };
 

@@ -28,7 +28,7 @@ PairFinder::PairFinder(const Bodies& bodies, const PeriodicBox& box)
                                     : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
       skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
-void PairFinder::rebuild(const Bodies& bodies, Team& team) {
+void PairFinder::rebuild(const Bodies& bodies, ThreadPool& team) {
     outer_parts_ = near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
     origin_ = bodies.position;
     furthest_from_origin_ = 0.0;
@@ -51,7 +51,7 @@ void PairFinder::adapt_allowance(double furthest) {
     allowance_ = (std::clamp(wanted, 1e-9 * length_, most_allowance * length_) + allowance_) / 2.0;
 }
 
-void PairFinder::draw(const Bodies& bodies, Team& team) {
+void PairFinder::draw(const Bodies& bodies, ThreadPool& team) {
     const std::size_t parts = outer_parts_.size() - 1;
     found_.resize(parts);
     blocks_.resize(parts);
@@ -62,7 +62,7 @@ void PairFinder::draw(const Bodies& bodies, Team& team) {
                                        found_[c].index.data());
     });
     inner_parts_.assign(1, 0);
-    for (const Found& found : found_)
+    for (const ThreadPairs& found : found_)
         inner_parts_.push_back(inner_parts_.back() + found.count);
     inner_.common = outer_.common;
     inner_.resize(inner_parts_.back());
@@ -95,7 +95,7 @@ void PairFinder::note_blocks(std::size_t part, const Bodies& bodies) {
         }
 }
 
-void PairFinder::refresh(const Bodies& bodies, Team& team) {
+void PairFinder::refresh(const Bodies& bodies, ThreadPool& team) {
     // A pair outside the outer list is at least the skin away beside the allowance, and approaches by twice
     // what a sphere moved.
     furthest_from_origin_ += furthest();
@@ -119,7 +119,7 @@ double PairFinder::furthest() const { return furthest_.empty() ? 0.0 : *std::ran
 
 /// How far the spheres of some blocks are from where they were before.
 void PairFinder::measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks,
-                         Team& team) {
+                         ThreadPool& team) {
     team.run(blocks.size(), [&](std::size_t k) {
         const std::size_t begin = blocks[k] * beads_per_block,
                           end = std::min(bodies.spheres(), begin + beads_per_block);
@@ -142,7 +142,8 @@ std::vector<double> PairFinder::fastest_around(std::span<const double> fastest) 
 }
 
 /// Whether pairs outside the inner list may touch.
-bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team) {
+bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step,
+                       ThreadPool& team) {
     ++steps_since_draw_;
     ++steps_since_rebuild_;
     fastest_.resize(blocks_in(bodies), 0.0);
@@ -175,7 +176,7 @@ void PairFinder::test(std::size_t part, const Bodies& bodies) {
 }
 
 std::span<const Pair> PairFinder::find(const Bodies& bodies, std::span<const double> fastest,
-                                       double time_step, Team& team, bool tested) {
+                                       double time_step, ThreadPool& team, bool tested) {
     if (stale(bodies, fastest, time_step, team)) {
         adapt_allowance(furthest());
         refresh(bodies, team);
@@ -184,7 +185,7 @@ std::span<const Pair> PairFinder::find(const Bodies& bodies, std::span<const dou
     if (!tested)
         team.run(parts(), [&](std::size_t part) { test(part, bodies); });
     overlapping_.clear();
-    for (const Found& found : found_)
+    for (const ThreadPairs& found : found_)
         for (std::size_t k = 0; k < found.count; ++k)
             overlapping_.push_back(inner_.pairs[found.index[k]]);
     return overlapping_;
@@ -251,8 +252,8 @@ void pairs_of(const Bodies& bodies, const CellList& cells, const PeriodicBox& bo
 
 } // namespace
 
-std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team,
-                                    PairList& list) {
+std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin,
+                                    ThreadPool& team, PairList& list) {
     list.clear();
     const std::size_t count = bodies.spheres();
     if (count < 2)

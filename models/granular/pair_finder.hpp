@@ -26,7 +26,7 @@ public:
     /// (pair_contacts.hpp). `tested`: all parts were, after the flight, which counts if the lists turn out to
     /// hold. Valid until the next call.
     std::span<const Pair> find(const Bodies& bodies, std::span<const double> fastest, double time_step,
-                               Team& team, bool tested = false);
+                               ThreadPool& team, bool tested = false);
 
     // Tests while the beads that have just flown are still in the cache. A part are the pairs whose first
     // sphere is in one block of beads.
@@ -45,14 +45,15 @@ public:
     double skin() const { return skin_; }
 
 private:
-    void rebuild(const Bodies& bodies, Team& team);
-    void refresh(const Bodies& bodies, Team& team);
-    void draw(const Bodies& bodies, Team& team);
+    void rebuild(const Bodies& bodies, ThreadPool& team);
+    void refresh(const Bodies& bodies, ThreadPool& team);
+    void draw(const Bodies& bodies, ThreadPool& team);
     void adapt_skin();
     void adapt_allowance(double furthest);
-    bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, Team& team);
+    bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, ThreadPool& team);
     std::vector<double> fastest_around(std::span<const double> fastest) const;
-    void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks, Team& team);
+    void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks,
+                 ThreadPool& team);
     double furthest() const;
     void note_blocks(std::size_t part, const Bodies& bodies);
 
@@ -71,11 +72,11 @@ private:
     Rows origin_, drawn_; ///< positions when the outer list was built and the inner one drawn
     std::int64_t steps_since_rebuild_ = 0, steps_since_draw_ = 0;
     std::size_t rebuilds_ = 0, refreshes_ = 0;
-    struct Found {
+    struct ThreadPairs {
         std::vector<std::uint32_t> index;
         std::size_t count = 0;
     };
-    std::vector<Found> found_; ///< one a part
+    std::vector<ThreadPairs> found_; ///< one a part
     std::vector<Pair> overlapping_;
 };
 
@@ -84,7 +85,7 @@ private:
 /// All pairs of spheres nearer in the plane than the sum of their radii plus `skin`, nearest images, ordered
 /// (first, second); pairs of the same rod are left out. Returns where the pairs begin whose first sphere is
 /// in each block, and the end.
-std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin, Team& team,
-                                    PairList& list);
+std::vector<std::size_t> near_pairs(const Bodies& bodies, const PeriodicBox& box, double skin,
+                                    ThreadPool& team, PairList& list);
 
 } // namespace rodwake::granular

@@ -100,8 +100,8 @@ void Record::follow_pair(const Simulation& simulation) {
         return;
     const RodProgress &a = rods_[0], &b = rods_[1];
     const PeriodicBox& box = simulation.problem().box; // rods may stand beside each other across its edge
-    const PairCourse course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box.x),
-                            nearest_image_rounded(a.y0 - b.y0, box.y));
+    const PairFrame course(a.heading0, b.heading0, nearest_image_rounded(a.x0 - b.x0, box.x),
+                           nearest_image_rounded(a.y0 - b.y0, box.y));
     if (!course.common())
         return;
     sums_.pair.change = course.change(a.x - b.x - a.x0 + b.x0, a.y - b.y - a.y0 + b.y0);
@@ -137,7 +137,7 @@ void Record::sample(const Simulation& simulation) {
 }
 
 TableRow Record::row(const Simulation& simulation) {
-    const Tallies& tallies = simulation.tallies();
+    const Counters& tallies = simulation.tallies();
     const Energy energy = simulation.energy();
     const double samples = static_cast<double>(std::max<std::int64_t>(sums_.row.count, 1));
     const double steps = static_cast<double>(std::max<std::int64_t>(simulation.step() - sums_.row_step, 1));

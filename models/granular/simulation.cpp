@@ -35,7 +35,7 @@ constexpr double settling_limit = 0.5;
 /// them.
 struct BlockResult {
     std::vector<std::uint32_t> hits; ///< beads that left the space between the plates
-    Range velocities = Range::empty();
+    BodyRange velocities = BodyRange::empty();
     PlateTally tally;
 };
 
@@ -104,8 +104,8 @@ struct Simulation::Impl {
     PairFinder finder;
     PairContacts contacts;
     std::optional<Wall> wall;
-    Team team;
-    Tallies tallies;
+    ThreadPool team;
+    Counters tallies;
     std::int64_t step;
     std::optional<Failure> failure;
     std::vector<BlockResult> blocks;
@@ -113,7 +113,7 @@ struct Simulation::Impl {
     std::vector<double> fastest;                    ///< of the blocks in this step
     double shifted = 0.0;                           ///< how far the step before moved spheres apart, m
 
-    Impl(const GranularProblem& p, const State& state, const Tallies& t, std::size_t threads)
+    Impl(const GranularProblem& p, const State& state, const Counters& t, std::size_t threads)
         : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
           blocks((bodies.beads + beads_per_block - 1) / beads_per_block), flights(blocks.size()) {
@@ -142,7 +142,7 @@ struct Simulation::Impl {
         const double floor = plate.floor.position(), a = bodies.equal_beads ? bodies.bead_radius : 0.0;
         BlockResult& mine = blocks[b];
         mine.hits.clear();
-        mine.velocities = Range::empty();
+        mine.velocities = BodyRange::empty();
         mine.tally = {};
         const std::size_t begin = b * beads_per_block, end = std::min(bodies.beads, begin + beads_per_block);
         drift(bodies.position.data(), bodies.velocity.data(), begin, end,
@@ -193,7 +193,7 @@ struct Simulation::Impl {
 
     /// Rod ends move fastest; the spheres between them no faster. They go round: within a step their
     /// velocities change by rate^2 arm dt.
-    void include_ends(Range& velocities) const {
+    void include_ends(BodyRange& velocities) const {
         for (const MovingRod& rod : bodies.rods)
             for (const double end : {rod.clump().offset.front(), rod.clump().offset.back()}) {
                 const Vector3 turning = rod.velocity_at(end * rod.axis()) - rod.body().velocity;
@@ -206,7 +206,7 @@ struct Simulation::Impl {
             }
     }
 
-    void fly_rods(const PlateStep& plate, Range& velocities, PlateTally& tally) {
+    void fly_rods(const PlateStep& plate, BodyRange& velocities, PlateTally& tally) {
         include_ends(velocities);
         for (std::size_t i = 0; i < bodies.rods.size(); ++i) {
             const double before = tally.max_overlap;
@@ -220,10 +220,10 @@ struct Simulation::Impl {
     }
 
     /// In the plane; others: what may be faster than a block's own beads.
-    std::span<const double> fastest_of_blocks(const Range& others) {
+    std::span<const double> fastest_of_blocks(const BodyRange& others) {
         fastest.resize(std::max<std::size_t>(blocks.size(), 1));
         for (std::size_t b = 0; b < fastest.size(); ++b) {
-            Range all = others;
+            BodyRange all = others;
             if (b < blocks.size())
                 all.include(blocks[b].velocities);
             include_shift(all, shifted);
@@ -233,14 +233,14 @@ struct Simulation::Impl {
     }
 
     /// As if spheres that were put elsewhere had flown there.
-    void include_shift(Range& velocities, double shift) const {
+    void include_shift(BodyRange& velocities, double shift) const {
         for (int axis = 0; axis < 2; ++axis) {
             velocities.low[axis] -= shift / problem.time_step;
             velocities.high[axis] += shift / problem.time_step;
         }
     }
 
-    WallTally hit_wall(Range& velocities) {
+    WallTally hit_wall(BodyRange& velocities) {
         const WallTally tally =
             wall->act(bodies, velocities.fastest_in_plane(), velocities, shifted, equilibrating());
         include_ends(velocities);
@@ -278,7 +278,7 @@ struct Simulation::Impl {
     }
 
     /// Before anything is compared with it: NaN would hide.
-    void guard_speeds(const Range& velocities) {
+    void guard_speeds(const BodyRange& velocities) {
         const bool still = bodies.beads == 0 && bodies.rods.empty();
         bool sane = rods_finite();
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -327,7 +327,7 @@ struct Simulation::Impl {
 
     /// Adds up what the blocks of beads found; returns the tally of the deepest flight, which the guard looks
     /// at.
-    PlateTally gather_blocks(Range& velocities) {
+    PlateTally gather_blocks(BodyRange& velocities) {
         PlateTally deepest;
         for (const BlockResult& c : blocks) {
             velocities.include(c.velocities);
@@ -347,7 +347,7 @@ struct Simulation::Impl {
         if (pushed)
             half_kick(time());
         PlateTally rods;
-        Range of_rods = Range::empty();
+        BodyRange of_rods = BodyRange::empty();
         fly_rods(plate, of_rods, rods);
         mark(&StepTimes::rods);
         const bool together = !apart && !wall && finder.likely_to_hold(problem.time_step);
@@ -355,7 +355,7 @@ struct Simulation::Impl {
             fly_and_test(plate);
         else
             team.run(blocks.size(), [&](std::size_t b) { fly_block(b, plate); });
-        Range velocities = of_rods;
+        BodyRange velocities = of_rods;
         const PlateTally beads = gather_blocks(velocities);
         add(rods, tallies.rod_plate);
         mark(&StepTimes::flight);
@@ -387,7 +387,7 @@ std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threa
     return threads_for(problem.beads, beads_per_thread, threads);
 }
 
-Simulation::Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies,
+Simulation::Simulation(const GranularProblem& problem, const State& state, const Counters& tallies,
                        std::size_t threads) {
     validate(problem);
     check_fit(problem, state);
@@ -434,7 +434,7 @@ bool Simulation::finished() const {
 }
 const std::optional<Failure>& Simulation::failure() const { return impl_->failure; }
 const GranularProblem& Simulation::problem() const { return impl_->problem; }
-const Tallies& Simulation::tallies() const { return impl_->tallies; }
+const Counters& Simulation::tallies() const { return impl_->tallies; }
 const RodBody& Simulation::rod(std::size_t i) const { return impl_->bodies.rods[i].body(); }
 Agitation Simulation::agitation() const { return agitation_of(impl_->bodies); }
 

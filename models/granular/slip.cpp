@@ -41,7 +41,7 @@ void NormalMotion::turn() {
     regained = std::max(regained, 0.0);
 }
 
-Piece follow_straight(NormalMotion& motion, double rate, double length, double restitution) {
+SlipPiece follow_straight(NormalMotion& motion, double rate, double length, double restitution) {
     const double compressing = impulse_to_turn(motion, rate);
     if (compressing > length) {
         advance(motion, rate, length);
@@ -105,11 +105,11 @@ Eigen::Vector2d resumed_direction(const ContactTerms& contact) {
 constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
 
 /// g, h and dh/dphi of a direction.
-struct Turning {
+struct DirectionRates {
     double growth, turn, slope;
 };
 
-Turning turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
+DirectionRates turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
     const Eigen::Vector2d rate = contact.slip_rate(s), t(-s.y(), s.x());
     const double growth = s.dot(rate);
     return {growth, t.dot(rate), -growth - contact.friction * t.dot(product(contact.tangential, t))};
@@ -118,7 +118,7 @@ Turning turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
 /// Onto the root of h next to the direction.
 void settle(const ContactTerms& contact, Eigen::Vector2d& s) {
     for (int k = 0; k < 3; ++k) { // Newton, from a distance of 1e-3 at most
-        const Turning at = turning(contact, s);
+        const DirectionRates at = turning(contact, s);
         s = (s - at.turn / at.slope * Eigen::Vector2d(-s.y(), s.x())).normalized();
     }
 }
@@ -128,7 +128,7 @@ void settle(const ContactTerms& contact, Eigen::Vector2d& s) {
 /// the last, a path that has settled but neither grows nor dies would be followed in steps of its fast time
 /// scale.
 bool is_straight(const ContactTerms& contact, ImpactProgress& at) {
-    const Turning now = turning(contact, at.direction);
+    const DirectionRates now = turning(contact, at.direction);
     const double turn = std::abs(now.turn);
     if (turn <= rounding * contact.scale || turn * at.speed <= -now.growth * contact.tolerance)
         return true;
@@ -147,7 +147,7 @@ void add_piece(const ContactTerms& contact, ImpactProgress& at, const Eigen::Vec
                double length) {
     if (!(length < endless || rate > 0.0))
         refuse_singular();
-    const Piece piece = follow_straight(at.normal, rate, length, contact.restitution);
+    const SlipPiece piece = follow_straight(at.normal, rate, length, contact.restitution);
     at.tangential_impulse += piece.impulse * pull;
     at.normal_impulse += piece.impulse;
     at.ended = piece.ended;

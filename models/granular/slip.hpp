@@ -31,14 +31,14 @@ struct NormalMotion {
 };
 
 /// How far a piece of constant dv_z/dp was followed.
-struct Piece {
+struct SlipPiece {
     double impulse; ///< p covered
     bool ended;     ///< the impact is over
 };
 
 /// v_z = velocity + rate p for at most `length` (may be infinite if rate > 0). Closed: v_z is linear and W
 /// quadratic in p.
-Piece follow_straight(NormalMotion& motion, double rate, double length, double restitution);
+SlipPiece follow_straight(NormalMotion& motion, double rate, double length, double restitution);
 
 struct ContactTerms {
     ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, const Surface& surface);

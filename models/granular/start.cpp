@@ -23,7 +23,7 @@ namespace rodwake::granular {
 /// (Morton 1966), so that any 2048 successive beads fill one or two compact patches. Beads of a tile keep
 /// their order; as few as one tile's change nothing. Impulses are given in the order of numbers
 /// (pair_contacts.hpp), so numbers belong to the start.
-Places numbered_by_place(const Places& places, const PeriodicBox& box);
+BeadPositions numbered_by_place(const BeadPositions& places, const PeriodicBox& box);
 
 namespace {
 
@@ -127,7 +127,7 @@ std::string no_packing(const GranularProblem& problem, const char* kind, const c
 }
 
 /// Places and sizes of the state's beads.
-void put_places(State& state, const Places& places, const GranularProblem& problem) {
+void put_places(State& state, const BeadPositions& places, const GranularProblem& problem) {
     const double middle = middle_height(problem);
     state.beads.resize(places.size());
     // One size and one kind are the problem's, and no numbers of the state.
@@ -143,7 +143,7 @@ void put_places(State& state, const Places& places, const GranularProblem& probl
 }
 
 /// The same moved apart; returns what overlap is left.
-double set_places(State& state, Places places, const GranularProblem& problem, const Room& room,
+double set_places(State& state, BeadPositions places, const GranularProblem& problem, const Room& room,
                   std::uint32_t run) {
     const double left = push_apart(places, room, stream_for(Purpose::shake, problem.seed, run));
     put_places(state, places, problem);
@@ -152,7 +152,7 @@ double set_places(State& state, Places places, const GranularProblem& problem, c
 
 /// Throws InputError for given beads that are in a plate, a wall, a rod or each other by more than
 /// overlap_limit radii; what is less deep the run itself takes apart.
-void check_places(const GranularProblem& problem, const Places& p, const Room& room) {
+void check_places(const GranularProblem& problem, const BeadPositions& p, const Room& room) {
     constexpr double rounding = 1e-9;
     const double limit = problem.overlap_limit;
     const auto require = [&](double depth, double radius, std::size_t bead, const std::string& other) {
@@ -175,13 +175,13 @@ void check_places(const GranularProblem& problem, const Places& p, const Room& r
                      dy = nearest_image_rounded(p.y[i] - y, room.box.y), dz = p.z[i] - z;
         return p.radius[i] + radius - std::sqrt(dx * dx + dy * dy + dz * dz);
     };
-    const Neighbours near = neighbours(p, room, 0.0);
-    for (const Near pair : near.beads) {
+    const NeighbourPairs near = neighbours(p, room, 0.0);
+    for (const NearPair pair : near.beads) {
         const std::size_t i = near.order[pair.bead], j = near.order[pair.other];
         require(depth(i, p.x[j], p.y[j], p.z[j], p.radius[j]), std::min(p.radius[i], p.radius[j]), i,
                 fmt::format("bead {}", j));
     }
-    for (const Near pair : near.rods) {
+    for (const NearPair pair : near.rods) {
         const Disc& disc = room.rods[pair.other];
         const std::size_t i = near.order[pair.bead];
         require(depth(i, disc.x, disc.y, disc.height, disc.radius), std::min(p.radius[i], disc.radius), i,
@@ -199,7 +199,7 @@ void place_given(State& state, const GranularProblem& problem, const Room& room,
     std::iota(all.begin(), all.end(), std::size_t{0});
     for (const std::size_t i : all)
         sites.emplace_back(into_box(given.x[i], problem.box.x), into_box(given.y[i], problem.box.y));
-    Places places = flat_layer(sites, all, sizes, problem, room, run);
+    BeadPositions places = flat_layer(sites, all, sizes, problem, room, run);
     if (given.z.empty()) {
         if (const double left = set_places(state, places, problem, room, run); left > 0.0)
             throw RunError(no_packing(problem, "packing from start_file", "", left));
@@ -302,7 +302,7 @@ State make_start(const GranularProblem& problem, std::uint32_t run) {
                 "start = \"lattice\" puts equal beads on the sites of a triangular lattice, and these "
                 "are of kinds of different radii: use start = \"random\"");
         const Room room = room_of(problem, run);
-        const Places places = lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
+        const BeadPositions places = lattice ? on_lattice(problem, room, run) : at_random(problem, room, run);
         const double left =
             set_places(state, numbered_by_place(places, bed_sides(problem)), problem, room, run);
         if (left > 0.0)
@@ -347,7 +347,7 @@ std::uint32_t spread(std::uint32_t bits) {
     return (bits | bits << 1) & 0x55555555u;
 }
 
-std::vector<std::uint32_t> tiles(const Places& places, const PeriodicBox& box) {
+std::vector<std::uint32_t> tiles(const BeadPositions& places, const PeriodicBox& box) {
     const double tiles = static_cast<double>(places.size()) / beads_per_tile;
     const auto along = [&](double side, double other) {
         return std::max(1.0, std::floor(std::sqrt(tiles * (side / other))));
@@ -364,12 +364,12 @@ std::vector<std::uint32_t> tiles(const Places& places, const PeriodicBox& box) {
 
 } // namespace
 
-Places numbered_by_place(const Places& places, const PeriodicBox& box) {
+BeadPositions numbered_by_place(const BeadPositions& places, const PeriodicBox& box) {
     const std::vector<std::uint32_t> tile = tiles(places, box);
     std::vector<std::size_t> order(places.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return tile[i]; });
-    Places sorted;
+    BeadPositions sorted;
     for (const std::size_t i : order)
         sorted.add(places.x[i], places.y[i], places.z[i], places.radius[i], places.kind[i]);
     return sorted;

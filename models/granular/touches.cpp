@@ -20,7 +20,7 @@ using M = hn::Mask<Lanes>;
 V All(double value) { return hn::Set(Lanes(), value); }
 
 /// Distances of beads in free flight from their plates as polynomials in the time before the end of the step.
-struct Approach {
+struct PlateApproach {
     V c[8]; ///< of before^n
     V d[8]; ///< of before^(n - 1) in the derivative
 
@@ -40,8 +40,8 @@ struct Approach {
     }
 };
 
-HWY_INLINE Approach ApproachOf(const PlateStep& step, V radius, V side, M floor, V z, V vz) {
-    Approach approach;
+HWY_INLINE PlateApproach ApproachOf(const PlateStep& step, V radius, V side, M floor, V z, V vz) {
+    PlateApproach approach;
     for (std::size_t n = 0; n < 8; ++n)
         approach.c[n] = hn::Mul(hn::Neg(side), All(step.floor.coefficients()[n]));
     V* c = approach.c;
@@ -65,7 +65,7 @@ HWY_INLINE V Pressing(const PlateStep& step, V side, V before) {
 
 /// The time since the touch were accelerations constant, where that lies between `within` and `apart`; else
 /// their middle.
-HWY_INLINE V RoughTime(const Approach& approach, V pressing, V within, V apart) {
+HWY_INLINE V RoughTime(const PlateApproach& approach, V pressing, V within, V apart) {
     const V depth = hn::Neg(approach.c[0]), speed = approach.c[1];
     const V inside = hn::Sub(hn::Mul(speed, speed), hn::Mul(hn::Mul(All(2.0), pressing), depth));
     const V time = hn::Div(hn::Mul(All(2.0), depth), hn::Add(speed, hn::Sqrt(inside)));
@@ -76,7 +76,7 @@ HWY_INLINE V RoughTime(const Approach& approach, V pressing, V within, V apart) 
 
 /// As touch_time in bounces.cpp: Newton's method between a time at which a bead is apart from the plate and
 /// one at which it is within.
-HWY_INLINE V TouchTime(const Approach& approach, V apart, V within, V time, V tolerance, M active) {
+HWY_INLINE V TouchTime(const PlateApproach& approach, V apart, V within, V time, V tolerance, M active) {
     for (int i = 0; i < 60 && !hn::AllFalse(Lanes(), active); ++i) {
         const V here = approach.Gap(time), slope = hn::Neg(approach.Opening(time));
         const M out = hn::Gt(here, hn::Zero(Lanes()));
@@ -94,7 +94,7 @@ HWY_INLINE V TouchTime(const Approach& approach, V apart, V within, V time, V to
 }
 
 /// How long before the end of the step beads touched that have flown for `back`.
-HWY_INLINE V TimeSinceTouch(const PlateStep& step, const Approach& approach, V side, V back, M inside) {
+HWY_INLINE V TimeSinceTouch(const PlateStep& step, const PlateApproach& approach, V side, V back, M inside) {
     // Touching from the start on, or so soon that it makes no hop.
     const V zero = hn::Zero(Lanes()), half = All(2.0);
     const V pressing = hn::Max(Pressing(step, side, back), zero), soon = hn::Mul(All(shortest_hop), back);
@@ -126,7 +126,7 @@ void FindTouches(const PlateStep& step, std::size_t count, Touches& touches) {
         const M every = hn::Eq(zero, zero), floor = hn::Lt(gap_now(every), zero),
                 either = hn::Or(floor, hn::Lt(gap_now(hn::Not(every)), zero));
         const V side = hn::IfThenElse(floor, one, hn::Neg(one));
-        Approach approach = ApproachOf(step, radius, side, floor, z, vz);
+        PlateApproach approach = ApproachOf(step, radius, side, floor, z, vz);
         approach.c[0] = hn::Add(approach.c[0], hn::Max(hn::Neg(approach.Gap(back)), zero));
         const M inside = hn::And(either, hn::Lt(approach.c[0], zero));
         const V time = TimeSinceTouch(step, approach, side, back, inside);

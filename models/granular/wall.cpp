@@ -162,7 +162,7 @@ void Wall::move_out(Bodies& bodies) const {
     }
 }
 
-WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, double shifted, bool settles) {
+WallTally Wall::act(Bodies& bodies, double fastest, BodyRange& velocities, double shifted, bool settles) {
     moved_ += (2.0 * fastest + fastest_) * time_step_ + shifted; // by its flight, and by the impulse before
     fastest_ = fastest;
     if (!(moved_ < skin * bodies.bead_radius))
@@ -179,7 +179,7 @@ WallTally Wall::act(Bodies& bodies, double fastest, Range& velocities, double sh
     return tally;
 }
 
-void Wall::bead(Bodies& bodies, std::size_t bead, Range& velocities, WallTally& tally) const {
+void Wall::bead(Bodies& bodies, std::size_t bead, BodyRange& velocities, WallTally& tally) const {
     auto position = row(bodies.position, bead);
     auto v = row(bodies.velocity, bead);
     const Surface& surface = container_.beads;

@@ -44,13 +44,13 @@ public:
     /// `shifted`: nor was moved further, impulses aside, since the step before. Beads that are not near the
     /// wall are not looked at. Velocities that the beads get are added to `velocities`. Beads that others
     /// pushed deep into the wall are moved out of it a little, but not while a bed settles.
-    WallTally act(Bodies& bodies, double fastest, Range& velocities, double shifted = 0.0,
+    WallTally act(Bodies& bodies, double fastest, BodyRange& velocities, double shifted = 0.0,
                   bool settles = false);
 
 private:
     void find_near(const Bodies& bodies);
     void move_out(Bodies& bodies) const;
-    void bead(Bodies& bodies, std::size_t bead, Range& velocities, WallTally& tally) const;
+    void bead(Bodies& bodies, std::size_t bead, BodyRange& velocities, WallTally& tally) const;
     void rod(Bodies& bodies, std::size_t index, WallTally& tally) const;
 
     Container container_;

@@ -40,12 +40,12 @@ Linear linear_of_block(const PhaseBlock& block, const std::vector<double>& sums,
         if (beads_of(sums, j) == 0.0 || distance(grid, j) < from)
             continue;
         ++bins;
-        const Phases back = plane_waves(block.g, -u[j].x, -u[j].y);
-        const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
+        const PhaseFactors back = plane_waves(block.g, -u[j].x, -u[j].y);
+        const Eigen::Vector3d position(1.0, grid.x_of(j), grid.y_of(j));
         for (std::size_t k = 0; k < 3; ++k) {
             const auto z =
                 times({sums[j * strain_channels + 2 * k], sums[j * strain_channels + 2 * k + 1]}, back[k]);
-            row << block.g[k].x * place, block.g[k].y * place;
+            row << block.g[k].x * position, block.g[k].y * position;
             matrix.noalias() += std::abs(z) * row * row.transpose();
             right += std::abs(z) * std::arg(z) * row;
         }
@@ -71,7 +71,7 @@ double take_off(const PhaseBlock& block, std::vector<double>& sums, const RodGri
             continue;
         const Vector2 v = linear.at(grid.x_of(j), grid.y_of(j));
         most = std::max(most, std::hypot(v.x, v.y));
-        const Phases back = plane_waves(block.g, -v.x, -v.y);
+        const PhaseFactors back = plane_waves(block.g, -v.x, -v.y);
         for (std::size_t k = 0; k < 3; ++k) {
             double* sum = &sums[j * strain_channels + 2 * k];
             const auto z = times({sum[0], sum[1]}, back[k]);
@@ -99,10 +99,10 @@ Linear linear_of_field(const RodGrid& grid, const std::vector<bool>& has, double
         if (!has[j] || distance(grid, j) < far_from)
             continue;
         ++bins;
-        const Eigen::Vector3d place(1.0, grid.x_of(j), grid.y_of(j));
-        matrix += place * place.transpose();
-        right.x += u[j].x * place;
-        right.y += u[j].y * place;
+        const Eigen::Vector3d position(1.0, grid.x_of(j), grid.y_of(j));
+        matrix += position * position.transpose();
+        right.x += u[j].x * position;
+        right.y += u[j].y * position;
     }
     const Eigen::LDLT<Eigen::Matrix3d> solver(matrix);
     if (bins < least_bins || !solver.isPositive())

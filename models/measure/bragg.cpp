@@ -28,11 +28,11 @@ struct Wave {
 };
 
 /// exp(2 pi i m place/box) for m = 0..most: [m][place].
-std::vector<std::vector<Complex>> powers(std::span<const double> places, double box, int most) {
+std::vector<std::vector<Complex>> powers(std::span<const double> positions, double box, int most) {
     std::vector<std::vector<Complex>> rows(static_cast<std::size_t>(most) + 1,
-                                           std::vector<Complex>(places.size(), Complex{1.0, 0.0}));
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const Complex step = turn_by(2.0 * M_PI * places[i] / box);
+                                           std::vector<Complex>(positions.size(), Complex{1.0, 0.0}));
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Complex step = turn_by(2.0 * M_PI * positions[i] / box);
         for (std::size_t m = 1; m < rows.size(); ++m)
             rows[m][i] = times(rows[m - 1][i], step);
     }
@@ -109,17 +109,13 @@ Triple best_triple(const std::vector<Wave>& waves, const PeriodicBox& box) {
 
 /// Orders with angles in [0, pi), rising: then the middle one is the sum of the others.
 std::array<Order, 3> canonical(std::array<Order, 3> order) {
-    for (Order& one : order)
-        if (one.second < 0 || (one.second == 0 && one.first < 0))
-            one = {-one.first, -one.second};
+    for (Order& item : order)
+        if (item.second < 0 || (item.second == 0 && item.first < 0))
+            item = {-item.first, -item.second};
     std::ranges::sort(order, [](const Order& a, const Order& b) {
         return std::atan2(a.second, a.first) < std::atan2(b.second, b.first);
     });
     return order;
-}
-
-double strength_in(const std::vector<Wave>& ring, const Order& order) {
-    return std::ranges::find(ring, order, &Wave::order)->strength;
 }
 
 BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order,
@@ -132,7 +128,7 @@ BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& o
         peaks.m[k] = order[k].first;
         peaks.n[k] = order[k].second;
         peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box.x, 2.0 * M_PI * peaks.n[k] / box.y};
-        peaks.strength[k] = strength_in(ring, order[k]);
+        peaks.strength[k] = std::ranges::find(ring, order[k], &Wave::order)->strength;
         total -= peaks.strength[k];
     }
     peaks.liquid_strength = std::max(total, 0.0) / static_cast<double>(ring.size() - 3);

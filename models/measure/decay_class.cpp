@@ -223,15 +223,15 @@ constexpr int scan = 48;        // values of k
 constexpr int refinements = 40; // golden sections: 1e-8 of the interval, and chi2 is flat at its minimum
 
 /// Sums over the points for the linear part.
-struct Sums {
+struct LinearSums {
     double mm = 0.0, mg = 0.0, gg = 0.0;
 
     double amplitude() const { return mm > 0.0 ? mg / mm : 0.0; }
     double chi2() const { return std::max(0.0, gg - (mm > 0.0 ? mg * mg / mm : 0.0)); }
 };
 
-Sums sums_of(Shape shape, const Points& points, double k, const PeriodicBox& box) {
-    Sums sums;
+LinearSums sums_of(Shape shape, const Points& points, double k, const PeriodicBox& box) {
+    LinearSums sums;
     for (std::size_t i = 0; i < points.r.size(); ++i) {
         // relative to the first point: no amplitude is out of range
         const double m = shape(points.r[i], k, box) / shape(points.r[0], k, box) / points.error[i];
@@ -312,7 +312,7 @@ ShapeFit refine_shape(Shape shape, const Points& points, double low, double high
     const auto chi2 = [&](double k) { return chi2_of_shape(shape, points, k, box); };
     ShapeFit fit;
     fit.k = smallest(chi2, low, high);
-    const Sums sums = sums_of(shape, points, fit.k, box);
+    const LinearSums sums = sums_of(shape, points, fit.k, box);
     fit.chi2 = sums.chi2();
     fit.amplitude = sums.amplitude() / shape(points.r[0], fit.k, box);
     return fit;

@@ -311,7 +311,7 @@ void DisplacementAccumulator::Impl::add(const Frame& frame) {
 }
 
 void DisplacementAccumulator::Impl::follow(const Frame& frame) {
-    const RodPlace now = place_of(options.rod, layout, frame);
+    const RodPosition now = place_of(options.rod, layout, frame);
     if (frames > 0) {
         const double heading = last.heading + 0.5 * std::remainder(now.heading - last.heading, 2.0 * M_PI);
         path += std::cos(heading) * (now.x - last.x) + std::sin(heading) * (now.y - last.y);

@@ -45,8 +45,8 @@ private:
     bool wait(const Frame& frame);
     /// `G`: at the time of the frame.
     bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
-    std::optional<Phases> far_phases(const Frame& frame) const;
-    void count(const Seen& now, const Phases& waves, BlockSums& block) const;
+    std::optional<PhaseFactors> far_phases(const Frame& frame) const;
+    void count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const;
 
     Layout layout_;
     DisplacementOptions options_;
@@ -55,7 +55,7 @@ private:
     std::vector<BraggPeaks> block_peaks_; ///< [blocks], in a window
     std::vector<Frame> waiting_;          ///< of one block of time, in a window
     Blocks blocks_;
-    std::vector<Phases> waves_; ///< of the frame at hand, in the box's frame; no state
+    std::vector<PhaseFactors> waves_; ///< of the frame at hand, in the box's frame; no state
 };
 
 void save(StateWriter& out, const std::optional<BraggPeaks>& peaks);
@@ -84,7 +84,7 @@ public:
 private:
     void start(const Frame& frame, const RodView& rod);
     void drift(const Frame& frame);
-    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now);
+    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const RelativePosition& now);
     double side() const { return grid_.box.x - 2.0 * grid_.margin; }
     void count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod, double* sums);
 
@@ -117,7 +117,7 @@ struct DisplacementAccumulator::Impl {
     std::size_t frames = 0;
     double path = 0.0, duration = 0.0; ///< of the rod along its heading, m; s
     double last_time = 0.0;
-    RodPlace last; ///< of the rod
+    RodPosition last; ///< of the rod
 };
 
 struct DisplacementSums {

@@ -57,10 +57,6 @@ void check(std::span<const DriftPath> runs, const DriftDecayOptions& o) {
     }
 }
 
-double interval_of(const DriftPath& path) {
-    return (path.time.back() - path.time.front()) / static_cast<double>(path.time.size() - 1);
-}
-
 bool even(const DriftPath& path, double interval) {
     constexpr double rounding = 1e-6; // far above that of times, far below a frame
     for (std::size_t i = 1; i < path.time.size(); ++i)
@@ -75,7 +71,8 @@ std::string absence_of(std::span<const DriftPath> runs, const Estimate& drag_rat
     for (const DriftPath& run : runs) {
         if (run.time.size() < 3)
             return "fewer than 3 frames";
-        const double h = interval_of(runs[0]);
+        const Row& t = runs[0].time;
+        const double h = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
         if (!even(run, h))
             return "frames are not evenly spaced";
         if (h > 0.5 * o.settle * (1.0 + 1e-6))
@@ -247,10 +244,6 @@ Fluctuations of_run(const DriftPath& path, double interval) {
             fluctuations(along(path.impulse_x, path.impulse_y, c, s), interval)};
 }
 
-DriftSums no_sums(std::size_t lags, bool rods) {
-    return {Row(lags, 0.0), Row(rods ? lags : 0, 0.0), Row(lags, 0.0)};
-}
-
 void add_start(DriftSums& sums, const Fluctuations& run, std::size_t start) {
     for (const Row& v : run.velocity)
         for (std::size_t lag = 0; lag < sums.drift.size() && start + lag < v.size(); ++lag) {
@@ -265,7 +258,7 @@ void add_run(std::vector<DriftSums>& blocks, const Fluctuations& run, std::size_
     const std::size_t n = run.velocity[0].size(), count = std::max<std::size_t>(1, (n + length / 2) / length),
                       first = blocks.size();
     for (std::size_t b = 0; b < count; ++b)
-        blocks.push_back(no_sums(lags, !run.force.empty()));
+        blocks.push_back({Row(lags, 0.0), Row(run.force.empty() ? 0 : lags, 0.0), Row(lags, 0.0)});
     for (std::size_t start = 0; start < n; ++start)
         add_start(blocks[first + std::min(start / length, count - 1)], run, start);
 }
@@ -274,8 +267,8 @@ void add_run(std::vector<DriftSums>& blocks, const Fluctuations& run, std::size_
 
 DriftBlocks drift_blocks(std::span<const DriftPath> runs, double longest, double block) {
     DriftBlocks out;
-    const DriftPath& one = runs[0];
-    out.interval = (one.time.back() - one.time.front()) / static_cast<double>(one.time.size() - 1);
+    const DriftPath& item = runs[0];
+    out.interval = (item.time.back() - item.time.front()) / static_cast<double>(item.time.size() - 1);
     const auto intervals = [&](double time) {
         return static_cast<std::size_t>(std::lround(time / out.interval));
     };

@@ -37,12 +37,12 @@ void TakeEdge(Lanes lanes, double distance, double low, double high, std::size_t
 void TakeEdgeRow(double distance, double low, double high, std::size_t first, std::size_t last,
                  double* share) {
     const hn::CappedTag<double, 8> lanes;
-    const hn::CappedTag<double, 1> one;
+    const hn::CappedTag<double, 1> item;
     std::size_t k = first;
     for (; k + hn::Lanes(lanes) <= last; k += hn::Lanes(lanes))
         TakeEdge(lanes, distance, low, high, k, share);
     for (; k < last; ++k)
-        TakeEdge(one, distance, low, high, k, share);
+        TakeEdge(item, distance, low, high, k, share);
 }
 
 } // namespace rodwake::measure::HWY_NAMESPACE

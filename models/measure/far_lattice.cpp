@@ -56,7 +56,7 @@ Winding winding(const FarBeads& beads, const std::array<Vector2, 3>& G) {
     Winding w;
     std::array<std::complex<double>, 3> by_x{}, by_y{};
     for (std::size_t i = 0; i < beads.x.size(); ++i) {
-        const Phases waves = plane_waves(G, beads.x[i], beads.y[i]);
+        const PhaseFactors waves = plane_waves(G, beads.x[i], beads.y[i]);
         for (std::size_t k = 0; k < 3; ++k) {
             w.sum[k] += waves[k];
             by_x[k] += beads.x[i] * waves[k];
@@ -135,8 +135,8 @@ FarLattice far_lattice(std::span<const Frame> frames, const Layout& layout, doub
     const std::size_t every = (frames.size() + most_frames - 1) / most_frames;
     for (std::size_t f = 0; f < frames.size(); f += every)
         far.push_back(far_beads(frames[f], layout, far_from));
-    for (const FarBeads& one : far)
-        lattice.time += one.time / static_cast<double>(far.size());
+    for (const FarBeads& item : far)
+        lattice.time += item.time / static_cast<double>(far.size());
     refine(far, layout.box, far.back().time - far.front().time, lattice);
     const Winding now = winding(far.front(), lattice.at(far.front().time));
     for (std::size_t k = 0; k < 3; ++k)

@@ -16,10 +16,10 @@ namespace {
 using Row = std::vector<double>;
 using Runs = std::span<const FlowAccumulator>;
 
-std::vector<const FlowAccumulator::Block*> all_blocks(Runs runs) {
-    std::vector<const FlowAccumulator::Block*> blocks;
+std::vector<const FlowAccumulator::FlowBlock*> all_blocks(Runs runs) {
+    std::vector<const FlowAccumulator::FlowBlock*> blocks;
     for (const FlowAccumulator& run : runs)
-        for (const FlowAccumulator::Block& block : run.blocks())
+        for (const FlowAccumulator::FlowBlock& block : run.blocks())
             blocks.push_back(&block);
     return blocks;
 }
@@ -45,10 +45,11 @@ FlowField empty_field(const RodGrid& grid) {
     return field;
 }
 
-void set_bin(FlowField& field, std::size_t bin, const std::vector<const FlowAccumulator::Block*>& blocks) {
+void set_bin(FlowField& field, std::size_t bin,
+             const std::vector<const FlowAccumulator::FlowBlock*>& blocks) {
     Row vx, vy, weights;
     double ux = 0.0, uy = 0.0;
-    for (const FlowAccumulator::Block* block : blocks) {
+    for (const FlowAccumulator::FlowBlock* block : blocks) {
         const double count = block->count[bin];
         if (count == 0.0)
             continue;
@@ -157,7 +158,7 @@ std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
                                                   : nowhere;
 }
 
-RodPlace halfway(const RodPlace& before, const RodPlace& now) {
+RodPosition halfway(const RodPosition& before, const RodPosition& now) {
     return {(before.x + now.x) / 2.0, (before.y + now.y) / 2.0,
             before.heading + std::remainder(now.heading - before.heading, 2.0 * std::numbers::pi) / 2.0};
 }
@@ -215,15 +216,15 @@ void FlowAccumulator::travel(const Past& now) {
 void FlowAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
     times_.next(frame.time, "flow", layout_.grid);
-    BeadPlaces places = places_of(frame);
-    if (places.x.empty())
+    BeadPlaces positions = places_of(frame);
+    if (positions.x.empty())
         return;
     Past now{frame.time,
              times_.tick,
-             std::move(places.x),
-             std::move(places.y),
+             std::move(positions.x),
+             std::move(positions.y),
              frame.rods[options_.rod],
-             std::move(places.bead)};
+             std::move(positions.bead)};
     if (started_)
         follow_marked(now);
     else if (now.rod.known())
@@ -248,7 +249,7 @@ void FlowAccumulator::add(const Frame& frame) {
     past_.push_back(std::move(now));
 }
 
-FlowAccumulator::Block& FlowAccumulator::block_at(double time) {
+FlowAccumulator::FlowBlock& FlowAccumulator::block_at(double time) {
     const double number = std::floor(time / options_.block);
     if (blocks_.empty() || number != block_number_) {
         const Row zero(grid_.bins(), 0.0);
@@ -263,14 +264,14 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
     const MeanStep step(before, now);
     const PeriodicBox images = image_box(layout_);
     const RodView view(halfway(before.rod, now.rod), images);
-    Block& block = block_at((before.time + now.time) / 2.0);
+    FlowBlock& block = block_at((before.time + now.time) / 2.0);
     for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
-        const Seen place = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
-                                   into_box((before.y[j] + now.y[i]) / 2.0, images.y));
-        const auto bin = grid_.bin(place.x, place.y);
+        const RelativePosition position = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
+                                                  into_box((before.y[j] + now.y[i]) / 2.0, images.y));
+        const auto bin = grid_.bin(position.x, position.y);
         if (!bin)
             return;
-        const Seen v =
+        const RelativePosition v =
             view.turned((now.x[i] - before.x[j] - step.x) / lag, (now.y[i] - before.y[j] - step.y) / lag);
         const double speed = std::sqrt(v.x * v.x + v.y * v.y);
         block.vx[*bin] += v.x;
@@ -303,7 +304,7 @@ void FlowAccumulator::save(StateWriter& out) const {
         out.put(past.y);
     }
     out.put(blocks_.size());
-    for (const Block& block : blocks_)
+    for (const FlowBlock& block : blocks_)
         for (const Row* row : {&block.vx, &block.vy, &block.ux, &block.uy, &block.count})
             out.put(*row);
 }
@@ -338,7 +339,7 @@ void FlowAccumulator::load(StateReader& in) {
         last_rod_ = past_.back().rod;
     blocks_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
-        Block block;
+        FlowBlock block;
         for (Row* row : {&block.vx, &block.vy, &block.ux, &block.uy, &block.count})
             *row = in.array(grid_.bins());
         blocks_.push_back(std::move(block));

@@ -25,11 +25,11 @@ void want_values(const char* what, const std::vector<double>& values, std::size_
         throw RunError(fmt::format("measure: {} that are not finite", what));
 }
 
-void want_inside(const std::vector<double>& places, double box, bool with_border) {
-    for (const double place : places)
-        if (!(place >= 0.0 && (place < box || (with_border && place == box))))
+void want_inside(const std::vector<double>& positions, double box, bool with_border) {
+    for (const double position : positions)
+        if (!(position >= 0.0 && (position < box || (with_border && position == box))))
             throw RunError(
-                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", place, box));
+                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", position, box));
 }
 
 } // namespace
@@ -53,7 +53,7 @@ PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
     return along_y ? PeriodicBox(layout.box.y, layout.box.x) : layout.box;
 }
 
-RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
+RodPosition place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
     if (!layout.force)
         return frame.rods[rod];
     const MovingForce& force = *layout.force;
@@ -102,7 +102,7 @@ void check_frame(const Layout& layout, const Frame& frame) {
     if (frame.rods.size() != layout.rods)
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));
-    for (const RodPlace& rod : frame.rods)
+    for (const RodPosition& rod : frame.rods)
         if (layout.velocities &&
             !(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
             throw RunError("measure: the place of a rod is not finite");
@@ -144,9 +144,9 @@ namespace {
 constexpr double finest = 512.0; ///< bins in x or y: a block of the displacement then takes 19 MB
 
 /// Column or row of a coordinate: n stands for the periodic image of 0.
-std::optional<std::size_t> column(double place, double spacing, std::size_t n) {
+std::optional<std::size_t> column(double position, double spacing, std::size_t n) {
     const std::size_t middle = n / 2;
-    const double k = std::floor(place / spacing + 0.5) + static_cast<double>(middle);
+    const double k = std::floor(position / spacing + 0.5) + static_cast<double>(middle);
     if (!(k >= 0.0 && k <= static_cast<double>(n)))
         return std::nullopt;
     return static_cast<std::size_t>(k) % n;
@@ -189,7 +189,7 @@ RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted) {
     return {{box.x + 2.0 * margin, box.y + 2.0 * margin}, wanted, margin};
 }
 
-Seen seen_from(const RodPlace& rod, double x, double y, const PeriodicBox& box) {
+RelativePosition relative_position(const RodPosition& rod, double x, double y, const PeriodicBox& box) {
     const double dx = nearest_image(x - rod.x, box.x), dy = nearest_image(y - rod.y, box.y);
     const double c = std::cos(rod.heading), s = std::sin(rod.heading);
     return {c * dx + s * dy, -s * dx + c * dy};

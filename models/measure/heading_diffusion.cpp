@@ -97,14 +97,14 @@ std::vector<std::size_t> lags_of(double step, double lag_high) {
 }
 
 /// Of a block, of several, or of all but some.
-struct Sums {
+struct DiffusionSums {
     Row origins, square, cosine; // by lag
     Row off;                     // s, of the lags, where times are uneven
     double turn = 0.0, advance = 0.0, time = 0.0;
 
-    explicit Sums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags), off(lags) {}
+    explicit DiffusionSums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags), off(lags) {}
 
-    void add(const Sums& other) {
+    void add(const DiffusionSums& other) {
         for (std::size_t k = 0; k < square.size(); ++k) {
             origins[k] += other.origins[k];
             square[k] += other.square[k];
@@ -119,9 +119,9 @@ struct Sums {
 
 /// Of the rows from `first` to `last`, both of them in the block. `step`: 0 of even rows; of others what lags
 /// are multiples of: that of two rows is the one it is nearest to.
-Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last, double step,
-             std::span<const std::size_t> lags) {
-    Sums sums(lags.size());
+DiffusionSums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last, double step,
+                      std::span<const std::size_t> lags) {
+    DiffusionSums sums(lags.size());
     const auto add = [&](std::size_t k, std::size_t i, std::size_t j) {
         if (!run.known(i) || !run.known(j))
             return;
@@ -161,8 +161,8 @@ Sums sums_of(const HeadingTrack& run, std::size_t first, std::size_t last, doubl
 }
 
 /// Blocks of a run; neighbours share the row between them.
-std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingOptions& options,
-                            std::span<const std::size_t> lags) {
+std::vector<DiffusionSums> blocks_of(const HeadingTrack& run, double step, const HeadingOptions& options,
+                                     std::span<const std::size_t> lags) {
     const std::optional<HeadingTrack> even = even_track(run, step);
     const HeadingTrack& rows = even ? *even : run;
     const std::size_t steps = rows.time.size() - 1;
@@ -173,7 +173,7 @@ std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingO
                                      length, options.lag_high));
     const auto count =
         std::max<std::size_t>(1, static_cast<std::size_t>(length / options.block * (1.0 + 1e-9)));
-    std::vector<Sums> blocks;
+    std::vector<DiffusionSums> blocks;
     const auto from = [&](std::size_t b) { // first row of a block
         const double time = rows.time.front() + length * static_cast<double>(b) / static_cast<double>(count);
         return even ? b * steps / count
@@ -187,10 +187,11 @@ std::vector<Sums> blocks_of(const HeadingTrack& run, double step, const HeadingO
 }
 
 /// Takes out the lags that no two rows have in all blocks or, for the errors, in all but one.
-void drop_unknown(std::vector<std::size_t>& lags, std::vector<Sums>& blocks, std::vector<Sums>& of_runs) {
+void drop_unknown(std::vector<std::size_t>& lags, std::vector<DiffusionSums>& blocks,
+                  std::vector<DiffusionSums>& of_runs) {
     for (std::size_t k = lags.size(); k-- > 0;) {
         double all = 0.0, most = 0.0;
-        for (const Sums& part : blocks) {
+        for (const DiffusionSums& part : blocks) {
             all += part.origins[k];
             most = std::max(most, blocks.size() > 1 ? part.origins[k] : 0.0);
         }
@@ -198,15 +199,16 @@ void drop_unknown(std::vector<std::size_t>& lags, std::vector<Sums>& blocks, std
             continue;
         const auto at = static_cast<std::ptrdiff_t>(k);
         lags.erase(lags.begin() + at);
-        for (std::vector<Sums>* sums : {&blocks, &of_runs})
-            for (Sums& part : *sums)
-                for (auto row : {&Sums::origins, &Sums::square, &Sums::cosine, &Sums::off})
+        for (std::vector<DiffusionSums>* sums : {&blocks, &of_runs})
+            for (DiffusionSums& part : *sums)
+                for (auto row : {&DiffusionSums::origins, &DiffusionSums::square, &DiffusionSums::cosine,
+                                 &DiffusionSums::off})
                     (part.*row).erase((part.*row).begin() + at);
     }
 }
 
-Sums sum_of(std::span<const Sums> all, std::size_t without) {
-    Sums sums(all[0].square.size());
+DiffusionSums sum_of(std::span<const DiffusionSums> all, std::size_t without) {
+    DiffusionSums sums(all[0].square.size());
     for (std::size_t i = 0; i < all.size(); ++i)
         if (i != without)
             sums.add(all[i]);
@@ -229,7 +231,7 @@ LineFit line(const Row& lag, const Row& value, std::size_t first, std::size_t la
     return fit_line(part(lag), part(value), part(lag));
 }
 
-FitWindow window_of(const Sums& all, double step, std::span<const std::size_t> lags,
+FitWindow window_of(const DiffusionSums& all, double step, std::span<const std::size_t> lags,
                     const HeadingOptions& options) {
     FitWindow w;
     for (std::size_t k = 0; k < lags.size(); ++k)
@@ -253,14 +255,14 @@ FitWindow window_of(const Sums& all, double step, std::span<const std::size_t> l
 /// Order of the numbers of a row, before those by lag.
 enum Number : std::size_t { D, D_cosine, early, late, turn_rate, speed, per_length, numbers };
 
-Row squares_of(const Sums& s) {
+Row squares_of(const DiffusionSums& s) {
     Row out;
     for (std::size_t k = 0; k < s.square.size(); ++k)
         out.push_back(mean(s.square, s.origins, k));
     return out;
 }
 
-Row cosines_of(const Sums& s) {
+Row cosines_of(const DiffusionSums& s) {
     Row out;
     for (std::size_t k = 0; k < s.cosine.size(); ++k)
         out.push_back(mean(s.cosine, s.origins, k));
@@ -279,7 +281,7 @@ LineFit cosine_line(const Row& cosine, const FitWindow& w) {
 }
 
 /// The numbers, then <d^2>, then <cos d>.
-Row row_of(const Sums& s, const FitWindow& w) {
+Row row_of(const DiffusionSums& s, const FitWindow& w) {
     const Row square = squares_of(s), cosine = cosines_of(s);
     const std::size_t end = w.lag.size();
     Row row(numbers);
@@ -296,7 +298,7 @@ Row row_of(const Sums& s, const FitWindow& w) {
 }
 
 /// Jackknife; unknown for one part.
-Row errors_of(std::span<const Sums> parts, const FitWindow& w) {
+Row errors_of(std::span<const DiffusionSums> parts, const FitWindow& w) {
     const std::size_t n = parts.size();
     if (n < 2)
         return Row(numbers + 2 * w.lag.size(), unknown_error);
@@ -315,7 +317,8 @@ Row errors_of(std::span<const Sums> parts, const FitWindow& w) {
     return errors;
 }
 
-HeadingDiffusion result_of(const Sums& all, std::span<const Sums> parts, const FitWindow& w) {
+HeadingDiffusion result_of(const DiffusionSums& all, std::span<const DiffusionSums> parts,
+                           const FitWindow& w) {
     const Row row = row_of(all, w), errors = errors_of(parts, w);
     const auto estimate = [&](Number i) {
         return std::isfinite(row[i]) ? Estimate{row[i], errors[i], parts.size()} : Estimate{};
@@ -366,9 +369,9 @@ HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const Hea
                                      "up to {:g} s; shorten granular.output.table",
                                      step, options.lag_high));
     std::vector<std::size_t> lags = lags_of(step, options.lag_high);
-    std::vector<Sums> blocks, of_runs;
+    std::vector<DiffusionSums> blocks, of_runs;
     for (const HeadingTrack& run : runs) {
-        const std::vector<Sums> own = blocks_of(run, step, options, lags);
+        const std::vector<DiffusionSums> own = blocks_of(run, step, options, lags);
         if (own.empty())
             throw InputError("measure: heading_diffusion: no block of time has two rows; lengthen "
                              "measure.block");
@@ -376,8 +379,8 @@ HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const Hea
         blocks.insert(blocks.end(), own.begin(), own.end());
     }
     drop_unknown(lags, blocks, of_runs);
-    const Sums all = sum_of(blocks, blocks.size());
-    const std::vector<Sums>& parts = runs.size() >= enough_runs ? of_runs : blocks;
+    const DiffusionSums all = sum_of(blocks, blocks.size());
+    const std::vector<DiffusionSums>& parts = runs.size() >= enough_runs ? of_runs : blocks;
     HeadingDiffusion r = result_of(all, parts, window_of(all, step, lags, options));
     r.blocks = blocks.size();
     r.parts = parts.size();

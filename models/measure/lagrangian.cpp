@@ -24,12 +24,12 @@ LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const Displac
       blocks_(grid_.bins(), channels, options.block) {}
 
 void LagrangianAccumulator::add(const Frame& frame) {
-    const RodPlace place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, image_box(layout_));
+    const RodPosition position = place_of(options_.rod, layout_, frame);
+    const RodView rod(position, image_box(layout_));
     if (samples_.empty())
         start(frame, rod);
     drift(frame);
-    double* sums = blocks_.at(frame.time, place.heading).sums.data();
+    double* sums = blocks_.at(frame.time, position.heading).sums.data();
     for_each_named(frame, [&](std::size_t bead, std::size_t at) {
         note_zone(bead, at, frame, rod.at(frame.x[at], frame.y[at]));
         if (samples_[bead] > 0.0)
@@ -68,7 +68,8 @@ void LagrangianAccumulator::drift(const Frame& frame) {
     last_ = std::move(now);
 }
 
-void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame, const Seen& now) {
+void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame,
+                                      const RelativePosition& now) {
     const double ahead = now.x / side();
     if (!(ahead > zone_begin && ahead < zone_end)) {
         in_zone_[bead] = 0.0;
@@ -87,11 +88,12 @@ void LagrangianAccumulator::count(std::size_t bead, std::size_t at, const Frame&
     const double dx = frame.unwrapped_x[at] - drift_x_ - place_x_[bead] / samples_[bead];
     const double dy = frame.unwrapped_y[at] - drift_y_ - place_y_[bead] / samples_[bead];
     const PeriodicBox images = image_box(layout_);
-    const Seen before = rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
+    const RelativePosition before =
+        rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
     const auto bin = grid_.bin(before.x, before.y);
     if (!bin)
         return;
-    const Seen moved = rod.turned(dx, dy);
+    const RelativePosition moved = rod.turned(dx, dy);
     double* sum = sums + *bin * channels;
     sum[along] += moved.x;
     sum[across] += moved.y;

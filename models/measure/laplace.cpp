@@ -110,7 +110,7 @@ Row slopes(const Row& x, const Row& y) {
 }
 
 /// One piece, [x0, x0 + h]; slopes at its ends.
-struct Piece {
+struct CubicPiece {
     double x0, h, y0, y1, slope0, slope1;
 
     double at(double u) const { // u in [0, 1]
@@ -145,7 +145,8 @@ SmoothSampled smooth_sampled(std::span<const double> t, std::span<const double> 
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
         const bool cubic = between == Between::cubics;
-        const Piece piece{x[i], h, y[i], y[i + 1], cubic ? slope[i] : chord, cubic ? slope[i + 1] : chord};
+        const CubicPiece piece{
+            x[i], h, y[i], y[i + 1], cubic ? slope[i] : chord, cubic ? slope[i + 1] : chord};
         piece.add_nodes(smooth.node, smooth.weight);
     }
     smooth.first_time = t.front();

@@ -28,7 +28,7 @@ void Measures::add(const Frame& frame) {
     const bool travelled = has_travelled(frame);
     if (frame.time < from_ || !travelled || frame.x.empty()) // of a film: rods alone
         return;
-    for (Part& part : parts_)
+    for (MeasurePart& part : parts_)
         if (frames_ % part.every == 0)
             part.sums.add(frame);
     ++frames_;
@@ -37,7 +37,7 @@ void Measures::add(const Frame& frame) {
 bool Measures::has_travelled(const Frame& frame) {
     if (travel_.distance == 0.0)
         return true;
-    const RodPlace& rod = frame.rods[travel_.rod];
+    const RodPosition& rod = frame.rods[travel_.rod];
     if (!rod.seen())
         return travelled_;
     if (!seen_) {
@@ -57,7 +57,7 @@ std::vector<double> Measures::save() const {
     if (travel_.distance > 0.0)
         for (const double value : {seen_ ? 1.0 : 0.0, travelled_ ? 1.0 : 0.0, first_x_, first_y_})
             out.put(value);
-    for (const Part& part : parts_)
+    for (const MeasurePart& part : parts_)
         part.sums.save(out);
     return out.take();
 }
@@ -71,18 +71,18 @@ void Measures::load(std::span<const double> values, const std::string& what) {
         first_x_ = in.get();
         first_y_ = in.get();
     }
-    for (Part& part : parts_)
+    for (MeasurePart& part : parts_)
         part.sums.load(in);
     in.finish();
 }
 
 Accumulator* Measures::find(std::string_view name) {
-    const auto found = std::ranges::find(parts_, name, &Part::name);
+    const auto found = std::ranges::find(parts_, name, &MeasurePart::name);
     return found == parts_.end() ? nullptr : &found->sums;
 }
 
 std::size_t Measures::stride(std::string_view name) const {
-    const auto found = std::ranges::find(parts_, name, &Part::name);
+    const auto found = std::ranges::find(parts_, name, &MeasurePart::name);
     return found == parts_.end() ? 0 : found->every;
 }
 

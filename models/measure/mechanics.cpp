@@ -48,11 +48,11 @@ Share share_of(const RodPushes& pushes, const Mark& from, const Mark& to) {
 }
 
 /// Mean rates, and what follows from them.
-struct Rates {
+struct MeanRates {
     double force, drift, speed, drag;
 };
 
-Rates rates_of(std::span<const Share> shares, std::size_t without, double mass) {
+MeanRates rates_of(std::span<const Share> shares, std::size_t without, double mass) {
     Share sum{};
     for (std::size_t b = 0; b < shares.size(); ++b) {
         if (b == without)
@@ -67,30 +67,30 @@ Rates rates_of(std::span<const Share> shares, std::size_t without, double mass) 
             sum.impulse / (mass * sum.drift)};
 }
 
-Estimate jackknife(std::span<const Rates> without, double whole, double Rates::*rate) {
+Estimate jackknife(std::span<const MeanRates> without, double whole, double MeanRates::*rate) {
     const double n = static_cast<double>(without.size());
     if (without.size() < 2)
         return {whole, unknown_error, without.size()};
     double mean = 0.0, scatter = 0.0;
-    for (const Rates& r : without)
+    for (const MeanRates& r : without)
         mean += r.*rate / n;
-    for (const Rates& r : without)
+    for (const MeanRates& r : without)
         scatter += (r.*rate - mean) * (r.*rate - mean);
     return {whole, std::sqrt(scatter * (n - 1.0) / n), without.size()};
 }
 
 void set_rates(MechanicsResult& result, std::span<const Share> shares, double mass, bool rods) {
-    std::vector<Rates> without;
+    std::vector<MeanRates> without;
     for (std::size_t b = 0; b < shares.size(); ++b)
         without.push_back(rates_of(shares, b, mass));
-    const Rates all = rates_of(shares, shares.size(), mass);
+    const MeanRates all = rates_of(shares, shares.size(), mass);
     result.blocks = shares.size();
-    result.force = jackknife(without, all.force, &Rates::force);
-    result.drift = jackknife(without, all.drift, &Rates::drift);
+    result.force = jackknife(without, all.force, &MeanRates::force);
+    result.drift = jackknife(without, all.drift, &MeanRates::drift);
     if (rods)
-        result.speed = jackknife(without, all.speed, &Rates::speed);
+        result.speed = jackknife(without, all.speed, &MeanRates::speed);
     if (all.drift > 0.0)
-        result.drag_rate = jackknife(without, all.drag, &Rates::drag);
+        result.drag_rate = jackknife(without, all.drag, &MeanRates::drag);
 }
 
 double part_of(const Estimate& e) { return e.error / e.value; }

@@ -18,44 +18,6 @@ using Row = std::vector<double>;
 using Runs = MicrorheologyRuns;
 constexpr std::size_t fewest_frames = 32, window_points = 16;
 
-void check(Runs runs) {
-    if (runs.empty())
-        throw InputError("measure: microrheology: no runs");
-    for (const MicrorheologyAccumulator& run : runs) {
-        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
-            throw InputError("measure: microrheology: the runs were measured with different options or beds");
-        if (std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
-            throw InputError(
-                fmt::format("measure: microrheology: frames are {:g} s apart in one run and {:g} s in "
-                            "another: must be the same",
-                            runs[0].interval(), run.interval()));
-    }
-}
-
-void want_frames(Runs runs) {
-    for (const MicrorheologyAccumulator& run : runs)
-        if (run.frames() < fewest_frames)
-            throw InputError(
-                fmt::format("measure: microrheology of {} frames: needs at least {} a run; write frames more "
-                            "often or run longer",
-                            run.frames(), fewest_frames));
-}
-
-void set_lags(MicrorheologyResult& result, Runs runs, const std::vector<long>& lags) {
-    for (const long key : lags) {
-        result.lag.push_back(runs[0].lag(key));
-        result.origins.push_back(0.0);
-        for (const MicrorheologyAccumulator& run : runs)
-            result.origins.back() += run.lags().at(key).origins;
-    }
-}
-
-void set_msd(MicrorheologyResult& result, const std::vector<LagBlock>& blocks) {
-    const Jackknife msd = Jackknife::of(blocks, [](const Row& curve) { return curve; });
-    result.msd = msd.all;
-    result.msd_error = msd.errors();
-}
-
 Row stiffness_curve(const Row& lag, const Row& msd, const Row& s) {
     const auto known = std::span(msd).first(lag.size());
     if (!std::ranges::all_of(known, [](double d) { return d > 0.0; }))
@@ -67,8 +29,8 @@ Row stiffness_curve(const Row& lag, const Row& msd, const Row& s) {
     return stiffness;
 }
 
-/// Below 1/t_max the transform is mostly the tail's, above half a frame's rate mostly the straight piece from
-/// lag 0 to the first lag's.
+/// The range of s for s -> 0. Below 1/t_max the tail dominates the transform, above half a frame's rate the
+/// straight piece from lag 0 to the first lag.
 void set_window(MicrorheologyResult& result, const MicrorheologyOptions& options, double longest,
                 double interval) {
     const double low = options.s_low.value_or(2.0 / longest), high = options.s_high.value_or(8.0 / longest);
@@ -83,30 +45,16 @@ void set_window(MicrorheologyResult& result, const MicrorheologyOptions& options
                                      low, high, 1.0 / longest, 0.5 / interval));
 }
 
-void set_stiffness(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
-                   double interval) {
-    const double octaves = std::log2(2.0 * lag.back() / interval);
-    result.s =
-        log_range(0.5 / lag.back(), 1.0 / interval, 1 + static_cast<std::size_t>(std::ceil(4.0 * octaves)));
-    const Jackknife curves =
-        Jackknife::of(blocks, [&](const Row& msd) { return stiffness_curve(lag, msd, result.s); });
-    result.stiffness = curves.all;
-    result.stiffness_error = curves.errors();
-}
-
-/// Value at s = 0 of the straight line through the first points of a curve.
-double at_zero(const Row& s, const Row& stiffness, const Row& errors, std::size_t points) {
-    const auto first = [&](const Row& row) { return std::span(row).first(points); };
-    return fit_line(first(s), first(stiffness), first(errors)).intercept.value;
-}
-
-/// {extrapolated value, how far the bend of the curve puts it off}. A part c s^2 of the curve puts the line
-/// through s_1 and s_2 off by -c s_1 s_2 at 0, so the line through the lower half of the points is off by
-/// less.
+/// {value of the straight line through the curve at s = 0, error from the bend of the curve}. A part c s^2 of
+/// the curve puts the line through s_1 and s_2 off by -c s_1 s_2 at 0, and so the line through the lower half
+/// of the points off by less.
 Row extrapolated(const Row& s, const Row& stiffness, const Row& errors) {
+    const auto at_zero = [&](std::size_t points) {
+        const auto first = [&](const Row& row) { return std::span(row).first(points); };
+        return fit_line(first(s), first(stiffness), first(errors)).intercept.value;
+    };
     const std::size_t lower = s.size() / 2;
-    const double whole = at_zero(s, stiffness, errors, s.size());
-    const double half = at_zero(s, stiffness, errors, lower);
+    const double whole = at_zero(s.size()), half = at_zero(lower);
     return {whole, (whole - half) / (1.0 - s[lower - 1] / s.back())};
 }
 
@@ -126,40 +74,27 @@ void set_stiffness_zero(MicrorheologyResult& result, const std::vector<LagBlock>
     result.stiffness_zero = {zero.all[0], std::hypot(result.scatter, result.bend), blocks.size()};
 }
 
-void set_spring(MicrorheologyResult& result, Runs runs) {
-    double sum = 0.0;
-    for (const MicrorheologyAccumulator& run : runs) {
-        sum += run.temperature() * static_cast<double>(run.frames());
-        result.frames += run.frames();
-    }
-    result.temperature = sum / static_cast<double>(result.frames);
-    const double factor = 4.0 * runs[0].layout().bead_mass * result.temperature;
-    if (runs[0].layout().velocities)
-        result.spring = result.stiffness_zero.scaled(factor);
-}
-
-} // namespace
-
-void MicrorheologyResult::use_temperature(double T) {
-    spring = spring.scaled(T / temperature);
-    temperature = T;
-}
-
-namespace {
-
-/// All that the displacements of these blocks give.
+/// All results that follow from the displacements of these blocks.
 void set_curves(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
                 double interval) {
-    set_msd(result, blocks);
+    const Jackknife msd = Jackknife::of(blocks, [](const Row& curve) { return curve; });
+    result.msd = msd.all;
+    result.msd_error = msd.errors();
     if (lag.empty())
         return;
-    set_stiffness(result, blocks, lag, interval);
+    const double octaves = std::log2(2.0 * lag.back() / interval);
+    result.s =
+        log_range(0.5 / lag.back(), 1.0 / interval, 1 + static_cast<std::size_t>(std::ceil(4.0 * octaves)));
+    const Jackknife curves =
+        Jackknife::of(blocks, [&](const Row& curve) { return stiffness_curve(lag, curve, result.s); });
+    result.stiffness = curves.all;
+    result.stiffness_error = curves.errors();
     set_stiffness_zero(result, blocks, lag);
     if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
         result.spectrum = stiffness_spectrum(blocks, lag);
 }
 
-/// Adds to the errors how far another result lies away.
+/// Adds the distance of another result to the errors.
 void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
     const auto widen_row = [](Row& errors, const Row& values, const Row& others) {
         for (std::size_t i = 0; i < std::min(errors.size(), others.size()); ++i)
@@ -174,7 +109,7 @@ void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
     result.stiffness_zero.error = std::hypot(result.scatter, result.bend);
 }
 
-/// What the camera adds, m^2, with its error; 0 without one.
+/// Mean-square displacement that the camera adds, m^2, with its error; 0 without one.
 Estimate to_take_off(MicrorheologyResult& result, const std::vector<LagBlock>& blocks,
                      const MicrorheologyOptions& options) {
     bool from_one = result.lag.size() >= 6; // the first lags are those of 1 to 6 frames
@@ -190,7 +125,7 @@ Estimate to_take_off(MicrorheologyResult& result, const std::vector<LagBlock>& b
     return {4.0 * std::pow(options.localisation.given, 2), 0.0, 1};
 }
 
-/// Without what the camera adds.
+/// Results without the displacement that the camera adds.
 void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> blocks, const Row& lag,
                         const MicrorheologyAccumulator& run) {
     const Estimate b = to_take_off(result, blocks, run.options());
@@ -222,26 +157,26 @@ void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> block
     widen(result, other);
 }
 
-/// [lag] of a window's halves, over all runs; empty: the runs are of no part.
-Row hidden_by_drift(Runs runs, const std::vector<long>& lags) {
-    Row hidden;
-    if (!runs[0].sees_a_part())
-        return hidden;
-    for (const long key : lags) {
-        double sum = 0.0, count = 0.0;
-        for (const MicrorheologyAccumulator& run : runs) {
-            sum += run.lags().at(key).halves;
-            count += run.lags().at(key).halves_origins;
-        }
-        hidden.push_back(count > 0.0 ? sum / count : 0.0);
-    }
-    return hidden;
-}
-
 } // namespace
 
+void MicrorheologyResult::use_temperature(double T) {
+    spring = spring.scaled(T / temperature);
+    temperature = T;
+}
+
 MicrorheologyResult reduce(Runs runs) {
-    check(runs);
+    // All runs must be alike.
+    if (runs.empty())
+        throw InputError("measure: microrheology: no runs");
+    for (const MicrorheologyAccumulator& run : runs) {
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: microrheology: the runs were measured with different options or beds");
+        if (std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
+            throw InputError(
+                fmt::format("measure: microrheology: frames are {:g} s apart in one run and {:g} s in "
+                            "another: must be the same",
+                            runs[0].interval(), run.interval()));
+    }
     const bool is_film = !runs[0].layout().velocities;
     const std::vector<long> lags = common_lags(runs);
     if (is_film && lags.empty())
@@ -249,12 +184,31 @@ MicrorheologyResult reduce(Runs runs) {
             "measure: microrheology: no bead is in two frames: are ids of particles in the file, "
             "or tracks linked?");
     const std::vector<LagBlock> blocks = all_blocks(runs, lags);
+
+    // Lags with their origins, and of runs that see a part the displacement that the drift may hide.
     MicrorheologyResult result;
-    set_lags(result, runs, lags);
-    result.hidden = hidden_by_drift(runs, lags);
+    for (const long key : lags) {
+        double origins = 0.0, sum = 0.0, count = 0.0;
+        for (const MicrorheologyAccumulator& run : runs) {
+            origins += run.lags().at(key).origins;
+            sum += run.lags().at(key).halves;
+            count += run.lags().at(key).halves_origins;
+        }
+        result.lag.push_back(runs[0].lag(key));
+        result.origins.push_back(origins);
+        if (runs[0].sees_a_part())
+            result.hidden.push_back(count > 0.0 ? sum / count : 0.0);
+    }
+
+    // Without enough frames there is no stiffness; a film may still have displacements.
     Row lag;
-    try { // a film may have displacements that make no stiffness
-        want_frames(runs);
+    try {
+        for (const MicrorheologyAccumulator& run : runs)
+            if (run.frames() < fewest_frames)
+                throw InputError(fmt::format(
+                    "measure: microrheology of {} frames: needs at least {} a run; write frames more "
+                    "often or run longer",
+                    run.frames(), fewest_frames));
         lag = well_known(runs, lags);
         set_window(result, runs[0].options(), lag.back(), runs[0].interval());
     } catch (const InputError& error) {
@@ -268,7 +222,16 @@ MicrorheologyResult reduce(Runs runs) {
         set_curves(result, blocks, lag, runs[0].interval());
     else
         set_tracked_curves(result, blocks, lag, runs[0]);
-    set_spring(result, runs);
+
+    // The spring constant from the stiffness and the mean temperature.
+    double sum = 0.0;
+    for (const MicrorheologyAccumulator& run : runs) {
+        sum += run.temperature() * static_cast<double>(run.frames());
+        result.frames += run.frames();
+    }
+    result.temperature = sum / static_cast<double>(result.frames);
+    if (runs[0].layout().velocities)
+        result.spring = result.stiffness_zero.scaled(4.0 * runs[0].layout().bead_mass * result.temperature);
     return result;
 }
 

@@ -149,7 +149,7 @@ bool MicrorheologyAccumulator::within_longest(double seconds) const {
            seconds <= options_.longest_lag * (1.0 + 1e-9); // 16 * 0.1 s is within 1.6 s
 }
 
-void MicrorheologyAccumulator::correlate(const Past& before, const Past& now, LagSums& sums) {
+void MicrorheologyAccumulator::correlate(const OctaveFrame& before, const OctaveFrame& now, LagSums& sums) {
     std::array<Moved, groups> moved{};
     for (std::size_t g = 0; g < groups; ++g) {
         double sum = 0.0;
@@ -167,14 +167,14 @@ void MicrorheologyAccumulator::correlate(const Past& before, const Past& now, La
     sums.time += now.time - before.time;
 }
 
-void MicrorheologyAccumulator::push(std::size_t number, const Past& now) {
+void MicrorheologyAccumulator::push(std::size_t number, const OctaveFrame& now) {
     constexpr double bins_per_octave = 16.0;
     const std::size_t most = on_grid() ? channels : 4 * channels;
     if (number == levels_.size())
         levels_.emplace_back();
-    std::vector<Past>& past = levels_[number];
+    std::vector<OctaveFrame>& past = levels_[number];
     for (std::size_t back = past.size(); back-- > 0;) {
-        const Past& before = past[back];
+        const OctaveFrame& before = past[back];
         const std::size_t ticks = now.tick - before.tick, channel = ticks >> number;
         const double seconds =
             on_grid() ? static_cast<double>(ticks) * times_.interval : now.time - before.time;
@@ -207,9 +207,9 @@ void MicrorheologyAccumulator::save(StateWriter& out) const {
     out.put(first_x_);
     out.put(first_y_);
     out.put(levels_.size());
-    for (const std::vector<Past>& level : levels_) {
+    for (const std::vector<OctaveFrame>& level : levels_) {
         out.put(level.size());
-        for (const Past& past : level) {
+        for (const OctaveFrame& past : level) {
             out.put(past.tick);
             out.put(past.x);
             out.put(past.y);
@@ -236,8 +236,8 @@ void MicrorheologyAccumulator::load(StateReader& in) {
             throw RunError(
                 fmt::format("measure: microrheology: {} stored frames of an octave, at most {} are legal",
                             stored, channels));
-        std::vector<Past>& level = levels_.emplace_back(stored);
-        for (Past& past : level) {
+        std::vector<OctaveFrame>& level = levels_.emplace_back(stored);
+        for (OctaveFrame& past : level) {
             past.tick = in.count();
             past.x = in.array(layout_.beads);
             past.y = in.array(layout_.beads);

@@ -20,7 +20,8 @@ Row first(const Row& values, std::size_t count) {
 
 } // namespace
 
-void MicrorheologyAccumulator::correlate_named(const Past& before, const Past& now, LagSums& sums) {
+void MicrorheologyAccumulator::correlate_named(const OctaveFrame& before, const OctaveFrame& now,
+                                               LagSums& sums) {
     double found = 0.0;
     std::array<Moved, groups> moved{};
     for_each_common(now.bead, before.bead, [&](std::size_t i, std::size_t j) {
@@ -72,7 +73,7 @@ void MicrorheologyAccumulator::follow_drift(const Row& x, const Row& y, const Na
 }
 
 void MicrorheologyAccumulator::add_named(const Frame& frame) {
-    Named& n = named_;
+    NamedBeads& n = named_;
     n.start_x.resize(layout_.all_beads, std::nan(""));
     n.start_y.resize(layout_.all_beads, 0.0);
     n.group.resize(layout_.all_beads, 0);

@@ -13,32 +13,32 @@ namespace rodwake::measure {
 
 namespace {
 
-using Block = OrderAccumulator::Block;
+using OrderBlock = OrderAccumulator::OrderBlock;
 
 /// Bins [first, last) taken together.
-struct Group {
+struct BinGroup {
     std::size_t first, last;
 };
 
 /// Groups of twice the wanted step, each overlapping half of the next; they begin near `from` and end with
 /// the last bin.
-std::vector<Group> groups(std::size_t bins, double bin, double from, double step) {
+std::vector<BinGroup> groups(std::size_t bins, double bin, double from, double step) {
     const double range = static_cast<double>(bins) - from / bin;
     if (!(range >= 1.0))
         return {};
     const auto width = static_cast<std::size_t>(std::max(1.0, std::round(std::min(step / bin, range / 6.0))));
     const auto count =
         std::min(static_cast<std::size_t>(std::round(range / static_cast<double>(width))), bins / width);
-    std::vector<Group> all;
+    std::vector<BinGroup> all;
     for (std::size_t k = bins - count * width; k < bins; k += width)
         if (k + 2 * width <= bins)
             all.push_back({k, k + 2 * width});
     return all;
 }
 
-/// Weight of each bin of a group: sin^2, which passes nothing of a swing as long as half the group or shorter
-/// by a whole fraction, and little in between.
-std::vector<double> window(const Group& group) {
+/// Weights sin^2 of the bins of a group. They cancel swings whose length is half the group or a whole
+/// fraction of that, and pass little of those in between.
+std::vector<double> window(const BinGroup& group) {
     std::vector<double> weights;
     const double step = M_PI / static_cast<double>(group.last - group.first);
     for (std::size_t k = 0; k < group.last - group.first; ++k)
@@ -46,29 +46,10 @@ std::vector<double> window(const Group& group) {
     return weights;
 }
 
-double over(const std::vector<double>& values, const Group& group, const std::vector<double>& weights) {
-    double sum = 0.0;
-    for (std::size_t k = group.first; k < group.last; ++k)
-        sum += weights[k - group.first] * values[k];
-    return sum;
-}
-
-struct Sums {
-    double pairs = 0.0, order = 0.0;
-
-    double mean() const { return pairs > 0.0 ? order / pairs : 0.0; }
-};
-
-/// Where the decay begins to be one: 8 a, where the shells and the 1/r^2 of phonons have faded; at most L/8.
-double decay_from(const Layout& layout) {
-    return std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
-}
-
-/// g_B(r) from about there on in steps of two lattice rows (less in boxes too small for six such), in smooth
-/// windows of four, weighted by pairs: g_B swings with the rows, and whole swings cancel, which needs bins
-/// finer than those shown. Neighbouring points share pairs. With each block left out in turn. `bin`: of g(r),
-/// m.
-DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout, double bin) {
+/// g_B(r) weighted by pairs in smooth windows of four lattice rows, in steps of two (less in boxes too small
+/// for six such): g_B swings with the rows, and whole swings cancel in bins finer than those shown.
+/// Neighbouring points share pairs. The same with each block left out in turn. `bin`: of g(r), m.
+DecayPoints decay_points(const std::vector<OrderBlock>& blocks, const Layout& layout, double bin) {
     const double side = layout.window ? std::sqrt(seen_area(layout)) : layout.box.mean_side(),
                  row = std::sqrt(0.5 * std::sqrt(3.0) / static_cast<double>(layout.beads)) * side;
     DecayPoints points;
@@ -76,28 +57,34 @@ DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout,
         points.box = layout.box;
     points.without.resize(blocks.size());
     double correlation = 0.0;
-    const auto all = groups(blocks.front().pairs.size(), bin, decay_from(layout), 2.0 * row);
-    for (const Group& group : all) {
+    // The decay begins at 8 a, where the shells and the 1/r^2 of phonons have faded, but at most at L/8.
+    const double from = std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
+    const auto all = groups(blocks.front().pairs.size(), bin, from, 2.0 * row);
+    for (const BinGroup& group : all) {
         const std::vector<double> weight_of = window(group);
-        Sums sums;
-        double distance = 0.0;
-        std::vector<double> values, weights;
-        for (const Block& block : blocks) {
-            weights.push_back(over(block.pairs, group, weight_of));
-            values.push_back(weights.back() > 0.0 ? over(block.fine_order, group, weight_of) / weights.back()
-                                                  : 0.0);
-            sums.pairs += weights.back();
-            sums.order += over(block.fine_order, group, weight_of);
+        const auto weighted_sum = [&](const std::vector<double>& bins) {
+            double sum = 0.0;
+            for (std::size_t k = group.first; k < group.last; ++k)
+                sum += weight_of[k - group.first] * bins[k];
+            return sum;
+        };
+        const auto mean = [](double order, double pairs) { return pairs > 0.0 ? order / pairs : 0.0; };
+        double pairs = 0.0, order = 0.0, distance = 0.0;
+        std::vector<double> values, weights, orders;
+        for (const OrderBlock& block : blocks) {
+            weights.push_back(weighted_sum(block.pairs));
+            orders.push_back(weighted_sum(block.fine_order));
+            values.push_back(mean(orders.back(), weights.back()));
+            pairs += weights.back();
+            order += orders.back();
             for (std::size_t k = group.first; k < group.last; ++k)
                 distance +=
                     weight_of[k - group.first] * block.pairs[k] * (static_cast<double>(k) + 0.5) * bin;
         }
         for (std::size_t b = 0; b < blocks.size(); ++b)
-            points.without[b].push_back(
-                Sums{sums.pairs - weights[b], sums.order - over(blocks[b].fine_order, group, weight_of)}
-                    .mean());
+            points.without[b].push_back(mean(order - orders[b], pairs - weights[b]));
         const Estimate e = mean_of_blocks(values, weights);
-        points.r.push_back(sums.pairs > 0.0 ? distance / sums.pairs : 0.0);
+        points.r.push_back(mean(distance, pairs));
         points.g_B.push_back(e.value);
         points.error.push_back(e.error);
         correlation += successive_correlation(values) / static_cast<double>(all.size());
@@ -108,14 +95,12 @@ DecayPoints decay_points(const std::vector<Block>& blocks, const Layout& layout,
     return points;
 }
 
-using Block = OrderAccumulator::Block;
-
-std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
-    std::vector<Block> blocks;
+std::vector<OrderBlock> all_blocks(std::span<const OrderAccumulator> runs) {
+    std::vector<OrderBlock> blocks;
     for (const OrderAccumulator& run : runs) {
         if (!(run.options() == runs.front().options() && run.layout() == runs.front().layout()))
             throw InputError("measure: runs of different beds or options cannot be taken together");
-        const std::vector<Block> more = run.blocks();
+        const std::vector<OrderBlock> more = run.blocks();
         blocks.insert(blocks.end(), more.begin(), more.end());
     }
     if (blocks.empty() && !runs.empty() && runs[0].layout().window && runs[0].settled_cutoff().value > 0.0)
@@ -127,11 +112,11 @@ std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
         throw InputError("measure: no frames to measure order in: is the trajectory empty?");
     // Two frames of a film, each a block, have a difference, but no scatter.
     if (!runs[0].layout().velocities && blocks.size() == 2 && blocks[0].frames + blocks[1].frames < 3.0) {
-        for (const auto sums :
-             {&Block::pairs, &Block::order_pairs, &Block::order, &Block::fine_order, &Block::weighted})
+        for (const auto sums : {&OrderBlock::pairs, &OrderBlock::order_pairs, &OrderBlock::order,
+                                &OrderBlock::fine_order, &OrderBlock::weighted})
             std::ranges::transform(blocks[0].*sums, blocks[1].*sums, (blocks[0].*sums).begin(), std::plus{});
-        for (const auto sum : {&Block::psi6, &Block::local, &Block::neighbours, &Block::frames,
-                               &Block::full_frames, &Block::at_border})
+        for (const auto sum : {&OrderBlock::psi6, &OrderBlock::local, &OrderBlock::neighbours,
+                               &OrderBlock::frames, &OrderBlock::full_frames, &OrderBlock::at_border})
             blocks[0].*sum += blocks[1].*sum;
         blocks.pop_back();
     }
@@ -139,14 +124,14 @@ std::vector<Block> all_blocks(std::span<const OrderAccumulator> runs) {
 }
 
 /// A quantity in each block with its weight.
-struct Series {
+struct WeightedSeries {
     std::vector<double> values, weights;
 };
 
 template<class Value, class Weight>
-Series series(const std::vector<Block>& blocks, Value value, Weight weight) {
-    Series s;
-    for (const Block& block : blocks)
+WeightedSeries series(const std::vector<OrderBlock>& blocks, Value value, Weight weight) {
+    WeightedSeries s;
+    for (const OrderBlock& block : blocks)
         if (const double w = weight(block); w > 0.0) {
             s.values.push_back(value(block) / w);
             s.weights.push_back(w);
@@ -154,43 +139,43 @@ Series series(const std::vector<Block>& blocks, Value value, Weight weight) {
     return s;
 }
 
-constexpr auto frames_of = [](const Block& block) { return block.frames; };
-/// What g(r) is over: as many frames of all beads as would have as many pairs.
-constexpr auto full_frames_of = [](const Block& block) { return block.full_frames; };
+constexpr auto frames_of = [](const OrderBlock& block) { return block.frames; };
+/// The denominator of g(r): the number of frames of all beads that would have as many pairs.
+constexpr auto full_frames_of = [](const OrderBlock& block) { return block.full_frames; };
 
-Estimate estimate(const Series& s, double growth) {
+Estimate estimate(const WeightedSeries& s, double growth) {
     Estimate e = mean_of_blocks(s.values, s.weights);
     if (e.known())
         e.error *= growth;
     return e;
 }
 
-Estimate over_blocks(const std::vector<Block>& blocks, double Block::*sum) {
-    const Series s = series(
-        blocks, [sum](const Block& block) { return block.*sum; }, frames_of);
+Estimate over_blocks(const std::vector<OrderBlock>& blocks, double OrderBlock::*sum) {
+    const WeightedSeries s = series(
+        blocks, [sum](const OrderBlock& block) { return block.*sum; }, frames_of);
     return estimate(s, correlation_factor(successive_correlation(s.values)));
 }
 
-/// Blocks of all bins fluctuate together, and few of them tell little about one bin: one factor for all.
-double common_growth(const std::vector<Series>& bins) {
+/// One factor for all bins: their blocks fluctuate together, and few of them say little about one bin.
+double common_growth(const std::vector<WeightedSeries>& bins) {
     double sum = 0.0, count = 0.0;
-    for (const Series& s : bins) {
+    for (const WeightedSeries& s : bins) {
         sum += successive_correlation(s.values);
         count += 1.0;
     }
     return count > 0.0 ? correlation_factor(sum / count) : 1.0;
 }
 
-void reduce_g(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
+void reduce_g(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
     const std::size_t bins = blocks.front().pairs.size(), beads = run.layout().beads;
     const double bin = run.options().bin, frames = static_cast<double>(result.frames);
     const std::vector<double> of_one =
         pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, seen_area(run.layout()), bin);
     const bool weighted = run.layout().window.has_value();
-    std::vector<Series> all;
+    std::vector<WeightedSeries> all;
     for (std::size_t k = 0; k < bins; ++k)
         all.push_back(series(
-            blocks, [&](const Block& b) { return (weighted ? b.weighted[k] : b.pairs[k]) * of_one[k]; },
+            blocks, [&](const OrderBlock& b) { return (weighted ? b.weighted[k] : b.pairs[k]) * of_one[k]; },
             full_frames_of));
     const double growth = common_growth(all);
     result.r = middles(bins, bin);
@@ -202,12 +187,12 @@ void reduce_g(const std::vector<Block>& blocks, const OrderAccumulator& run, Ord
     }
 }
 
-void reduce_order(const std::vector<Block>& blocks, const OrderAccumulator& run, OrderResult& result) {
-    std::vector<Series> all;
+void reduce_order(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
+    std::vector<WeightedSeries> all;
     for (std::size_t k = 0; k < blocks.front().order.size(); ++k) {
-        Series s = series(
-            blocks, [k](const Block& b) { return b.order[k]; },
-            [k](const Block& b) { return b.order_pairs[k]; });
+        WeightedSeries s = series(
+            blocks, [k](const OrderBlock& b) { return b.order[k]; },
+            [k](const OrderBlock& b) { return b.order_pairs[k]; });
         if (s.values.empty())
             continue;
         double pairs = 0.0;
@@ -218,58 +203,50 @@ void reduce_order(const std::vector<Block>& blocks, const OrderAccumulator& run,
         all.push_back(std::move(s));
     }
     const double growth = common_growth(all);
-    for (const Series& s : all) {
+    for (const WeightedSeries& s : all) {
         const Estimate e = estimate(s, growth);
         result.g_B.push_back(e.value);
         result.g_B_error.push_back(e.error);
     }
 }
 
-void reduce_cutoff(std::span<const OrderAccumulator> runs, OrderResult& result) {
+} // namespace
+
+OrderResult reduce(std::span<const OrderAccumulator> runs) {
+    const std::vector<OrderBlock> blocks = all_blocks(runs);
+    const OrderAccumulator& run = runs.front();
+    OrderResult result;
+    result.blocks = blocks.size();
+    for (const OrderBlock& block : blocks)
+        result.frames += static_cast<std::size_t>(block.frames);
+    result.psi6 = over_blocks(blocks, &OrderBlock::psi6);
+    result.local_psi6 = over_blocks(blocks, &OrderBlock::local);
+    result.neighbours = over_blocks(blocks, &OrderBlock::neighbours);
+    if (run.layout().window)
+        result.at_border = over_blocks(blocks, &OrderBlock::at_border).value;
+    reduce_g(blocks, run, result);
+    reduce_order(blocks, run, result);
+
     double sum = 0.0, count = 0.0;
-    for (const OrderAccumulator& run : runs) {
-        const Cutoff cutoff = run.settled_cutoff();
+    for (const OrderAccumulator& each : runs) {
+        const Cutoff cutoff = each.settled_cutoff();
         result.cutoffs_by_spacing += cutoff.by_spacing;
         sum += cutoff.value;
         count += cutoff.value > 0.0;
     }
     result.cutoff = count > 0.0 ? sum / count : 0.0;
-}
-
-} // namespace
-
-namespace {
-
-void without_camera_noise(OrderResult& result, double localisation) {
-    const double loss = bond_loss(result.r, result.g, result.cutoff, localisation);
-    result.psi6 = result.psi6.scaled(1.0 / loss);
-    for (std::vector<double>* values : {&result.g_B, &result.g_B_error})
-        for (double& value : *values)
-            value /= loss * loss;
-    result.decay.plateau = result.decay.plateau.scaled(1.0 / (loss * loss));
-}
-
-} // namespace
-
-OrderResult reduce(std::span<const OrderAccumulator> runs) {
-    const std::vector<Block> blocks = all_blocks(runs);
-    const OrderAccumulator& run = runs.front();
-    OrderResult result;
-    result.blocks = blocks.size();
-    for (const Block& block : blocks)
-        result.frames += static_cast<std::size_t>(block.frames);
-    result.psi6 = over_blocks(blocks, &Block::psi6);
-    result.local_psi6 = over_blocks(blocks, &Block::local);
-    result.neighbours = over_blocks(blocks, &Block::neighbours);
-    if (run.layout().window)
-        result.at_border = over_blocks(blocks, &Block::at_border).value;
-    reduce_g(blocks, run, result);
-    reduce_order(blocks, run, result);
-    reduce_cutoff(runs, result);
     result.g_minimum = first_minimum(result.r, result.g, run.layout().bead_radius);
     result.decay = classify(decay_points(blocks, run.layout(), run.options().bin), 0.0);
-    if (run.options().localisation > 0.0)
-        without_camera_noise(result, run.options().localisation);
+
+    // The noise of a camera weakens psi_6 by a known factor, and g_B and its plateau by the square of that.
+    if (run.options().localisation > 0.0) {
+        const double loss = bond_loss(result.r, result.g, result.cutoff, run.options().localisation);
+        result.psi6 = result.psi6.scaled(1.0 / loss);
+        for (std::vector<double>* values : {&result.g_B, &result.g_B_error})
+            for (double& value : *values)
+                value /= loss * loss;
+        result.decay.plateau = result.decay.plateau.scaled(1.0 / (loss * loss));
+    }
     return result;
 }
 

@@ -147,7 +147,7 @@ void OrderAccumulator::count_waiting() {
     waiting_.clear();
 }
 
-OrderAccumulator::Block& OrderAccumulator::block_at(double time) {
+OrderAccumulator::OrderBlock& OrderAccumulator::block_at(double time) {
     const double number = std::floor(time / options_.block);
     if (blocks_.empty() || block_number_.back() != number) {
         const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
@@ -171,7 +171,7 @@ void OrderAccumulator::count(double time, const std::vector<double>& x, const st
     order = {only(order.psi, inner), only(order.neighbours, inner)};
     const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
     const PairSums sums = count_pairs(only(x, inner), only(y, inner), order.psi, box, options_.bin, bins);
-    Block& block = block_at(time);
+    OrderBlock& block = block_at(time);
     add_to(block.pairs, sums.pairs, 1);
     add_to(block.order_pairs, sums.pairs, together);
     add_to(block.order, sums.order, together);
@@ -193,7 +193,7 @@ std::vector<double> OrderAccumulator::pairs_for_g(const std::vector<double>& x,
                           : count_pairs(x, y, {}, layout_.box, options_.bin, bins).pairs;
 }
 
-std::vector<OrderAccumulator::Block> OrderAccumulator::blocks() const {
+std::vector<OrderAccumulator::OrderBlock> OrderAccumulator::blocks() const {
     if (waiting_.empty())
         return blocks_;
     OrderAccumulator all = *this;
@@ -212,7 +212,7 @@ void OrderAccumulator::save(StateWriter& out) const {
     }
     out.put(blocks_.size());
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-        const Block& block = blocks_[b];
+        const OrderBlock& block = blocks_[b];
         for (const auto* sums : {&block.pairs, &block.order_pairs, &block.order, &block.fine_order})
             out.put(*sums);
         if (layout_.window) {
@@ -237,7 +237,7 @@ void OrderAccumulator::load(StateReader& in) {
     }
     const std::size_t bins = bins_of_g(layout_, options_), order_bins = bins / bins_of_order_bin(options_);
     for (std::size_t left = in.count(); left > 0; --left) {
-        Block block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
+        OrderBlock block{in.array(bins), in.array(order_bins), in.array(order_bins), in.array(bins)};
         if (layout_.window) {
             block.weighted = in.array(bins);
             block.at_border = in.get();

@@ -9,16 +9,16 @@ namespace rodwake::measure {
 namespace {
 
 /// Structure of arrays of what a pair needs of a bead.
-struct Columns {
+struct BeadColumns {
     std::vector<double> x, y, re, im;
 
     PairColumns rows() const { return {x.data(), y.data(), re.data(), im.data()}; }
 };
 
-Columns columns(const std::vector<double>& x, const std::vector<double>& y,
-                const std::vector<std::complex<double>>& psi) {
+BeadColumns columns(const std::vector<double>& x, const std::vector<double>& y,
+                    const std::vector<std::complex<double>>& psi) {
     const std::vector<double> none(x.size() + padding, 0.0);
-    Columns c{none, none, none, none};
+    BeadColumns c{none, none, none, none};
     std::ranges::copy(x, c.x.begin());
     std::ranges::copy(y, c.y.begin());
     for (std::size_t i = 0; i < psi.size(); ++i) {
@@ -59,7 +59,7 @@ PairSums split(const std::vector<Slot>& slots, std::size_t bins) {
 PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
                      const std::vector<std::complex<double>>& psi, const PeriodicBox& box, double bin,
                      std::size_t bins) {
-    const Columns c = columns(x, y, psi);
+    const BeadColumns c = columns(x, y, psi);
     const double per_bin = 1.0 / bin;
     // Slots as far as the corners of the box, half its diagonal, so that the loop need not ask; the last one
     // has all that is farther in a box that is mostly empty.

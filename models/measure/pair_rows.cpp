@@ -19,8 +19,8 @@ void FillPairRow(const PairColumns& beads, std::size_t i, std::size_t count, con
                scale = hn::Set(lanes, per_bin);
     const auto xi = hn::Set(lanes, beads.x[i]), yi = hn::Set(lanes, beads.y[i]);
     const auto re = hn::Set(lanes, beads.re[i]), im = hn::Set(lanes, beads.im[i]);
-    const auto apart = [&](const double* place, auto from, auto side) { // to the nearest image
-        const auto d = hn::Abs(hn::Sub(hn::LoadU(lanes, place), from));
+    const auto apart = [&](const double* position, auto from, auto side) { // to the nearest image
+        const auto d = hn::Abs(hn::Sub(hn::LoadU(lanes, position), from));
         return hn::Min(d, hn::Sub(side, d));
     };
     for (std::size_t k = 0; k < count; k += hn::Lanes(lanes)) {

@@ -59,7 +59,7 @@ Row turns(const Row& heading) {
     return turn;
 }
 
-struct Offset {
+struct PairOffset {
     double x = 0.0, y = 0.0;
 };
 
@@ -67,7 +67,7 @@ struct Offset {
 PeriodicBox images_of(const PairOptions& options) { return options.images ? options.box : options.box * 2.0; }
 
 /// Rod 0 seen from rod 1, of the nearest images.
-Offset apart(const PairTrack& track, const PeriodicBox& box, std::size_t row) {
+PairOffset apart(const PairTrack& track, const PeriodicBox& box, std::size_t row) {
     return {nearest_image(track.x[0][row] - track.x[1][row], box.x),
             nearest_image(track.y[0][row] - track.y[1][row], box.y)};
 }
@@ -77,7 +77,7 @@ double separation(const PairTrack& track, const PeriodicBox& box, std::size_t ro
 }
 
 /// What rod 0 has moved by relative to rod 1 from one row to another.
-Offset moved(const PairTrack& track, std::size_t from, std::size_t to) {
+PairOffset moved(const PairTrack& track, std::size_t from, std::size_t to) {
     const auto step = [&](const Row(&place)[2]) {
         return place[0][to] - place[1][to] - place[0][from] + place[1][from];
     };
@@ -85,26 +85,26 @@ Offset moved(const PairTrack& track, std::size_t from, std::size_t to) {
 }
 
 /// +1 if the other rod is first to the left of rod i, -1 to its right: a turn there is towards it.
-double side_of_other(const PairTrack& track, Offset first, int i) {
+double side_of_other(const PairTrack& track, PairOffset first, int i) {
     const double away = i == 0 ? -1.0 : 1.0, heading = track.heading[i][0];
     return std::copysign(1.0, away * (std::cos(heading) * first.y - std::sin(heading) * first.x));
 }
 
 /// How far the rods came along the mean first heading, mean of both.
-double advanced(const PairTrack& track, const PairCourse& course, std::size_t row) {
+double advanced(const PairTrack& track, const PairFrame& course, std::size_t row) {
     const auto sum = [&](const Row(&place)[2]) {
         return place[0][row] + place[1][row] - place[0][0] - place[1][0];
     };
     return course.ahead(sum(track.x), sum(track.y)) / 2.0;
 }
 
-double change(const PairTrack& track, const PairCourse& course, std::size_t row) {
-    const Offset d = moved(track, 0, row);
+double change(const PairTrack& track, const PairFrame& course, std::size_t row) {
+    const PairOffset d = moved(track, 0, row);
     return course.change(d.x, d.y);
 }
 
 /// Straight between the rows on both sides of half a box along the course.
-std::optional<double> half_box_change(const PairTrack& track, const PairCourse& course,
+std::optional<double> half_box_change(const PairTrack& track, const PairFrame& course,
                                       const PeriodicBox& box) {
     const double half = course.side_along(box) / 2.0;
     for (std::size_t row = 1; row < track.t.size(); ++row) {
@@ -120,19 +120,19 @@ std::optional<double> half_box_change(const PairTrack& track, const PairCourse& 
 }
 
 /// Who was ahead when the pair had turned most.
-int leader(const PairTrack& track, const PairCourse& course, Offset first, const Row (&turn)[2]) {
+int leader(const PairTrack& track, const PairFrame& course, PairOffset first, const Row (&turn)[2]) {
     std::size_t most = 0;
     const auto turned = [&](std::size_t row) { return std::abs(turn[0][row]) + std::abs(turn[1][row]); };
     for (std::size_t row = 0; row < track.t.size(); ++row)
         if (turned(row) > turned(most))
             most = row;
-    const Offset d = moved(track, 0, most);
+    const PairOffset d = moved(track, 0, most);
     return course.ahead(first.x + d.x, first.y + d.y) >= 0.0 ? 0 : 1;
 }
 
-void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, Offset first,
+void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, PairOffset first,
                 const Row (&turn)[2]) {
-    const PairCourse course(track.heading[0][0], track.heading[1][0], first.x, first.y);
+    const PairFrame course(track.heading[0][0], track.heading[1][0], first.x, first.y);
     run.separation =
         course.common() && !run.perpendicular ? course.separation() : std::hypot(first.x, first.y);
     if (!course.common())
@@ -156,10 +156,10 @@ std::size_t late_row(const PairTrack& track, double fraction) {
 PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late, const Row (&turn)[2]) {
     const std::size_t last = track.t.size() - 1;
     const double duration = track.t[last] - track.t[late];
-    const Offset place = apart(track, box, last), way = moved(track, late, last);
+    const PairOffset position = apart(track, box, last), way = moved(track, late, last);
     PairEnd end;
-    end.x = place.x;
-    end.y = place.y;
+    end.x = position.x;
+    end.y = position.y;
     end.vx = way.x / duration;
     end.vy = way.y / duration;
     for (const int i : {0, 1}) {
@@ -167,7 +167,7 @@ PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late,
         end.late.max_turning =
             std::max(end.late.max_turning, std::abs(turn[i][last] - turn[i][late]) / duration);
     }
-    end.late.min_separation = end.late.max_separation = std::hypot(place.x, place.y);
+    end.late.min_separation = end.late.max_separation = std::hypot(position.x, position.y);
     for (std::size_t row = late; row <= last; ++row) {
         end.angle = std::max(end.angle, angle_between(track.heading[0][row], track.heading[1][row]));
         const double r = separation(track, box, row);
@@ -207,7 +207,7 @@ PairRun follow_pair(const PairTrack& track, const PairOptions& options) {
     run.perpendicular = between > std::numbers::pi / 3.0 && between < 2.0 * std::numbers::pi / 3.0;
     const Row turn[2] = {turns(track.heading[0]), turns(track.heading[1])};
     const PeriodicBox images = images_of(options);
-    const Offset first = apart(track, images, 0);
+    const PairOffset first = apart(track, images, 0);
     for (const int i : {0, 1})
         run.turn[i] = side_of_other(track, first, i) * turn[i].back();
     set_course(run, track, options.box, first, turn);

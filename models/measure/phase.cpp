@@ -184,14 +184,6 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     return at_middles(of_cells(blocks, CellWindow(single, &plain, grid, spacing), grid), grid);
 }
 
-namespace {
-
-Phases referenced(const Phases& waves, const Phases& reference) {
-    return {times(waves[0], reference[0]), times(waves[1], reference[1]), times(waves[2], reference[2])};
-}
-
-} // namespace
-
 PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptions& options)
     : layout_(layout), options_(options), grid_(grid_seen_by(options.rod, layout, options.spacing)),
       blocks_(grid_.bins(), channels, options.block) {
@@ -241,24 +233,27 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
     const auto reference = far_phases(frame);
     if (!reference)
         return false;
-    const RodPlace place = place_of(options_.rod, layout_, frame);
-    const RodView rod(place, image_box(layout_));
-    BlockSums& block = blocks_.at(frame.time, place.heading);
+    const RodPosition position = place_of(options_.rod, layout_, frame);
+    const RodView rod(position, image_box(layout_));
+    BlockSums& block = blocks_.at(frame.time, position.heading);
     const auto turned = seen_along(peaks.G, block.first_heading);
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
-        const Seen now = rod.at(frame.x[i], frame.y[i]);
+        const RelativePosition now = rod.at(frame.x[i], frame.y[i]);
         if (options_.method == DisplacementMethod::density)
             count(now, plane_waves(turned, now.x, now.y), block);
         else
-            count(now, referenced(waves_[i], *reference), block);
+            count(now,
+                  {times(waves_[i][0], (*reference)[0]), times(waves_[i][1], (*reference)[1]),
+                   times(waves_[i][2], (*reference)[2])},
+                  block);
     }
     return true;
 }
 
 /// Unit numbers to multiply by, so that the far field's mean phases become 0.
-std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
+std::optional<PhaseFactors> PhaseAccumulator::far_phases(const Frame& frame) const {
     const FarField far(frame, layout_, options_.far_from);
-    Phases sum{};
+    PhaseFactors sum{};
     for (std::size_t i = 0; i < frame.x.size(); ++i)
         if (far.has(frame.x[i], frame.y[i]))
             for (std::size_t k = 0; k < 3; ++k)
@@ -271,7 +266,7 @@ std::optional<Phases> PhaseAccumulator::far_phases(const Frame& frame) const {
     return sum;
 }
 
-void PhaseAccumulator::count(const Seen& now, const Phases& waves, BlockSums& block) const {
+void PhaseAccumulator::count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const {
     const auto bin = grid_.bin(now.x, now.y);
     if (!bin)
         return;
@@ -298,7 +293,7 @@ void PhaseAccumulator::save(StateWriter& out) const {
         out.put(frame.time);
         out.put(frame.x);
         out.put(frame.y);
-        for (const RodPlace& rod : frame.rods)
+        for (const RodPosition& rod : frame.rods)
             for (const double value : {rod.x, rod.y, rod.heading})
                 out.put(value);
     }

@@ -28,8 +28,8 @@ void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
     if (from[PhaseAccumulator::beads] == 0.0)
         return;
     const bool moved = part.difference != Vector2{};
-    const Phases back =
-        moved ? plane_waves(block.g, -part.difference.x, -part.difference.y) : Phases{1.0, 1.0, 1.0};
+    const PhaseFactors back =
+        moved ? plane_waves(block.g, -part.difference.x, -part.difference.y) : PhaseFactors{1.0, 1.0, 1.0};
     for (std::size_t k = 0; k < 3; ++k) {
         const auto z = times({from[2 * k], from[2 * k + 1]}, back[k]);
         to[2 * k] += part.weight * z.real();
@@ -93,7 +93,7 @@ void PhaseCell::look(const Vector2& u) {
     for (std::size_t b = 0; b < sums_.size(); ++b) {
         if (sums_[b][PhaseAccumulator::beads] == 0.0)
             continue;
-        const Phases back = plane_waves(blocks_[b].g, -u.x, -u.y);
+        const PhaseFactors back = plane_waves(blocks_[b].g, -u.x, -u.y);
         for (std::size_t k = 0; k < 3; ++k)
             look(blocks_[b].g[k], times({sums_[b][2 * k], sums_[b][2 * k + 1]}, back[k]), slopes_[b]);
     }
@@ -144,15 +144,16 @@ CellMean CellWindow::around(std::size_t bin) const {
     if (to_fit_)
         fit.emplace(to_fit_->around(bin, LocalFit::reach), *smooth_);
     double beads = 0.0, x = 0.0, y = 0.0;
-    for (const Near& one : scattered_.around(bin, radius_)) {
-        const double weight = 1.0 - (one.x * one.x + one.y * one.y) / (radius_ * radius_);
+    for (const NearSample& sample : scattered_.around(bin, radius_)) {
+        const double weight = 1.0 - (sample.x * sample.x + sample.y * sample.y) / (radius_ * radius_);
         if (weight <= 0.0)
             continue;
-        mean.parts.push_back({one.sample, weight, fit ? fit->linear_difference(one.x, one.y) : Vector2{}});
-        const double part = weight * bins_.count[one.sample];
+        mean.parts.push_back(
+            {sample.sample, weight, fit ? fit->linear_difference(sample.x, sample.y) : Vector2{}});
+        const double part = weight * bins_.count[sample.sample];
         beads += part;
-        x += part * one.x;
-        y += part * one.y;
+        x += part * sample.x;
+        y += part * sample.y;
     }
     if (!(beads > 0.0) || (fit && std::hypot(x, y) > largest_offset * radius_ * beads))
         return {};
@@ -181,10 +182,10 @@ constexpr double window_width = 0.75,
 using BinSums = std::vector<double>;
 
 /// Adds w times the sums of a bin `apart` away along one axis.
-void add_bin(double* to, const double* from, double w, double apart, std::size_t place) {
+void add_bin(double* to, const double* from, double w, double apart, std::size_t index) {
     for (std::size_t c = 0; c < phase_channels; ++c)
         to[c] += w * from[c];
-    to[place] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
+    to[index] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
 }
 
 /// Weighted means along x or y of the periodic grid.
@@ -197,14 +198,14 @@ BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool alo
     for (long k = -reach; k <= reach; ++k)
         weight.push_back(std::exp(-0.5 * std::pow(static_cast<double>(k) * spacing / width, 2)));
     const double total = std::accumulate(weight.begin(), weight.end(), 0.0);
-    const std::size_t place = along_x ? PhaseAccumulator::place_x : PhaseAccumulator::place_y;
+    const std::size_t index = along_x ? PhaseAccumulator::place_x : PhaseAccumulator::place_y;
     for (long j = 0; j < n * m; ++j)
         for (long k = -reach; k <= reach; ++k) {
             const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + m) % m * n + j % n;
             const double apart = static_cast<double>(k) * spacing;
             add_bin(&result[static_cast<std::size_t>(j) * phase_channels],
                     &sums[static_cast<std::size_t>(from) * phase_channels],
-                    weight[static_cast<std::size_t>(k + reach)] / total, apart, place);
+                    weight[static_cast<std::size_t>(k + reach)] / total, apart, index);
         }
     return result;
 }

@@ -12,7 +12,7 @@ namespace rodwake::measure {
 
 /// What is summed over blocks.
 struct PhononSums {
-    PhononAccumulator::Block block;
+    PhononAccumulator::PhononBlock block;
     std::vector<double> squares; ///< [u_L, u_T][mode], variance of u N within a block, times displacements
     double displacements = 0.0;
 };
@@ -38,7 +38,7 @@ struct CurrentCorrelations {
     std::vector<double> LL, TT, LT;
 };
 
-CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& one, std::size_t modes,
+CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& mirrored, std::size_t modes,
                                     double beads);
 
 /// Angle from q within (-45, 45] degrees at which the sum of squares of the cross correlation over the lags

@@ -140,10 +140,10 @@ void PhononAccumulator::take(double time, const Row& currents, double temperatur
     correlate(block_at(time), temperature);
 }
 
-PhononAccumulator::Block& PhononAccumulator::block_at(double time) {
+PhononAccumulator::PhononBlock& PhononAccumulator::block_at(double time) {
     const double number = std::floor((time - first_time_) / options_.block * (1.0 + 1e-9));
     if (blocks_.empty() || blocks_.back().number != number) {
-        Block block;
+        PhononBlock block;
         block.number = number;
         block.origins.assign(lags_, 0.0);
         block.currents.assign(lags_ * 3 * modes_.size(), 0.0);
@@ -154,7 +154,7 @@ PhononAccumulator::Block& PhononAccumulator::block_at(double time) {
 }
 
 /// The newest frame with those before it.
-void PhononAccumulator::correlate(Block& block, double temperature) const {
+void PhononAccumulator::correlate(PhononBlock& block, double temperature) const {
     const std::size_t count = modes_.size();
     const double* now = history_.back().data();
     block.frames += 1.0;
@@ -184,7 +184,7 @@ void PhononAccumulator::take_displacements(const Frame& frame) {
     dx = without_mean(std::move(dx));
     dy = without_mean(std::move(dy));
     const Row u = fourier(layout_, modes_, options_.shells, first_x_, first_y_, dx, dy);
-    Block& block = blocks_.back();
+    PhononBlock& block = blocks_.back();
     block.displacements += 1.0;
     block.travel += (sum_of_squares(dx) + sum_of_squares(dy)) / static_cast<double>(layout_.beads);
     for (std::size_t i = 0; i < u.size(); ++i)
@@ -207,7 +207,7 @@ void PhononAccumulator::save(StateWriter& out) const {
     for (const Row& currents : history_)
         out.put(currents);
     out.put(blocks_.size());
-    for (const Block& block : blocks_) {
+    for (const PhononBlock& block : blocks_) {
         for (const double value :
              {block.number, block.frames, block.temperature, block.displacements, block.travel})
             out.put(value);
@@ -230,7 +230,7 @@ void PhononAccumulator::load(StateReader& in) {
         history_.push_back(in.array(4 * count));
     blocks_.clear();
     for (std::size_t left = in.count(); left > 0; --left) {
-        Block block;
+        PhononBlock block;
         for (double* value :
              {&block.number, &block.frames, &block.temperature, &block.displacements, &block.travel})
             *value = in.get();
@@ -244,7 +244,7 @@ void PhononAccumulator::load(StateReader& in) {
 namespace {
 
 using Runs = std::span<const PhononAccumulator>;
-using PhononBlock = PhononAccumulator::Block;
+using PhononBlock = PhononAccumulator::PhononBlock;
 constexpr std::size_t most_blocks = 64;
 
 void add(PhononBlock& sum, const PhononBlock& other) {
@@ -275,10 +275,6 @@ Row displacement_squares(const PhononBlock& block, std::size_t modes) {
     return squares;
 }
 
-PhononSums sums_of(const PhononBlock& block, std::size_t modes) {
-    return {block, displacement_squares(block, modes), block.displacements};
-}
-
 void add(PhononSums& sum, const PhononSums& other) {
     add(sum.block, other.block);
     for (std::size_t i = 0; i < sum.squares.size(); ++i)
@@ -292,7 +288,9 @@ std::vector<PhononSums> phonon_blocks(Runs runs) {
     std::vector<PhononSums> blocks;
     for (const PhononAccumulator& run : runs)
         for (std::size_t b = 0; b < run.blocks().size(); ++b) {
-            const PhononSums sums = sums_of(run.blocks()[b], run.modes().size());
+            const PhononBlock& block = run.blocks()[b];
+            const PhononSums sums{block, displacement_squares(block, run.modes().size()),
+                                  block.displacements};
             if (b > 0 && 2.0 * sums.block.frames < run.blocks()[0].frames)
                 add(blocks.back(), sums);
             else
@@ -331,14 +329,15 @@ std::vector<MirrorModes> mirror_modes(std::span<const PhononAccumulator::Mode> m
     return classes;
 }
 
-CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& one, std::size_t modes,
+CurrentCorrelations correlations_of(const PhononSums& sums, const MirrorModes& mirrored, std::size_t modes,
                                     double beads) {
     const std::size_t lags = sums.block.origins.size();
     CurrentCorrelations c{Row(lags, 0.0), Row(lags, 0.0), Row(lags, 0.0)};
     for (std::size_t lag = 0; lag < lags; ++lag) {
-        const double each = 1.0 / (beads * sums.block.origins[lag] * static_cast<double>(one.members.size()));
+        const double each =
+            1.0 / (beads * sums.block.origins[lag] * static_cast<double>(mirrored.members.size()));
         const double* at = sums.block.currents.data() + 3 * modes * lag;
-        for (const auto& [k, sign] : one.members) {
+        for (const auto& [k, sign] : mirrored.members) {
             c.LL[lag] += each * at[k];
             c.TT[lag] += each * at[modes + k];
             c.LT[lag] += each * sign * at[2 * modes + k];

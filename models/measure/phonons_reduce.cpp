@@ -66,8 +66,8 @@ public:
     Analysis(const PhononAccumulator& run, const PhononSums& all)
         : layout_(run.layout()), step_(run.interval()), modes_(run.modes().size()),
           beads_(static_cast<double>(run.layout().beads)), classes_(mirror_modes(run.modes())) {
-        for (const MirrorModes& one : classes_) {
-            const CurrentCorrelations c = branches(all, one);
+        for (const MirrorModes& mirrored : classes_) {
+            const CurrentCorrelations c = branches(all, mirrored);
             guides_.push_back({guide_of(c.LL, step_), guide_of(c.TT, step_)});
         }
     }
@@ -77,11 +77,12 @@ public:
     double qx(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.m / layout_.box.x; }
     double qy(const MirrorModes& c) const { return 2.0 * std::numbers::pi * c.n / layout_.box.y; }
 
-    double angle(const PhononSums& sums, const MirrorModes& one) const {
-        return one.m == 0 || one.n == 0 ? 0.0 : polarisation_of(correlations_of(sums, one, modes_, beads_));
+    double angle(const PhononSums& sums, const MirrorModes& item) const {
+        return item.m == 0 || item.n == 0 ? 0.0
+                                          : polarisation_of(correlations_of(sums, item, modes_, beads_));
     }
-    CurrentCorrelations branches(const PhononSums& sums, const MirrorModes& one) const {
-        return turned(correlations_of(sums, one, modes_, beads_), angle(sums, one));
+    CurrentCorrelations branches(const PhononSums& sums, const MirrorModes& each) const {
+        return turned(correlations_of(sums, each, modes_, beads_), angle(sums, each));
     }
 
     /// [class][L, T][BranchNumber]
@@ -143,33 +144,33 @@ Row errors_of(const std::vector<Row>& without) {
     return errors;
 }
 
-struct Named {
+struct ConstantPair {
     double ElasticNumbers::*number;
     Estimate PhononResult::*estimate;
 };
-constexpr Named constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_Lx},
-                               {&ElasticNumbers::c_Ly, &PhononResult::c_Ly},
-                               {&ElasticNumbers::c_Ld, &PhononResult::c_Ld},
-                               {&ElasticNumbers::c_Tx, &PhononResult::c_Tx},
-                               {&ElasticNumbers::c_Ty, &PhononResult::c_Ty},
-                               {&ElasticNumbers::c_Td, &PhononResult::c_Td},
-                               {&ElasticNumbers::C11, &PhononResult::C11},
-                               {&ElasticNumbers::C22, &PhononResult::C22},
-                               {&ElasticNumbers::C12, &PhononResult::C12},
-                               {&ElasticNumbers::C66, &PhononResult::C66},
-                               {&ElasticNumbers::bulk, &PhononResult::bulk},
-                               {&ElasticNumbers::mu, &PhononResult::mu},
-                               {&ElasticNumbers::eta, &PhononResult::eta},
-                               {&ElasticNumbers::spread_L, &PhononResult::spread_L},
-                               {&ElasticNumbers::spread_T, &PhononResult::spread_T},
-                               {&ElasticNumbers::drag, &PhononResult::drag},
-                               {&ElasticNumbers::viscosity_L, &PhononResult::viscosity_L},
-                               {&ElasticNumbers::viscosity_T, &PhononResult::viscosity_T}};
+constexpr ConstantPair constants[] = {{&ElasticNumbers::c_Lx, &PhononResult::c_Lx},
+                                      {&ElasticNumbers::c_Ly, &PhononResult::c_Ly},
+                                      {&ElasticNumbers::c_Ld, &PhononResult::c_Ld},
+                                      {&ElasticNumbers::c_Tx, &PhononResult::c_Tx},
+                                      {&ElasticNumbers::c_Ty, &PhononResult::c_Ty},
+                                      {&ElasticNumbers::c_Td, &PhononResult::c_Td},
+                                      {&ElasticNumbers::C11, &PhononResult::C11},
+                                      {&ElasticNumbers::C22, &PhononResult::C22},
+                                      {&ElasticNumbers::C12, &PhononResult::C12},
+                                      {&ElasticNumbers::C66, &PhononResult::C66},
+                                      {&ElasticNumbers::bulk, &PhononResult::bulk},
+                                      {&ElasticNumbers::mu, &PhononResult::mu},
+                                      {&ElasticNumbers::eta, &PhononResult::eta},
+                                      {&ElasticNumbers::spread_L, &PhononResult::spread_L},
+                                      {&ElasticNumbers::spread_T, &PhononResult::spread_T},
+                                      {&ElasticNumbers::drag, &PhononResult::drag},
+                                      {&ElasticNumbers::viscosity_L, &PhononResult::viscosity_L},
+                                      {&ElasticNumbers::viscosity_T, &PhononResult::viscosity_T}};
 
 Row row_of(const ElasticNumbers& e) {
     Row row;
-    for (const Named& one : constants)
-        row.push_back(e.*one.number);
+    for (const ConstantPair& item : constants)
+        row.push_back(e.*item.number);
     return row;
 }
 
@@ -198,10 +199,11 @@ void set_curves(PhononBranch& b, const Row& correlation, double step) {
 void set_modes(PhononResult& result, const Analysis& analysis, const PhononSums& all, const Row& rows,
                const Row& errors) {
     for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
-        const MirrorModes& one = analysis.classes()[i];
-        PhononMode mode{one.m, one.n, analysis.qx(one), analysis.qy(one), analysis.angle(all, one), {}, {}};
+        const MirrorModes& modes = analysis.classes()[i];
+        PhononMode mode{modes.m, modes.n, analysis.qx(modes), analysis.qy(modes), analysis.angle(all, modes),
+                        {},      {}};
         const std::size_t at = 2 * i * branch_numbers;
-        const CurrentCorrelations c = analysis.branches(all, one);
+        const CurrentCorrelations c = analysis.branches(all, modes);
         mode.longitudinal = branch_of(&rows[at], &errors[at], result.blocks, result.kept_places);
         mode.transverse = branch_of(&rows[at + branch_numbers], &errors[at + branch_numbers], result.blocks,
                                     result.kept_places);

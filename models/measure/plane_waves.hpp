@@ -9,7 +9,7 @@
 
 namespace rodwake::measure {
 
-using Phases = std::array<std::complex<double>, 3>;
+using PhaseFactors = std::array<std::complex<double>, 3>;
 
 inline std::complex<double> turn_by(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
@@ -18,7 +18,7 @@ inline std::complex<double> times(const std::complex<double>& a, const std::comp
     return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-inline Phases plane_waves(const std::array<Vector2, 3>& G, double x, double y) {
+inline PhaseFactors plane_waves(const std::array<Vector2, 3>& G, double x, double y) {
     const auto first = turn_by(G[0].x * x + G[0].y * y), last = turn_by(G[2].x * x + G[2].y * y);
     return {first, times(first, last), last};
 }

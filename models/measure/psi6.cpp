@@ -21,10 +21,10 @@ void want_places(const std::vector<double>& x, const std::vector<double>& y, con
     if (x.size() != y.size())
         throw InputError(fmt::format("measure: {} x and {} y coordinates", x.size(), y.size()));
     for (const auto& [places, side] : {std::pair(&x, box.x), std::pair(&y, box.y)})
-        for (const double place : *places)
-            if (!(place >= 0.0 && place < side))
-                throw InputError(
-                    fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", place, side));
+        for (const double position : *places)
+            if (!(position >= 0.0 && position < side))
+                throw InputError(fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?",
+                                             position, side));
 }
 
 } // namespace
@@ -61,11 +61,11 @@ constexpr double shortest_edge = 1e-7; // of the shorter side
 constexpr double widest = 1.5; // of the longer side: no empty circle through a bead reaches beyond sqrt(2)
 
 /// Beads around one bead, relative to it.
-struct Around {
+struct SurroundingBeads {
     std::vector<std::size_t> bead;
     std::vector<double> x, y;
 
-    Around() { // room for a usual bead: growing costs more than looking
+    SurroundingBeads() { // room for a usual bead: growing costs more than looking
         bead.reserve(24);
         x.reserve(24);
         y.reserve(24);
@@ -80,7 +80,7 @@ struct Around {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-std::size_t nearest_bead(const Around& near) {
+std::size_t nearest_bead(const SurroundingBeads& near) {
     std::size_t best = none;
     for (std::size_t k = 0; k < near.bead.size(); ++k)
         if (best == none || near.size2(k) < near.size2(best))
@@ -96,7 +96,7 @@ struct Turn {
 
 /// Centres of circles through 0 and p lie at p/2 + t (-p_y, p_x). The circle of the smallest t among the
 /// beads left of p has none of them inside.
-Turn turn_from(const Around& near, std::size_t p, std::vector<double>& t) {
+Turn turn_from(const SurroundingBeads& near, std::size_t p, std::vector<double>& t) {
     const double px = near.x[p], py = near.y[p];
     const std::size_t count = near.bead.size();
     t.resize(std::max(t.size(), count));
@@ -112,7 +112,7 @@ Turn turn_from(const Around& near, std::size_t p, std::vector<double>& t) {
 }
 
 /// Appends the bonds of bead `from`; false if the beads within the reach do not tell.
-bool follow(const Around& near, std::size_t from, double reach, const PeriodicBox& box,
+bool follow(const SurroundingBeads& near, std::size_t from, double reach, const PeriodicBox& box,
             std::vector<Bond>& bonds, std::vector<double>& scratch) {
     const std::size_t first = nearest_bead(near), before = bonds.size();
     if (first == none)
@@ -146,9 +146,9 @@ bool follow(const Around& near, std::size_t from, double reach, const PeriodicBo
 }
 
 /// All beads and images within the reach of a bead, straight from the list of all.
-Around all_within(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, double reach,
-                  const PeriodicBox& box) {
-    Around near;
+SurroundingBeads all_within(const std::vector<double>& x, const std::vector<double>& y, std::size_t i,
+                            double reach, const PeriodicBox& box) {
+    SurroundingBeads near;
     const auto images = [&](double side) { // up to half the box nearest images are all there are
         return reach <= 0.5 * box.shorter() ? 0 : static_cast<int>(std::ceil(reach / side + 0.5));
     };
@@ -185,7 +185,7 @@ std::vector<Bond> delaunay_bonds(const std::vector<double>& x, const std::vector
     // A dozen beads, enough for most. Not beyond half the box, where nearest images are not all.
     const double reach =
         std::min(2.0 * box.mean_side() / std::sqrt(static_cast<double>(x.size())), 0.5 * box.shorter());
-    std::vector<Around> near(x.size());
+    std::vector<SurroundingBeads> near(x.size());
     std::vector<double> scratch;
     const CellList cells(x, y, box, reach);
     cells.pairs([&](std::size_t p, std::size_t q) {

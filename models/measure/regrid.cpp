@@ -15,13 +15,13 @@ namespace {
 
 constexpr double tolerance = 1e-12; // of the residual, relative
 
-struct Around {
+struct SurroundingBins {
     std::array<std::size_t, 4> bins{};
     std::size_t count = 0;
 };
 
-Around around(std::size_t bin, std::size_t n, std::size_t bins) {
-    Around found;
+SurroundingBins around(std::size_t bin, std::size_t n, std::size_t bins) {
+    SurroundingBins found;
     const std::size_t column = bin % n;
     if (column > 0)
         found.bins[found.count++] = bin - 1;
@@ -50,7 +50,7 @@ void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::s
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
     for (Eigen::Index k = 0; k < size; ++k) {
-        const Around near = around(bins[static_cast<std::size_t>(k)], columns, values.size());
+        const SurroundingBins near = around(bins[static_cast<std::size_t>(k)], columns, values.size());
         entries.emplace_back(k, k, static_cast<double>(near.count));
         for (std::size_t i = 0; i < near.count; ++i)
             if (known[near.bins[i]])
@@ -71,28 +71,30 @@ namespace {
 
 constexpr double own = 0.5, nearest_allowed = 0.75; // in spacings
 
-std::vector<Near> behind(const std::vector<Near>& near) {
-    std::vector<Near> found;
-    std::optional<Near> nearest;
-    const auto size = [](const Near& one) { return std::max(std::abs(one.x), std::abs(one.y)); };
-    for (const Near& one : near) {
-        if (size(one) <= own)
-            found.push_back(one);
-        if (!nearest || size(one) < size(*nearest))
-            nearest = one;
+std::vector<NearSample> behind(const std::vector<NearSample>& near) {
+    std::vector<NearSample> found;
+    std::optional<NearSample> nearest;
+    const auto size = [](const NearSample& sample) {
+        return std::max(std::abs(sample.x), std::abs(sample.y));
+    };
+    for (const NearSample& near_sample : near) {
+        if (size(near_sample) <= own)
+            found.push_back(near_sample);
+        if (!nearest || size(near_sample) < size(*nearest))
+            nearest = near_sample;
     }
     if (found.empty() && nearest && size(*nearest) <= nearest_allowed)
         found.push_back(*nearest);
     return found;
 }
 
-void put(std::size_t bin, const std::vector<Near>& own_samples, const LocalFit& fit,
+void put(std::size_t bin, const std::vector<NearSample>& own_samples, const LocalFit& fit,
          const BinSamples& samples, DisplacementField& field) {
     double total = 0.0;
-    for (const Near& one : own_samples) {
-        const std::size_t k = one.sample;
+    for (const NearSample& sample : own_samples) {
+        const std::size_t k = sample.sample;
         const double w = samples.count[k];
-        const Vector2 apart = fit.difference(one.x, one.y);
+        const Vector2 apart = fit.difference(sample.x, sample.y);
         field.Ux[bin] += w * (samples.value[k].x - apart.x);
         field.Uy[bin] += w * (samples.value[k].y - apart.y);
         field.sigma_x[bin] += w * samples.sigma[k].x; // neighbours share their cell, so errors do not cancel
@@ -132,11 +134,11 @@ Basis basis(double x, double y) { return {1.0, x, y, x * x, x * y, y * y}; }
 
 } // namespace
 
-Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& places, const RodGrid& grid)
-    : samples_(samples), places_(places), grid_(grid), in_cell_(grid.bins()) {
-    for (std::size_t j = 0; j < places.size(); ++j)
+Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid)
+    : samples_(samples), places_(positions), grid_(grid), in_cell_(grid.bins()) {
+    for (std::size_t j = 0; j < positions.size(); ++j)
         if (samples.count[j] > 0.0)
-            in_cell_[cell(column(places[j].x), row(places[j].y))].push_back(j);
+            in_cell_[cell(column(positions[j].x), row(positions[j].y))].push_back(j);
 }
 
 long Scattered::column(double x) const {
@@ -152,8 +154,8 @@ std::size_t Scattered::cell(long i, long j) const {
     return static_cast<std::size_t>(((j % m + m) % m) * n + (i % n + n) % n);
 }
 
-std::vector<Near> Scattered::around(std::size_t bin, double reach) const {
-    std::vector<Near> found;
+std::vector<NearSample> Scattered::around(std::size_t bin, double reach) const {
+    std::vector<NearSample> found;
     const double x = grid_.x_of(bin), y = grid_.y_of(bin);
     const PeriodicBox box{grid_.width * static_cast<double>(grid_.columns),
                           grid_.height * static_cast<double>(grid_.rows)};
@@ -162,24 +164,24 @@ std::vector<Near> Scattered::around(std::size_t bin, double reach) const {
     for (long dj = -far; dj <= far; ++dj)
         for (long di = -far; di <= far; ++di)
             for (const std::size_t k : in_cell_[cell(i + di, j + dj)]) {
-                const Near near{k, std::remainder(places_[k].x - x, box.x) / grid_.width,
-                                std::remainder(places_[k].y - y, box.y) / grid_.height};
+                const NearSample near{k, std::remainder(places_[k].x - x, box.x) / grid_.width,
+                                      std::remainder(places_[k].y - y, box.y) / grid_.height};
                 if (std::hypot(near.x, near.y) <= reach)
                     found.push_back(near);
             }
     return found;
 }
 
-LocalFit::LocalFit(const std::vector<Near>& near, const BinSamples& samples) {
+LocalFit::LocalFit(const std::vector<NearSample>& near, const BinSamples& samples) {
     Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 2> right = Eigen::Matrix<double, 6, 2>::Zero();
-    for (const Near& one : near) {
-        const double coherence = samples.coherence[one.sample];
-        const double w = samples.count[one.sample] * coherence * coherence *
-                         std::exp(-0.5 * (one.x * one.x + one.y * one.y) / (width * width));
-        const Basis b = basis(one.x, one.y);
+    for (const NearSample& sample : near) {
+        const double coherence = samples.coherence[sample.sample];
+        const double w = samples.count[sample.sample] * coherence * coherence *
+                         std::exp(-0.5 * (sample.x * sample.x + sample.y * sample.y) / (width * width));
+        const Basis b = basis(sample.x, sample.y);
         matrix += w * b * b.transpose();
-        right += w * b * Eigen::RowVector2d(samples.value[one.sample].x, samples.value[one.sample].y);
+        right += w * b * Eigen::RowVector2d(samples.value[sample.sample].x, samples.value[sample.sample].y);
     }
     coefficients_.setZero();
     const double total = matrix(0, 0);

@@ -29,7 +29,7 @@ void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::s
 
 // Samples at scattered places of the rod's frame: those near a point, and a quadratic through them.
 
-struct Near {
+struct NearSample {
     std::size_t sample;
     double x, y; ///< from the point, in widths and heights of the grid's bins
 };
@@ -37,9 +37,9 @@ struct Near {
 /// Samples with data, found by their places; the box is periodic. Keeps references to what it is made from.
 class Scattered {
 public:
-    Scattered(const BinSamples& samples, const std::vector<Vector2>& places, const RodGrid& grid);
+    Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid);
     /// Within so many spacings of the middle of a bin, at most 4; in the order of bins and samples.
-    std::vector<Near> around(std::size_t bin, double reach) const;
+    std::vector<NearSample> around(std::size_t bin, double reach) const;
     const BinSamples& samples() const { return samples_; }
 
 private:
@@ -57,7 +57,7 @@ private:
 class LocalFit {
 public:
     static constexpr double reach = 2.2; ///< of the samples to give it, in spacings
-    LocalFit(const std::vector<Near>& near, const BinSamples& samples);
+    LocalFit(const std::vector<NearSample>& near, const BinSamples& samples);
     /// U at x, y from the point, in spacings.
     Vector2 at(double x, double y) const;
     /// U there minus U at the point.

@@ -55,9 +55,9 @@ double side_of(std::span<const double> x, std::span<const double> y, double link
 
 /// Calls see(a, b), a < b, for each pair nearer than `reach`.
 template<class See>
-void each_near_pair(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box, See&& see) {
+void each_near_pair(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box, See&& see) {
     std::vector<double> x, y;
-    for (const RodPlace& rod : rods) {
+    for (const RodPosition& rod : rods) {
         x.push_back(rod.x);
         y.push_back(rod.y);
     }
@@ -72,9 +72,9 @@ void each_near_pair(std::span<const RodPlace> rods, double reach, std::optional<
 }
 
 /// |mean of exp(i k theta)|
-double alignment(std::span<const RodPlace> rods, double k) {
+double alignment(std::span<const RodPosition> rods, double k) {
     std::complex<double> sum = 0.0;
-    for (const RodPlace& rod : rods)
+    for (const RodPosition& rod : rods)
         sum += std::polar(1.0, k * rod.heading);
     return std::abs(sum) / static_cast<double>(rods.size());
 }
@@ -144,13 +144,13 @@ double RodOrder::weighted_size() const {
     return squares / rods;
 }
 
-RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box) {
+RodOrder rod_order(std::span<const RodPosition> rods, double link, std::optional<PeriodicBox> box) {
     Sets sets(rods.size());
     each_near_pair(rods, link, box, [&](std::size_t a, std::size_t b) { sets.merge(a, b); });
     return {alignment(rods, 1.0), alignment(rods, 2.0), sets.sizes(), {}};
 }
 
-RodOrder rod_order(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box,
+RodOrder rod_order(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box,
                    const std::function<bool(std::size_t a, std::size_t b)>& linked) {
     RodOrder order{alignment(rods, 1.0), alignment(rods, 2.0), {}, {}};
     Sets sets(rods.size());

@@ -1,6 +1,6 @@
 #pragma once
-// Beads as a rod sees them, for inner loops: seen_from (rod_grid.hpp) with the rod's sine and cosine worked
-// out once, and only for places in the box.
+// Beads as a rod sees them, for inner loops: relative_position (rod_grid.hpp) with the rod's sine and cosine
+// worked out once, and only for places in the box.
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/measure/rod_grid.hpp"
@@ -13,15 +13,17 @@ namespace rodwake::measure {
 
 class RodView {
 public:
-    RodView(const RodPlace& rod, const PeriodicBox& box)
+    RodView(const RodPosition& rod, const PeriodicBox& box)
         : box_(box), x_(into_box(rod.x, box.x)), y_(into_box(rod.y, box.y)), cosine_(std::cos(rod.heading)),
           sine_(std::sin(rod.heading)) {}
 
-    Seen at(double x, double y) const {
+    RelativePosition at(double x, double y) const {
         return turned(nearest_image_once(x - x_, box_.x), nearest_image_once(y - y_, box_.y));
     }
     /// A vector's components along and across the rod.
-    Seen turned(double x, double y) const { return {cosine_ * x + sine_ * y, -sine_ * x + cosine_ * y}; }
+    RelativePosition turned(double x, double y) const {
+        return {cosine_ * x + sine_ * y, -sine_ * x + cosine_ * y};
+    }
     double distance2(double x, double y) const {
         const double dx = nearest_image_once(x - x_, box_.x), dy = nearest_image_once(y - y_, box_.y);
         return dx * dx + dy * dy;
@@ -37,7 +39,7 @@ private:
 class FarField {
 public:
     FarField(const Frame& frame, const Layout& layout, double from) : from2_(from * from) {
-        for (const RodPlace& rod : frame.rods)
+        for (const RodPosition& rod : frame.rods)
             if (rod.seen())
                 rods_.emplace_back(rod, image_box(layout));
         if (layout.force)

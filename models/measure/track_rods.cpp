@@ -161,18 +161,18 @@ std::optional<double> first_heading(const RodTrack& rod) {
     return found == rod.heading.end() ? std::nullopt : std::optional(*found);
 }
 
-void RodPlayer::play(std::size_t frame, std::vector<RodPlace>& places) {
+void RodPlayer::play(std::size_t frame, std::vector<RodPosition>& positions) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    places.assign(next_.size(), {unknown, unknown, unknown});
+    positions.assign(next_.size(), {unknown, unknown, unknown});
     for (std::size_t k = 0; k < next_.size(); ++k) {
         const RodTrack& rod = tracks_.rods[k];
         std::size_t& row = next_[k];
         if (row == rod.frame.size() || rod.frame[row] != frame)
             continue;
         const double x = rod.x[row], y = rod.y[row], heading = rod.heading[row];
-        places[k] = {is_unwrapped(tracks_) ? x : x_(k, x, tracks_.box.x),
-                     is_unwrapped(tracks_) ? y : y_(k, y, tracks_.box.y),
-                     std::abs(heading) > half_turn ? std::remainder(heading, whole_turn) : heading};
+        positions[k] = {is_unwrapped(tracks_) ? x : x_(k, x, tracks_.box.x),
+                        is_unwrapped(tracks_) ? y : y_(k, y, tracks_.box.y),
+                        std::abs(heading) > half_turn ? std::remainder(heading, whole_turn) : heading};
         ++row;
     }
 }

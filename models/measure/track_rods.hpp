@@ -18,12 +18,12 @@ class Unwrapping {
 public:
     explicit Unwrapping(std::size_t particles) : last_(particles, std::nan("")), image_(particles, 0) {}
 
-    double operator()(std::size_t particle, double place, double side) {
+    double operator()(std::size_t particle, double position, double side) {
         double& before = last_[particle];
         if (!std::isnan(before))
-            image_[particle] += place - before > 0.5 * side ? -1 : place - before < -0.5 * side ? 1 : 0;
-        before = place;
-        return std::fma(static_cast<double>(image_[particle]), side, place);
+            image_[particle] += position - before > 0.5 * side ? -1 : position - before < -0.5 * side ? 1 : 0;
+        before = position;
+        return std::fma(static_cast<double>(image_[particle]), side, position);
     }
 
 private:
@@ -38,7 +38,7 @@ public:
         : tracks_(tracks), next_(tracks.rods.size(), 0), x_(next_.size()), y_(next_.size()) {}
 
     /// Of the next frame.
-    void play(std::size_t frame, std::vector<RodPlace>& places);
+    void play(std::size_t frame, std::vector<RodPosition>& positions);
 
 private:
     const Tracks& tracks_;

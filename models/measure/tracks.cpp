@@ -134,7 +134,7 @@ Index row_order(const Film& film, const std::vector<std::int64_t>& id, std::vect
 }
 
 /// In the layout's box, with image indices.
-struct Place {
+struct BoxPosition {
     double x, y;
     std::int32_t image_x = 0, image_y = 0;
 };
@@ -207,20 +207,20 @@ private:
     }
 
     /// False: outside of the window.
-    bool put_in(Place& place) const {
+    bool put_in(BoxPosition& position) const {
         if (scale_.box) {
-            const Place given = place;
-            place.x = into_box(given.x, out_.box.x);
-            place.y = into_box(given.y, out_.box.y);
-            place.image_x += static_cast<std::int32_t>(std::lround((given.x - place.x) / out_.box.x));
-            place.image_y += static_cast<std::int32_t>(std::lround((given.y - place.y) / out_.box.y));
+            const BoxPosition given = position;
+            position.x = into_box(given.x, out_.box.x);
+            position.y = into_box(given.y, out_.box.y);
+            position.image_x += static_cast<std::int32_t>(std::lround((given.x - position.x) / out_.box.x));
+            position.image_y += static_cast<std::int32_t>(std::lround((given.y - position.y) / out_.box.y));
             return true;
         }
-        place.x -= low_.x;
-        place.y -= low_.y;
-        const bool inside = hull_ || out_.window->inside_by(place.x, place.y) >= 0.0;
-        place.x = std::clamp(place.x, 0.0, out_.box.x); // rounding, of a circle
-        place.y = std::clamp(place.y, 0.0, out_.box.y);
+        position.x -= low_.x;
+        position.y -= low_.y;
+        const bool inside = hull_ || out_.window->inside_by(position.x, position.y) >= 0.0;
+        position.x = std::clamp(position.x, 0.0, out_.box.x); // rounding, of a circle
+        position.y = std::clamp(position.y, 0.0, out_.box.y);
         return inside;
     }
 
@@ -249,16 +249,16 @@ private:
         constexpr double far = 20.0; // interquartile ranges from the median
         double farthest = far;
         std::optional<std::size_t> row;
-        for (const auto* places : {&rows_.x, &rows_.y}) {
-            std::vector<double> sorted = *places;
+        for (const auto* positions : {&rows_.x, &rows_.y}) {
+            std::vector<double> sorted = *positions;
             const auto at = [&](std::size_t quarter) {
                 const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(quarter * sorted.size() / 4);
                 std::ranges::nth_element(sorted, nth);
                 return *nth;
             };
             const double low = at(1), middle = at(2), range = at(3) - low;
-            for (std::size_t i = 0; i < places->size(); ++i)
-                if (const double off = std::abs((*places)[i] - middle);
+            for (std::size_t i = 0; i < positions->size(); ++i)
+                if (const double off = std::abs((*positions)[i] - middle);
                     off > farthest * range && range > 0.0) {
                     farthest = off / range;
                     row = i;
@@ -320,9 +320,9 @@ private:
             else
                 take_row(frame, row);
         }
-        if (!std::ranges::is_sorted(frame_beads_, {}, &Seen::bead))
-            std::ranges::stable_sort(frame_beads_, {}, &Seen::bead);
-        for (const Seen& seen : frame_beads_) {
+        if (!std::ranges::is_sorted(frame_beads_, {}, &TrackedBead::bead))
+            std::ranges::stable_sort(frame_beads_, {}, &TrackedBead::bead);
+        for (const TrackedBead& seen : frame_beads_) {
             out_.bead.push_back(seen.bead);
             out_.x.push_back(seen.place.x);
             out_.y.push_back(seen.place.y);
@@ -336,7 +336,7 @@ private:
     bool is_rod(std::uint32_t row) const { return !rows_.is_rod.empty() && rows_.is_rod[row] != 0; }
 
     void take_row(std::size_t frame, std::uint32_t row) {
-        Place place{rows_.x[row], rows_.y[row]};
+        BoxPosition place{rows_.x[row], rows_.y[row]};
         if (out_.has_images) {
             place.image_x = rows_.image_x[row];
             place.image_y = rows_.image_y[row];
@@ -395,9 +395,9 @@ private:
         rod.heading.push_back(rows_.heading.empty() ? std::nan("") : rows_.heading[row] * scale_.angle);
     }
 
-    struct Seen {
+    struct TrackedBead {
         std::uint32_t bead;
-        Place place;
+        BoxPosition place;
     };
 
     TrackRows rows_;
@@ -408,7 +408,7 @@ private:
     bool hull_ = false;
     double spacing_ = 0.0, step_ = 0.0, gap_ = 0.0;               ///< m
     std::unordered_map<std::int64_t, Trail> trails_, rod_trails_; ///< a bead and a rod may have one number
-    std::vector<Seen> frame_beads_;
+    std::vector<TrackedBead> frame_beads_;
 };
 
 } // namespace

@@ -158,7 +158,7 @@ CircleShares::CircleShares(const Window& window) : window_(window), seen_(window
 
 /// Takes off what lies beyond one edge: of the directions in which it is seen, those in which it is nearer
 /// than the radius. All of it, from some bin on, is left to `rest`.
-void CircleShares::take(const Edge& edge, const Seen& from, const Seen& to, double bin,
+void CircleShares::take(const Edge& edge, const RelativeCorner& from, const RelativeCorner& to, double bin,
                         std::span<double> share) {
     const double distance = std::max(0.0, edge.ty * from.x - edge.tx * from.y);
     double low = within_half_turn(from.angle - edge.normal),

@@ -89,7 +89,7 @@ Complex response(double decay, double q_along, double q_across, double along, do
 void add_turning(const ModalField& modes, const rods::Pose& rod, double rate, std::span<double> field) {
     const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const std::size_t size = modes.size(), columns = modes.columns();
-    const Phases px = phases(modes.qx(), -rod.x), py = phases(modes.qy(), -rod.y);
+    const PhaseFactors px = phases(modes.qx(), -rod.x), py = phases(modes.qy(), -rod.y);
     for (std::size_t i = 0; i < size; ++i) {
         if (modes.force()[i] == 0.0)
             continue;

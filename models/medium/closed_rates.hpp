@@ -31,7 +31,7 @@ private:
     ModalField modes_;
     rods::Couplings couplings_;
     bool self_field_, first_order_;
-    Team team_;
+    ThreadPool team_;
     std::vector<double> fields_; ///< one after the other; with self_field a single one, of all rods
     std::vector<double> total_;  ///< their sum
 };

@@ -36,7 +36,7 @@ Coupled ExponentialStep::start(std::vector<double> poses) {
 
 void ExponentialStep::prepare_row(std::size_t row, std::size_t rod, double h) {
     const std::size_t columns = modes_.columns(), size = modes_.size();
-    const Stage& first = paths_[rod].stages.front();
+    const RodStage& first = paths_[rod].stages.front();
     const double turn_x = 0.5 * h * modes_.qx()[row] * first.nx;
     const Complex phase_x{std::cos(turn_x), std::sin(turn_x)};
     for (std::size_t column = 0; column < columns; ++column) {
@@ -99,7 +99,7 @@ void ExponentialStep::decay_row(std::size_t row, bool half, std::span<const doub
 void ExponentialStep::advance_row(std::size_t row, std::size_t stage, std::size_t rod,
                                   std::span<double> field) const {
     const std::size_t columns = modes_.columns(), size = modes_.size();
-    const Path& path = paths_[rod];
+    const RodPath& path = paths_[rod];
     const Complex frame_x{path.x.re[row], path.x.im[row]};
     for (std::size_t column = 0; column < columns; ++column) {
         const std::size_t i = row * columns + column;
@@ -107,18 +107,18 @@ void ExponentialStep::advance_row(std::size_t row, std::size_t stage, std::size_
             continue;
         std::array<Complex, 4> off; // phases of the stages so far
         for (std::size_t j = 0; j < stage; ++j) {
-            const Stage& s = path.stages[j];
+            const RodStage& s = path.stages[j];
             off[j] = Complex{s.x.re[row], s.x.im[row]} * Complex{s.y.re[column], s.y.im[column]};
         }
         const Complex frame = frame_x * Complex{path.y.re[column], path.y.im[column]};
         for (std::size_t part = 0; part < 2; ++part) {
             std::array<Complex, 4> f; // forces along q, or across
             for (std::size_t j = 0; j < stage; ++j) {
-                const Stage& s = path.stages[j];
+                const RodStage& s = path.stages[j];
                 const double ux = modes_.unit_x()[i], uy = modes_.unit_y()[i];
                 f[j] = (part == 0 ? s.nx * ux + s.ny * uy : s.ny * ux - s.nx * uy) * off[j];
             }
-            const Weights& w = weights_[(2 * rod + part) * size + i];
+            const StageWeights& w = weights_[(2 * rod + part) * size + i];
             Complex sum;
             if (stage == 1)
                 sum = w.half_one * f[0];

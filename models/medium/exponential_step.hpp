@@ -44,18 +44,18 @@ public:
 
 private:
     /// Weights of one rod's force on one mode, times h.
-    struct Weights {
+    struct StageWeights {
         Complex half_one, half_two; ///< phi_1(z/2)/2, phi_2(z/2)
-        Complex one, two, three;    ///< phi_k(z)
+        Complex one, two, three;   ///< phi_k(z)
     };
     /// What a rod does in a step: velocities at the stages, and the phases of what it is off its frame.
-    struct Stage {
+    struct RodStage {
         double nx, ny;
-        Phases x, y; ///< e^(-i q.(R - R(0) - V t)), factor by factor
+        PhaseFactors x, y; ///< e^(-i q.(R - R(0) - V t)), factor by factor
     };
-    struct Path {
-        std::vector<Stage> stages;
-        Phases x, y; ///< e^(-i q.(R(0) + V t)) at the time that is worked out
+    struct RodPath {
+        std::vector<RodStage> stages;
+        PhaseFactors x, y; ///< e^(-i q.(R(0) + V t)) at the time that is worked out
     };
 
     void prepare(const Coupled& before, double h);
@@ -69,11 +69,11 @@ private:
     ModalField modes_;
     std::size_t rods_;
     bool steady_;
-    Team team_;
+    ThreadPool team_;
     SummedFields fields_;
-    std::vector<double> decay_;    ///< e^(-lambda h/2) of l, of t, then e^(-lambda h)
-    std::vector<Weights> weights_; ///< of rod, l or t, mode
-    std::vector<Path> paths_;
+    std::vector<double> decay_;         ///< e^(-lambda h/2) of l, of t, then e^(-lambda h)
+    std::vector<StageWeights> weights_; ///< of rod, l or t, mode
+    std::vector<RodPath> paths_;
     Coupled stage_;
     std::array<std::vector<double>, 4> slopes_;
 };

@@ -14,28 +14,28 @@ namespace {
 /// Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column, for each component of
 /// u.
 struct ColumnSums {
-    struct Component {
+    struct ComplexSums {
         std::vector<double> re, im;
     };
-    std::array<std::array<Component, 2>, 3> power;
+    std::array<std::array<ComplexSums, 2>, 3> power;
 
     ColumnSums(std::size_t columns, std::size_t powers) {
         for (std::size_t k = 0; k < powers; ++k)
-            for (Component& c : power[k])
+            for (ComplexSums& c : power[k])
                 c = {std::vector<double>(columns), std::vector<double>(columns)};
     }
 };
 
 /// Cartesian components of one row of a field.
-struct Row {
-    std::array<ColumnSums::Component, 2> u;
+struct FieldRow {
+    std::array<ColumnSums::ComplexSums, 2> u;
 
-    explicit Row(std::size_t columns) {
-        for (ColumnSums::Component& c : u)
+    explicit FieldRow(std::size_t columns) {
+        for (ColumnSums::ComplexSums& c : u)
             c = {std::vector<double>(columns), std::vector<double>(columns)};
     }
     void clear() {
-        for (ColumnSums::Component& c : u) {
+        for (ColumnSums::ComplexSums& c : u) {
             std::ranges::fill(c.re, 0.0);
             std::ranges::fill(c.im, 0.0);
         }
@@ -43,7 +43,7 @@ struct Row {
 };
 
 void load_row(const ModalField& modes, std::size_t row, std::span<const double> field, double sign,
-              Row& out) {
+              FieldRow& out) {
     const std::size_t n = modes.columns(), size = modes.size(), first = row * n;
     const double *ux = &modes.unit_x()[first], *uy = &modes.unit_y()[first];
     for (std::size_t part = 0; part < 2; ++part) { // real, imaginary
@@ -57,7 +57,7 @@ void load_row(const ModalField& modes, std::size_t row, std::span<const double> 
     }
 }
 
-void add_row(const Row& row, double re, double im, std::array<ColumnSums::Component, 2>& sums) {
+void add_row(const FieldRow& row, double re, double im, std::array<ColumnSums::ComplexSums, 2>& sums) {
     for (std::size_t c = 0; c < 2; ++c) {
         const double *ur = row.u[c].re.data(), *ui = row.u[c].im.data();
         double *sr = sums[c].re.data(), *si = sums[c].im.data();
@@ -73,7 +73,7 @@ struct Moments {
     std::array<double, 3> re{}, im{};
 };
 
-Moments moments(const ColumnSums::Component& s, std::span<const double> qy, const Phases& p) {
+Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, const PhaseFactors& p) {
     Moments sum;
     for (std::size_t i = 0; i < s.re.size(); ++i) {
         const double re = p.re[i] * s.re[i] - p.im[i] * s.im[i], im = p.re[i] * s.im[i] + p.im[i] * s.re[i];
@@ -88,8 +88,8 @@ Moments moments(const ColumnSums::Component& s, std::span<const double> qy, cons
 
 } // namespace
 
-Phases phases(std::span<const double> q, double c) {
-    Phases p{std::vector<double>(q.size()), std::vector<double>(q.size())};
+PhaseFactors phases(std::span<const double> q, double c) {
+    PhaseFactors p{std::vector<double>(q.size()), std::vector<double>(q.size())};
     for (std::size_t i = 0; i < q.size(); ++i) {
         p.re[i] = std::cos(q[i] * c);
         p.im[i] = std::sin(q[i] * c);
@@ -121,13 +121,14 @@ ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medi
 }
 
 void ModalField::add_steady(const rods::Pose& rod, std::span<double> field) const {
-    const Phases px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
+    const PhaseFactors px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
     for (std::size_t row = 0; row < rows(); ++row)
         add_steady_row(row, 0, columns(), rod, px, py, field);
 }
 
 void ModalField::add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
-                                const Phases& px, const Phases& py, std::span<double> field) const {
+                                const PhaseFactors& px, const PhaseFactors& py,
+                                std::span<double> field) const {
     const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const auto add = [&](std::size_t i, std::size_t block, double along, double decay, double qn, double re,
                          double im) {
@@ -159,9 +160,9 @@ elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest re
         throw InputError(
             "a dynamic medium gives displacement, strain and polar vectors: no dipole, no gradients");
     const std::size_t powers = request.polar ? 3 : request.strain ? 2 : 1;
-    const Phases px = phases(qx_, x), py = phases(qy_, y);
+    const PhaseFactors px = phases(qx_, x), py = phases(qy_, y);
     ColumnSums sums(columns(), powers);
-    Row u(columns());
+    FieldRow u(columns());
     for (std::size_t row = 0; row < rows(); ++row) {
         u.clear();
         load_row(*this, row, field, 1.0, u);

@@ -9,7 +9,7 @@
 
 namespace rodwake::medium {
 
-ModeMesh::ModeMesh(const ModalField& modes, double box, Team& team)
+ModeMesh::ModeMesh(const ModalField& modes, double box, ThreadPool& team)
     : modes_(modes), team_(team), transform_(box, modes.rows() - 1, team) {}
 
 void ModeMesh::place(integrate::State poses) {
@@ -163,7 +163,7 @@ std::size_t ModeMesh::first_summed() const {
 void ModeMesh::sum_steady(integrate::State poses, std::span<double> field) {
     constexpr std::size_t block = 128; // whose phases fit into memory
     const std::size_t columns = modes_.columns(), first = first_summed(), rods = poses.size() / 3;
-    std::vector<Phases> px(block), py(block);
+    std::vector<PhaseFactors> px(block), py(block);
     for (std::size_t start = 0; start < rods; start += block) {
         const std::size_t count = std::min(block, rods - start);
         team_.run(count, [&](std::size_t k) {

@@ -16,7 +16,7 @@ namespace rodwake::medium {
 class ModeMesh {
 public:
     /// `modes` and `team` outlive it.
-    ModeMesh(const ModalField& modes, double box, Team& team);
+    ModeMesh(const ModalField& modes, double box, ThreadPool& team);
 
     /// What the rods' forces add to the rates of l_re, l_im, t_re, t_im: sum_b f_q n_b.q/|q|, and across.
     void forces(integrate::State poses, std::span<double> rates);
@@ -53,7 +53,7 @@ private:
     void polar(std::span<const double> field, const rods::Couplings& couplings);
 
     const ModalField& modes_;
-    Team& team_;
+    ThreadPool& team_;
     fourier::NonuniformFft transform_;
     std::vector<double> placed_; ///< poses the transform knows of
     std::vector<fourier::Complex> values_;

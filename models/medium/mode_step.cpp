@@ -46,7 +46,7 @@ void ModeStep::add_steady(std::span<const double> poses, std::span<double> field
     if (mesh_ && modes_.inertia() == 0.0)
         return mesh_->add_steady(poses, fields);
     constexpr std::size_t block = 128;
-    std::vector<Phases> px(block), py(block);
+    std::vector<PhaseFactors> px(block), py(block);
     for (std::size_t first = 0; first < rods_; first += block) {
         const std::size_t count = std::min(block, rods_ - first);
         team_.run(count, [&](std::size_t k) {
@@ -107,7 +107,8 @@ void ModeStep::prepare(double h) {
 /// One rod's force on its fields.
 void ModeStep::sum_forces(std::size_t rod, integrate::State poses, Forces& forces) {
     const rods::Direction n = rods::direction(poses, rod);
-    const Phases px = phases(modes_.qx(), -poses[3 * rod]), py = phases(modes_.qy(), -poses[3 * rod + 1]);
+    const PhaseFactors px = phases(modes_.qx(), -poses[3 * rod]),
+                       py = phases(modes_.qy(), -poses[3 * rod + 1]);
     const std::size_t columns = modes_.columns(), size = modes_.size();
     const std::size_t own = fields_.at(rod) / modes_.numbers() * 4 * size;
     team_.run(modes_.rows(), [&](std::size_t row) {

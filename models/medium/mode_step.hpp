@@ -54,7 +54,7 @@ private:
     rods::Couplings couplings_;
     std::size_t rods_;
     bool steady_;
-    Team team_;
+    ThreadPool team_;
     SummedFields fields_;
     std::optional<ModeMesh> mesh_;
     std::optional<OwnResponse> own_;

@@ -7,11 +7,11 @@ namespace rodwake::medium {
 namespace {
 
 /// r_+ and r_-.
-struct Rates {
+struct DecayRates {
     Complex plus, minus;
 };
 
-Rates rates(double decay, double inertia) {
+DecayRates rates(double decay, double inertia) {
     const double root = 1.0 - 4.0 * inertia * decay;
     if (root >= 0.0) { // without the difference of nearly equal numbers
         const double sum = 1.0 + std::sqrt(root);
@@ -21,17 +21,17 @@ Rates rates(double decay, double inertia) {
     return {{real, imaginary}, {real, -imaginary}};
 }
 
-struct Step {
+struct StepFactors {
     Complex a, b;
     PhiDifferences d;
 };
 
-Step step(const Rates& r, double h) {
+StepFactors step(const DecayRates& r, double h) {
     const Complex a = h * r.plus, b = h * r.minus;
     return {a, b, phi_differences(a, b)};
 }
 
-WaveWeights::Propagator propagator(const Step& s, double decay, double inertia, double h) {
+WaveWeights::Propagator propagator(const StepFactors& s, double decay, double inertia, double h) {
     const double size = std::exp(s.a.re), real = size * std::cos(s.a.im); // of e^a; E is real
     const double e = s.d.zero;
     return {real - s.a.re * e, h * e, -h * decay / inertia * e, real + s.b.re * e};
@@ -49,8 +49,8 @@ DecayWeights decay_weights(double decay, double h) {
 }
 
 WaveWeights wave_weights(double decay, double inertia, double h) {
-    const Rates r = rates(decay, inertia);
-    const Step half = step(r, 0.5 * h), full = step(r, h);
+    const DecayRates r = rates(decay, inertia);
+    const StepFactors half = step(r, 0.5 * h), full = step(r, h);
     const double v = h / inertia, u = v * h;
     return {propagator(half, decay, inertia, 0.5 * h),
             propagator(full, decay, inertia, h),

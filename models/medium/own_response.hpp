@@ -22,7 +22,7 @@
 // of the slowest mode, (2 pi/box)^2/alpha; from rest they are left in.
 //
 // Units of medium/simulate.hpp. Domain: no inertia. Error: of second order in delta; that of the images,
-// whose fields do not follow as one; that of the fit is told by fit_error() (studies/reports/medium.md has
+// whose fields do not follow as one; fit_error() gives that of the fit (studies/reports/medium.md has
 // what comes of them).
 
 #include "mode_weights.hpp"

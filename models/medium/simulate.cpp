@@ -108,10 +108,10 @@ long segment_steps(const DynamicMedium& medium, std::size_t rods) {
 }
 
 /// One run on its way.
-class Run {
+class MediumRun {
 public:
-    Run(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options,
-        const FilmSink& film)
+    MediumRun(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options,
+              const FilmSink& film)
         : problem_(problem), options_(options), width_(medium.force_width),
           times_(rods::output_times(problem)), method_(make_step(*problem.medium, medium, problem.couplings,
                                                                  problem.rods.size(), problem.sums.threads)),
@@ -344,7 +344,7 @@ MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& opti
     validate_film(problem.medium, rods.rods.size(), rods.t_end);
     if (problem.medium.closure != Closure::none)
         return {simulate_closed(rods, problem.medium, options), {}};
-    return Run(rods, problem.medium, options, film).finish();
+    return MediumRun(rods, problem.medium, options, film).finish();
 }
 
 } // namespace rodwake::medium

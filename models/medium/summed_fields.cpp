@@ -5,7 +5,7 @@
 namespace rodwake::medium {
 
 SummedFields::SummedFields(const ModalField& modes, const rods::Couplings& couplings, bool self_field,
-                           std::size_t rods, std::size_t stride, Team& team)
+                           std::size_t rods, std::size_t stride, ThreadPool& team)
     : modes_(modes), couplings_(couplings), self_field_(self_field), rods_(rods), stride_(stride),
       team_(team), total_(!self_field && rods > 1 ? 4 * modes.size() : 0) {}
 

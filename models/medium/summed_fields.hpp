@@ -19,7 +19,7 @@ public:
     /// A field takes `stride` numbers, of which the first 4 modes.size() are its amplitudes. `modes` and
     /// `team` outlive it.
     SummedFields(const ModalField& modes, const rods::Couplings& couplings, bool self_field, std::size_t rods,
-                 std::size_t stride, Team& team);
+                 std::size_t stride, ThreadPool& team);
 
     static std::size_t count(bool self_field, std::size_t rods);
     std::size_t count() const { return count(self_field_, rods_); }
@@ -42,7 +42,7 @@ private:
     rods::Couplings couplings_;
     bool self_field_;
     std::size_t rods_, stride_;
-    Team& team_;
+    ThreadPool& team_;
     std::vector<double> total_;
 };
 

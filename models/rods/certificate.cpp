@@ -6,31 +6,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
+#include <utility>
 
 namespace rodwake::rods {
 
 namespace {
 
-// How two runs of rods that turn differ
+// Differences between two runs of rods that turn
 
 constexpr double tighter_by = 0.01, tightest = 1e-13;
-/// Where the steps of a run do not prove its outcome, shorter ones may: proofs know a solution by the ends of
-/// its steps alone.
+/// Tolerance of a second run with shorter steps: proofs know a solution only by the ends of its steps.
 constexpr double for_proof = 0.007;
 constexpr double times_the_difference = 10.0;
 
-/// A run's end as far as decisions need it.
+/// The end of a run, as decisions need it.
 struct RunEnd {
     double time, min_separation;
     integrate::State state;
 };
 
-/// What is compared: two runs and what they are of.
+/// Two runs of one problem at different tolerances.
 struct TwoRuns {
     RunEnd run, tight;
     double contact, t_end;
     Box box;
-    double scale; ///< no difference is taken to be smaller than the tolerance that was asked of this size
+    double scale; ///< smallest difference that counts: the requested tolerance at this size
 };
 
 double scale_of(integrate::State y, double rtol, double atol) {
@@ -49,19 +50,16 @@ double heading_difference(const TwoRuns& runs, std::size_t rod) {
     return std::max(runs.scale, std::abs(runs.run.state[3 * rod + 2] - runs.tight.state[3 * rod + 2]));
 }
 
-double gap_rate(integrate::State y, std::size_t a, std::size_t b, Offset d) {
-    const double vx = std::cos(y[3 * a + 2]) - std::cos(y[3 * b + 2]),
-                 vy = std::sin(y[3 * a + 2]) - std::sin(y[3 * b + 2]);
-    return (d.x * vx + d.y * vy) / std::hypot(d.x, d.y);
-}
-
-/// A contact is sure if the rods, going on past it, would get nearer by more than that, and before the end:
-/// their separation falls at `rate` and curves up by v^2/r and their turning, which may double in a tenth of
-/// r.
+/// A contact is certain if rods that continue past it come nearer by more than the difference of the runs
+/// before t_end. Their separation falls at `rate` and curves up by v^2/r and their turning, which may double
+/// within r/10.
 bool deep_contact(const TwoRuns& runs, std::size_t a, std::size_t b, double turning) {
     const Offset d = offset(runs.run.state, a, b, runs.box);
     const double r = std::hypot(d.x, d.y);
-    const double rate = gap_rate(runs.run.state, a, b, d) + heading_difference(runs, a) +
+    const integrate::State y = runs.run.state;
+    const double vx = std::cos(y[3 * a + 2]) - std::cos(y[3 * b + 2]),
+                 vy = std::sin(y[3 * a + 2]) - std::sin(y[3 * b + 2]);
+    const double rate = (d.x * vx + d.y * vy) / r + heading_difference(runs, a) +
                         heading_difference(runs, b) + 4.0 * place_difference(runs, a, b) / r;
     if (!(rate < 0.0))
         return false;
@@ -73,7 +71,7 @@ bool deep_contact(const TwoRuns& runs, std::size_t a, std::size_t b, double turn
                        (2.0 * std::abs(runs.run.time - runs.tight.time) + place_difference(runs, a, b));
 }
 
-Interval widened(double value, double other, double floor) {
+Enclosure widened(double value, double other, double floor) {
     const double error = times_the_difference * std::max(std::abs(value - other), floor);
     return {value - error, value + error};
 }
@@ -104,7 +102,7 @@ bool stays_apart(const TwoRuns& runs) {
     const double margin = std::min(runs.run.min_separation, runs.tight.min_separation) - runs.contact;
     double difference = std::abs(runs.run.min_separation - runs.tight.min_separation);
     const std::size_t rods = runs.run.state.size() / 3;
-    if (rods == 2) // that of the ends has not cancelled by chance where the other has
+    if (rods == 2) // the difference of the ends does not cancel where that of the minima does by chance
         difference = std::max(difference, place_difference(runs, 0, 1));
     return margin > times_the_difference * std::max(difference, runs.scale);
 }
@@ -118,7 +116,7 @@ Feels feels_of(const elastic::Medium& medium, const Couplings& couplings, double
 
 // Single runs
 
-/// Wakes at rods that the first run worked out: of some milliseconds.
+/// Number of wakes at rods in a run of some milliseconds.
 constexpr double cheap_run = 5e4;
 
 bool done(const RodResult& run) {
@@ -131,18 +129,18 @@ double tighter(double rtol, double by) { return std::max(by * rtol, tightest); }
 /// A second run and its steps.
 struct FollowedRun {
     RodResult run;
-    PairTrack track;
+    StepTrack track;
 };
 
 FollowedRun follow(const RodProblem& problem, RodOptions options) {
     FollowedRun followed;
-    if (problem.rods.size() != 2) // nothing is proved of these
+    if (problem.rods.size() != 2) // proofs are of pairs
         return {simulate(problem, options), {}};
     followed.track.add(0.0, to_state(problem.rods));
-    options.ode.on_step = [&, told = options.ode.on_step](const integrate::Step& step) {
+    options.ode.on_step = [&, on_step = options.ode.on_step](const integrate::Step& step) {
         followed.track.add(step.time, step.state);
-        if (told)
-            told(step);
+        if (on_step)
+            on_step(step);
     };
     followed.run = simulate(problem, options);
     return followed;
@@ -162,60 +160,39 @@ FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double
     return follow(again, options);
 }
 
-bool proved(const PairProblem& pair, const PairTrack& track, Ending ending, const EndingCriteria& criteria,
+bool proved(const PairProblem& pair, const StepTrack& track, Ending ending, const EndingCriteria& criteria,
             ProofSpace& space) {
     const auto bounds = proved_bounds(pair, track, ending == Ending::contact, criteria, space);
     return bounds && certain_ending(*bounds, criteria,
                                     feels_of(pair.medium, pair.couplings, pair.t_end, criteria)) == ending;
 }
 
-/// The pair that a run is of, if the theorem of the proof is about it.
-std::optional<PairProblem> provable(const RodProblem& problem, const RodOptions& options) {
-    return options.resume_from ? std::nullopt
-                               : to_pair_problem(problem); // else its first steps are not known
-}
-
-RunEnd end_of_run(const RodResult& run) {
-    return {run.outcome.time, run.outcome.min_separation, run.solution.final_state};
-}
-
-double turning_of(const RodProblem& problem, integrate::State y, std::size_t a, std::size_t b) {
-    std::vector<double> rate(y.size());
-    model_of(problem).rhs(y, rate);
-    return std::abs(rate[3 * a + 2]) + std::abs(rate[3 * b + 2]);
-}
-
-bool cheap(const RodProblem& problem, const RodResult& run) {
-    const auto rods = static_cast<double>(problem.rods.size());
-    return static_cast<double>(run.solution.statistics.rhs_evaluations) * rods * rods <= cheap_run;
-}
-
-/// Whether a pair that far apart may follow, as conclude has it.
-Feels feels_of(const RodProblem& problem, const EndingCriteria& criteria) {
-    if (!problem.medium || problem.field || problem.box)
-        return [](double) { return true; };
-    return feels_of(*problem.medium, problem.couplings, problem.t_end, criteria);
-}
-
-/// Whether a second run, at a tighter tolerance, ends alike, and clearly so.
+/// Whether a second run at a tighter tolerance has the same ending by a clear margin.
 bool checked(const RodProblem& problem, const RodOptions& options, const RodResult& run,
              const RodResult& tight) {
     if (!done(tight) || tight.outcome.ending != run.outcome.ending)
         return false;
-    const TwoRuns runs{end_of_run(run),
-                       end_of_run(tight),
-                       problem.contact_distance.value_or(0.0),
-                       problem.t_end,
-                       problem.box,
-                       scale_of(run.solution.final_state, options.ode.rtol, options.ode.atol)};
+    const auto end_of = [](const RodResult& r) {
+        return RunEnd{r.outcome.time, r.outcome.min_separation, r.solution.final_state};
+    };
+    const TwoRuns runs{
+        end_of(run),   end_of(tight), problem.contact_distance.value_or(0.0),
+        problem.t_end, problem.box,   scale_of(run.solution.final_state, options.ode.rtol, options.ode.atol)};
     const auto& [a, b, distance] = run.outcome.pair;
-    if (run.outcome.ending == Ending::contact)
+    if (run.outcome.ending == Ending::contact) {
+        std::vector<double> rate(runs.run.state.size());
+        model_of(problem).rhs(runs.run.state, rate);
         return a == tight.outcome.pair.first && b == tight.outcome.pair.second &&
-               deep_contact(runs, a, b, turning_of(problem, runs.run.state, a, b));
+               deep_contact(runs, a, b, std::abs(rate[3 * a + 2]) + std::abs(rate[3 * b + 2]));
+    }
     if (!stays_apart(runs))
         return false;
-    const bool interacting = model_of(problem).interacting();
-    const Feels near = feels_of(problem, options.criteria);
+
+    // Every pair must end alike for certain. Only on the plane is it known how far rods feel each other.
+    const bool interacting = model_of(problem).interacting(),
+               plane = problem.medium && !problem.field && !problem.box;
+    const Feels near = plane ? feels_of(*problem.medium, problem.couplings, problem.t_end, options.criteria)
+                             : [](double) { return true; };
     const Feels feels = [&](double apart) { return interacting && near(apart); };
     std::vector<std::optional<Ending>> pairs;
     for (std::size_t i = 0; i < problem.rods.size(); ++i)
@@ -228,7 +205,7 @@ bool checked(const RodProblem& problem, const RodOptions& options, const RodResu
     return together(pairs) == run.outcome.ending;
 }
 
-/// Of what needs no second run; nothing: a proof or one may tell.
+/// The certificate, if it needs neither proof nor second run.
 std::optional<Certificate> certificate_at_once(const RodProblem& problem, const RodOutcome& outcome,
                                                const EndingCriteria& criteria) {
     if (problem.rods.size() < 2)
@@ -246,9 +223,11 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
 Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const FollowedRun& first,
                            bool thorough) {
     const RodOutcome& outcome = first.run.outcome;
-    if (const auto told = certificate_at_once(problem, outcome, options.criteria))
-        return *told;
-    const auto pair = provable(problem, options);
+    if (const auto certificate = certificate_at_once(problem, outcome, options.criteria))
+        return *certificate;
+
+    // A proof from the steps of the run, or from shorter steps. A resumed run lacks its first ones.
+    const auto pair = options.resume_from ? std::nullopt : to_pair_problem(problem);
     ProofSpace space;
     const auto proves = [&](const FollowedRun& run) {
         return pair && done(run.run) && run.run.outcome.ending == outcome.ending &&
@@ -257,7 +236,12 @@ Certificate certificate_of(const RodProblem& problem, const RodOptions& options,
     const double short_steps = options.ode.method == integrate::Method::erk ? for_proof : 1.0;
     if (proves(first) || (pair && short_steps < 1.0 && proves(follow_tighter(problem, options, short_steps))))
         return Certificate::verified;
-    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap(problem, first.run)))
+
+    // A second run, unless it takes long.
+    const auto rods = static_cast<double>(problem.rods.size());
+    const bool cheap =
+        static_cast<double>(first.run.solution.statistics.rhs_evaluations) * rods * rods <= cheap_run;
+    if (tighter_by * options.ode.rtol < tightest || !(thorough || cheap))
         return Certificate::open;
     const FollowedRun tight = follow_tighter(problem, options, pair ? short_steps * tighter_by : tighter_by);
     if (proves(tight))
@@ -294,15 +278,15 @@ std::optional<Certificate> certificate_at_once(const PairProblem& pair, const Pa
 }
 
 /// Runs the pairs and keeps their steps.
-std::vector<PairTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
+std::vector<StepTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
                               std::span<PairResult> results) {
-    std::vector<PairTrack> tracks(pairs.size());
+    std::vector<StepTrack> tracks(pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i)
         tracks[i].add(0.0, to_state(pairs[i].rods));
-    options.on_step = [&, told = options.on_step](std::size_t pair, const PairStep& step) {
+    options.on_step = [&, on_step = options.on_step](std::size_t pair, const PairStep& step) {
         tracks[pair].add(step.time, step.state);
-        if (told)
-            told(pair, step);
+        if (on_step)
+            on_step(pair, step);
     };
     simulate_pairs(pairs, options, results);
     return tracks;
@@ -316,8 +300,8 @@ PairOptions tighter(PairOptions options, double by) {
     return options;
 }
 
-/// Those of the pairs that are left once more, at a tolerance tighter by that. Of those that it does not
-/// prove: checks them, if it may.
+/// Runs the pairs of `rest` again at a tolerance tighter by that factor, proves them, or with `check`
+/// compares the two runs. Pairs that stay open remain in `rest`.
 void look_again(std::span<const PairProblem> pairs, const PairOptions& options, double by, bool check,
                 std::span<PairResult> results, std::vector<std::size_t>& rest, ProofSpace& space) {
     std::vector<PairProblem> again;
@@ -325,7 +309,7 @@ void look_again(std::span<const PairProblem> pairs, const PairOptions& options, 
     for (const std::size_t i : rest)
         again.push_back(pairs[i]);
     std::vector<PairResult> ends(rest.size());
-    const std::vector<PairTrack> tracks = follow(again, tighter(options, by), ends);
+    const std::vector<StepTrack> tracks = follow(again, tighter(options, by), ends);
     std::vector<std::size_t> left;
     for (std::size_t k = 0; k < rest.size(); ++k) {
         PairResult& result = results[rest[k]];
@@ -363,16 +347,16 @@ RodResult simulate_certified(const RodProblem& problem, const RodOptions& option
 
 void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& options,
                         std::span<PairResult> results) {
-    const std::vector<PairTrack> tracks = follow(pairs, options, results);
+    const std::vector<StepTrack> tracks = follow(pairs, options, results);
     std::vector<std::size_t> rest;
     ProofSpace space;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         PairResult& result = results[i];
-        const auto told = certificate_at_once(pairs[i], result, options);
-        result.certificate = told.value_or(Certificate::open);
-        if (!told && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
+        const auto certificate = certificate_at_once(pairs[i], result, options);
+        result.certificate = certificate.value_or(Certificate::open);
+        if (!certificate && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
             result.certificate = Certificate::verified;
-        else if (!told)
+        else if (!certificate)
             rest.push_back(i);
     }
     look_again(pairs, options, for_proof, false, results, rest, space);
@@ -382,63 +366,54 @@ void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& o
 
 namespace {
 
-/// Pairs between some, each number by itself.
+/// The box of pairs that has given ones as corners, in each number.
 struct PairBox {
     PairProblem middle;
     PairSpread spread;
     Couplings least, most; ///< by size
 };
 
-/// Of the numbers that `of` gives.
-template<class Number>
-Interval range_of(std::span<const PairProblem> pairs, const Number& of) {
-    Interval range{of(pairs[0]), of(pairs[0])};
-    for (const PairProblem& pair : pairs)
-        range = {std::min(range.low, of(pair)), std::max(range.high, of(pair))};
-    return range;
-}
-
-double middle_of(Interval range) { return 0.5 * (range.low + range.high); }
-double half_width(Interval range) { return 0.5 * (range.high - range.low); }
-
 PairBox box_of(std::span<const PairProblem> pairs) {
     PairBox box{pairs[0], {}, {}, {}};
+    const auto middle_and_half = [&](const auto& number) {
+        const auto [least, most] = std::ranges::minmax(pairs | std::views::transform(number));
+        return std::pair(0.5 * (least + most), 0.5 * (most - least));
+    };
     for (std::size_t rod = 0; rod < 2; ++rod) {
-        const auto number = [&](double Pose::*one, double& spread) {
-            const Interval range =
-                range_of(pairs, [&](const PairProblem& pair) { return pair.rods[rod].*one; });
-            box.middle.rods[rod].*one = middle_of(range);
-            spread += half_width(range);
+        const auto number = [&](double Pose::*member, double& spread) {
+            const auto [middle, half] =
+                middle_and_half([&](const PairProblem& pair) { return pair.rods[rod].*member; });
+            box.middle.rods[rod].*member = middle;
+            spread += half;
         };
         number(&Pose::x, box.spread.start[0]);
         number(&Pose::y, box.spread.start[1]);
         number(&Pose::heading, box.spread.start[2 + rod]);
     }
-    for (const Coupling& one : coupling_list) {
-        const Interval range =
-            range_of(pairs, [&](const PairProblem& pair) { return pair.couplings.*one.number; });
-        const double middle = middle_of(range), half = half_width(range);
-        box.middle.couplings.*one.number = middle;
-        box.spread.couplings.*one.number = half;
-        box.least.*one.number = std::max(0.0, std::abs(middle) - half);
-        box.most.*one.number = std::abs(middle) + half;
+    for (const Coupling& coupling : coupling_list) {
+        const auto number = coupling.number;
+        const auto [middle, half] =
+            middle_and_half([&](const PairProblem& pair) { return pair.couplings.*number; });
+        box.middle.couplings.*number = middle;
+        box.spread.couplings.*number = half;
+        box.least.*number = std::max(0.0, std::abs(middle) - half);
+        box.most.*number = std::abs(middle) + half;
     }
     return box;
-}
-
-bool of_one_kind(const PairProblem& a, const PairProblem& b) {
-    return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi && a.t_end == b.t_end &&
-           a.contact_distance == b.contact_distance;
 }
 
 } // namespace
 
 bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOptions& options) {
-    if (!std::ranges::all_of(corners, [&](const PairProblem& one) { return of_one_kind(one, corners[0]); }))
+    const PairProblem& first = corners[0];
+    if (!std::ranges::all_of(corners, [&](const PairProblem& pair) {
+            return pair.medium.eta == first.medium.eta && pair.medium.xi == first.medium.xi &&
+                   pair.t_end == first.t_end && pair.contact_distance == first.contact_distance;
+        }))
         return false;
     const PairBox box = box_of(corners);
     std::vector<PairResult> result(1);
-    const std::vector<PairTrack> track =
+    const std::vector<StepTrack> track =
         follow(std::span(&box.middle, 1), tighter(options, for_proof), result);
     if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
         return false;

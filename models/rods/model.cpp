@@ -149,7 +149,7 @@ void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen
         jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
         if (images)
             jacobian(row + 2, column + 2) +=
-                turning_rate(wake->by_heading(at.x, at.y, values), couplings_, at.heading);
+                turning_rate(wake->heading_derivative(at.x, at.y, values), couplings_, at.heading);
     }
 }
 

@@ -80,7 +80,7 @@ public:
 
 private:
     /// A node of the halving of a span.
-    struct Node {
+    struct PathNode {
         std::uint32_t number;
         int depth;
         double start, length;
@@ -90,13 +90,13 @@ private:
     void cross_spans();
     void begin_span(std::uint32_t index, double start, double end);
     /// These go on to the end of a node; false: the run is over.
-    bool advance(const Node& node);
-    bool halve(const Node& node);
+    bool advance(const PathNode& node);
+    bool halve(const PathNode& node);
     /// Nothing if the step must be halved.
-    std::optional<bool> take(const Node& node);
+    std::optional<bool> take(const PathNode& node);
     std::optional<bool> end_step(const integrate::Step& step, bool halvable);
 
-    bool may_go_on(const Node& node);
+    bool may_go_on(const PathNode& node);
     bool stop(double time, Termination how);
     bool stop_in(const integrate::Step& step, double share, const Separation& contact);
     void add(const integrate::Step& step);
@@ -203,7 +203,7 @@ std::optional<bool> Walk::end_step(const integrate::Step& step, bool halvable) {
     return true;
 }
 
-std::optional<bool> Walk::take(const Node& node) {
+std::optional<bool> Walk::take(const PathNode& node) {
     before_ = y_;
     const auto depth = static_cast<std::size_t>(node.depth);
     step_.take(y_, rates_, node.length, path_[depth]);
@@ -220,7 +220,7 @@ std::optional<bool> Walk::take(const Node& node) {
     return on;
 }
 
-bool Walk::may_go_on(const Node& node) {
+bool Walk::may_go_on(const PathNode& node) {
     if (options_.ode.stop_requested && options_.ode.stop_requested())
         return stop(node.start, Termination::interrupted);
     if (solution_.statistics.steps < options_.ode.max_steps && node.depth < deepest)
@@ -240,7 +240,7 @@ bool Walk::may_go_on(const Node& node) {
     return stop(node.start, Termination::failed);
 }
 
-bool Walk::halve(const Node& node) {
+bool Walk::halve(const PathNode& node) {
     const auto depth = static_cast<std::size_t>(node.depth), below = depth + 1;
     if (path_.size() <= below) {
         path_.resize(below + 1, Path(y_.size()));
@@ -257,7 +257,7 @@ bool Walk::halve(const Node& node) {
     return advance({2 * node.number + 1, node.depth + 1, node.start + half, half});
 }
 
-bool Walk::advance(const Node& node) {
+bool Walk::advance(const PathNode& node) {
     if (!may_go_on(node))
         return false;
     if (node.length > step_limit())

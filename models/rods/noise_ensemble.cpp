@@ -78,14 +78,14 @@ bool run_ensemble(const RodProblem& problem, const RodOptions& options, const No
                   const std::function<void(const NoiseSums&)>& added) {
     RodOptions each = options;
     each.ode.on_step = nullptr;
-    RodProblem one = problem; // of many runs at a time, each on a thread of its own
-    one.sums.threads = threads > 1 ? 1 : one.sums.threads;
+    RodProblem item = problem; // of many runs at a time, each on a thread of its own
+    item.sums.threads = threads > 1 ? 1 : item.sums.threads;
     constexpr std::size_t few = 8; // for each thread
     while (sums.ends.size() < runs) {
         const std::size_t done = sums.ends.size(), batch = std::min<std::size_t>(few * threads, runs - done);
         std::vector<RodResult> results(batch);
         parallel_for(batch, threads, [&](std::size_t i) {
-            results[i] = simulate(one, each, noise, static_cast<std::uint32_t>(done + i));
+            results[i] = simulate(item, each, noise, static_cast<std::uint32_t>(done + i));
         });
         for (const RodResult& result : results) {
             if (result.solution.status.termination == integrate::Termination::interrupted)

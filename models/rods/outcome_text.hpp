@@ -1,5 +1,5 @@
 #pragma once
-// How a run's outcome is told in words.
+// Sentences that describe the outcome of a run.
 
 #include "rodwake/rods/simulate.hpp"
 

@@ -57,12 +57,12 @@ Couplings OpenPair::couplings_at(double p) const {
 
 /// (a), (b) and their derivatives by z. T is linear in the couplings, and in units of xi alpha stands before
 /// the polar ones alone, so all derivatives by p but that by eta are rates at other couplings.
-struct Equations {
+struct BranchEquations {
     Eigen::Vector2d values;
     Eigen::Matrix<double, 2, 3> by_state;
 };
 
-Equations equations_at(const OpenPair& open, const State& z) {
+BranchEquations equations_at(const OpenPair& open, const State& z) {
     const double p = open.parameter(z),
                  alpha = open.over == BranchParameter::alpha ? p : 1.0 / open.medium.xi;
     const ScaledPair pair = open.at(p);
@@ -88,7 +88,7 @@ Equations equations_at(const OpenPair& open, const State& z) {
     const double r = std::exp(z[0]), x = r * std::cos(z[1]), y = r * std::sin(z[1]);
     const double h = open.family == Family::orbit ? 2.0 * z[1] : 0.0, range = open.most - open.least;
     const double plus = r * range * rate(x, y, h), minus = r * range * rate(-x, -y, h);
-    Equations equations;
+    BranchEquations equations;
     equations.values = reduced.values;
     equations.by_state.leftCols<2>() = reduced.by_place;
     equations.by_state.col(2) << plus + minus, 0.5 * (plus - minus);
@@ -97,7 +97,7 @@ Equations equations_at(const OpenPair& open, const State& z) {
 
 /// Unit tangent of the curve, in the direction of `onward`.
 State tangent_at(const OpenPair& open, const State& z, const State& onward) {
-    const Equations equations = equations_at(open, z);
+    const BranchEquations equations = equations_at(open, z);
     const State normal = equations.by_state.row(0).cross(equations.by_state.row(1)).normalized();
     return normal.dot(onward) < 0.0 ? State(-normal) : normal;
 }
@@ -106,7 +106,7 @@ State tangent_at(const OpenPair& open, const State& z, const State& onward) {
 std::optional<State> corrected(const OpenPair& open, State z, const State& row, double target) {
     double last = 1.0;
     for (int iteration = 0; iteration < 15; ++iteration) {
-        const Equations equations = equations_at(open, z);
+        const BranchEquations equations = equations_at(open, z);
         Eigen::Matrix3d by_state;
         by_state << equations.by_state, row.transpose();
         const State residual{equations.values[0], equations.values[1], row.dot(z) - target};

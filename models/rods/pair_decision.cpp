@@ -14,7 +14,7 @@ namespace {
 using Truth = std::optional<bool>; ///< nothing: it may be either
 
 /// Whether the value is at most the limit.
-Truth at_most(Interval value, double limit) {
+Truth at_most(Enclosure value, double limit) {
     if (value.high <= limit)
         return true;
     return value.low > limit ? Truth(false) : std::nullopt;
@@ -29,7 +29,7 @@ Truth both(Truth a, Truth b) {
 Truth negated(Truth a) { return a ? Truth(!*a) : std::nullopt; }
 Truth either(Truth a, Truth b) { return negated(both(negated(a), negated(b))); }
 
-Interval around(double value, double error) { return {value - error, value + error}; }
+Enclosure around(double value, double error) { return {value - error, value + error}; }
 
 double distance_of(const EncounterBounds& b) { return std::hypot(b.x, b.y); }
 double turn_error(const EncounterBounds& b) { return b.heading_error[0] + b.heading_error[1]; }
@@ -64,7 +64,7 @@ Truth escapes(const EncounterBounds& b, const EndingCriteria& limit) {
     if (v <= turn) // they may walk abreast
         return parting == false ? Truth(false) : std::nullopt;
     const double angle = angle_between(b.heading[0], b.heading[1]);
-    const Interval beyond{
+    const Enclosure beyond{
         b.late_turning.low * (r - b.place_error) / (v + turn) - limit.residual_turn * (angle + turn),
         b.late_turning.high * (r + b.place_error) / (v - turn) - limit.residual_turn * (angle - turn)};
     return both(parting, at_most(beyond, 0.0));

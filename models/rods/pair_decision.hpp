@@ -8,7 +8,7 @@
 
 namespace rodwake::rods {
 
-struct Interval {
+struct Enclosure {
     double low, high;
 };
 
@@ -17,7 +17,7 @@ struct EncounterBounds {
     enum class Contact { none, certain, unknown } contact = Contact::unknown;
     double x = 0.0, y = 0.0, heading[2] = {}; ///< R_0 - R_1 at the end
     double place_error = 0.0, heading_error[2] = {};
-    Interval late_least{}, late_most{}, late_turning{}; ///< LatePart
+    Enclosure late_least{}, late_most{}, late_turning{}; ///< LatePart
 };
 
 /// Whether two rods so far apart can follow each other.
@@ -26,7 +26,7 @@ using Feels = std::function<bool(double distance)>;
 std::optional<Ending> certain_ending(const EncounterBounds& bounds, const EndingCriteria& criteria,
                                      const Feels& feels);
 
-/// The ending of all pairs together, as conclude tells it; nothing: it may be another.
+/// The ending of all pairs together, as conclude decides it; nothing: it may be another.
 std::optional<Ending> together(std::span<const std::optional<Ending>> pairs);
 
 } // namespace rodwake::rods

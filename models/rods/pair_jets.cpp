@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rodwake::rods::HWY_NAMESPACE {
 
 template<bool polar>
-bool FillAll(PairJets& jets, const Constants& c) {
+bool FillAll(PairJets& jets, const PairConstants& c) {
     const Lanes d;
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
     for (std::size_t at = 0; at < jets.states; at += lane_count) {
@@ -21,23 +21,23 @@ bool FillAll(PairJets& jets, const Constants& c) {
                               HWY_ATTR { return hn::LoadU(d, jets.at[column].data() + at); };
         const auto store = [&](std::size_t column, V v)
                                HWY_ATTR { hn::StoreU(v, d, jets.at[column].data() + at); };
-        const Jets one = JetsAt<polar>(
+        const Jets item = JetsAt<polar>(
             {load(PairJets::x), load(PairJets::y), {load(PairJets::heading0), load(PairJets::heading1)}}, c);
         for (std::size_t rod = 0; rod < 2; ++rod) {
             const std::size_t first = rod == 0 ? PairJets::rate0 : PairJets::rate1;
-            store(first, one.rate[rod]);
+            store(first, item.rate[rod]);
             for (std::size_t k = 0; k < 4; ++k)
-                store(first + 1 + k, one.by[rod][k]);
-            store(PairJets::cosine0 + 2 * rod, one.n[rod].cosine);
-            store(PairJets::sine0 + 2 * rod, one.n[rod].sine);
+                store(first + 1 + k, item.by[rod][k]);
+            store(PairJets::cosine0 + 2 * rod, item.n[rod].cosine);
+            store(PairJets::sine0 + 2 * rod, item.n[rod].sine);
         }
-        good = hn::And(good, one.good);
+        good = hn::And(good, item.good);
     }
     return hn::AllTrue(d, good);
 }
 
 bool FillJets(const elastic::Medium& medium, const Couplings& couplings, PairJets& jets) {
-    const Constants c = ConstantsOf(medium, couplings);
+    const PairConstants c = ConstantsOf(medium, couplings);
     return couplings.polar() ? FillAll<true>(jets, c) : FillAll<false>(jets, c);
 }
 

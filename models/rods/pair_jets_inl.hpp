@@ -24,35 +24,39 @@ using elastic::HWY_NAMESPACE::Bearing;
 using elastic::HWY_NAMESPACE::BearingsOf;
 using elastic::HWY_NAMESPACE::SineCosine;
 
-struct Complex {
+struct ComplexLanes {
     V re, im;
 };
 
-HWY_INLINE Complex Plus(Complex a, Complex b) { return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)}; }
-HWY_INLINE Complex Minus(Complex a, Complex b) { return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)}; }
-HWY_INLINE Complex Scaled(V c, Complex a) { return {hn::Mul(c, a.re), hn::Mul(c, a.im)}; }
-HWY_INLINE Complex Conjugate(Complex a) { return {a.re, hn::Neg(a.im)}; }
-HWY_INLINE Complex Times(Complex a, Complex b) {
+HWY_INLINE ComplexLanes Plus(ComplexLanes a, ComplexLanes b) {
+    return {hn::Add(a.re, b.re), hn::Add(a.im, b.im)};
+}
+HWY_INLINE ComplexLanes Minus(ComplexLanes a, ComplexLanes b) {
+    return {hn::Sub(a.re, b.re), hn::Sub(a.im, b.im)};
+}
+HWY_INLINE ComplexLanes Scaled(V c, ComplexLanes a) { return {hn::Mul(c, a.re), hn::Mul(c, a.im)}; }
+HWY_INLINE ComplexLanes Conjugate(ComplexLanes a) { return {a.re, hn::Neg(a.im)}; }
+HWY_INLINE ComplexLanes Times(ComplexLanes a, ComplexLanes b) {
     const Lanes d;
     return {Fms(d, a.re, b.re, hn::Mul(a.im, b.im)), Fma(d, a.re, b.im, hn::Mul(a.im, b.re))};
 }
 
 /// Of one potential: d, d^2, d^3, d+ d and d+ d^2.
 struct Ladder {
-    Complex one, two, three;
+    ComplexLanes one, two, three;
     V mixed;
-    Complex mixed_two;
+    ComplexLanes mixed_two;
 };
 
 HWY_INLINE Ladder LadderOf(V a, V decay, const elastic::HWY_NAMESPACE::ScaledBessel<Lanes>& k, V inverse_z,
-                           Complex u) {
+                           ComplexLanes u) {
     const Lanes d;
     const V b = hn::Mul(hn::Set(d, -0.5), a);
     const V g0 = hn::Mul(decay, k.k0), g1 = hn::Mul(decay, hn::Mul(k.zk1, inverse_z));
     const V g2 = Fma(d, hn::Set(d, 2.0), hn::Mul(g1, inverse_z), g0),
             g3 = Fma(d, hn::Set(d, 4.0), hn::Mul(g2, inverse_z), g1);
-    const Complex u2 = Times(u, u), u3 = Times(u2, u);
-    const auto real = [&](V v) HWY_ATTR { return Complex{v, hn::Zero(d)}; };
+    const ComplexLanes u2 = Times(u, u), u3 = Times(u2, u);
+    const auto real = [&](V v) HWY_ATTR { return ComplexLanes{v, hn::Zero(d)}; };
     const auto times = [&](double c, V g) HWY_ATTR { return hn::Mul(hn::Set(d, c), g); };
     Ladder l;
     l.one = Scaled(b, Plus(real(g0), Scaled(g1, u)));
@@ -67,7 +71,7 @@ HWY_INLINE Ladder LadderOf(V a, V decay, const elastic::HWY_NAMESPACE::ScaledBes
 
 /// A quantity with its derivatives by w- and w+.
 struct Drive {
-    Complex value, minus, plus;
+    ComplexLanes value, minus, plus;
 };
 
 HWY_INLINE Drive Combined(V c, const Drive& a, V e, const Drive& b) {
@@ -78,7 +82,7 @@ HWY_INLINE Drive Combined(V c, const Drive& a, V e, const Drive& b) {
 /// (eps_xx - eps_yy)/2 + i eps_xy, over c_T/(2 pi).
 HWY_INLINE Drive ShearOf(const Ladder& t, const Ladder& l) {
     const Lanes d;
-    const Complex mixed{t.mixed, hn::Zero(d)};
+    const ComplexLanes mixed{t.mixed, hn::Zero(d)};
     return {Plus(t.one, Minus(t.two, l.two)), Plus(t.two, Minus(t.three, l.three)),
             Plus(mixed, Minus(t.mixed_two, l.mixed_two))};
 }
@@ -86,13 +90,13 @@ HWY_INLINE Drive ShearOf(const Ladder& t, const Ladder& l) {
 /// grad div u and lap u as complex numbers, over c_T^2/pi.
 HWY_INLINE Drive GradientOf(const Ladder& l, V nu) {
     const Lanes d;
-    const Complex mixed{l.mixed, hn::Zero(d)};
+    const ComplexLanes mixed{l.mixed, hn::Zero(d)};
     return {Scaled(nu, Plus(l.two, mixed)), Scaled(nu, Plus(l.three, l.mixed_two)),
             Scaled(nu, Plus(l.mixed_two, Conjugate(l.mixed_two)))};
 }
 HWY_INLINE Drive LaplacianOf(const Ladder& t, const Drive& gradient) {
     const Lanes d;
-    const Complex mixed{t.mixed, hn::Zero(d)};
+    const ComplexLanes mixed{t.mixed, hn::Zero(d)};
     return {Plus(gradient.value, Minus(mixed, t.two)), Plus(gradient.minus, Minus(t.mixed_two, t.three)),
             Plus(gradient.plus, Minus(Conjugate(t.mixed_two), t.mixed_two))};
 }
@@ -103,23 +107,24 @@ struct FrameRate {
 };
 
 /// Im(drive f) for f = exp(-i m phi).
-HWY_INLINE FrameRate RateOf(const Drive& drive, Complex f, double m) {
+HWY_INLINE FrameRate RateOf(const Drive& drive, ComplexLanes f, double m) {
     const Lanes d;
-    const Complex value = Times(drive.value, f);
-    const Complex x = Times(Plus(drive.plus, drive.minus), f), y = Times(Minus(drive.plus, drive.minus), f);
+    const ComplexLanes value = Times(drive.value, f);
+    const ComplexLanes x = Times(Plus(drive.plus, drive.minus), f),
+                       y = Times(Minus(drive.plus, drive.minus), f);
     return {value.im, x.im, y.re,
             hn::Mul(hn::Set(d, -m), value.re)}; // i y: its imaginary part is y's real one
 }
 
 template<bool polar>
 HWY_INLINE FrameRate RateAt(const Bearing<Lanes>& bearing, const Radial<Lanes>& radial, V cosine, V sine,
-                            const Constants& c) {
+                            const PairConstants& c) {
     const Lanes d;
-    const Complex u{bearing.c, bearing.q};
+    const ComplexLanes u{bearing.c, bearing.q};
     const Ladder t = LadderOf(hn::Set(d, 1.0), bearing.e_t, radial.shear, radial.inverse, u);
     const Ladder l = LadderOf(c.medium.nu, bearing.e_l, radial.longitudinal,
                               hn::Mul(radial.inverse, c.medium.inverse_nu), u);
-    const Complex f{cosine, hn::Neg(sine)};
+    const ComplexLanes f{cosine, hn::Neg(sine)};
     Drive shear = ShearOf(t, l);
     shear = {Scaled(c.kappa, shear.value), Scaled(c.kappa, shear.minus), Scaled(c.kappa, shear.plus)};
     FrameRate rate = RateOf(shear, Times(f, f), 2.0);
@@ -142,7 +147,7 @@ struct Jets {
 
 /// `sign` * (X, Y) is where the rod is in the frame of a source of direction n.
 template<bool polar>
-HWY_INLINE Jets JetsAt(const Relative& at, const Constants& c) {
+HWY_INLINE Jets JetsAt(const Relative& at, const PairConstants& c) {
     const Lanes d;
     const Sight seen = SightOf(at, c);
     const auto& [n, radial, X, Y, cosine, sine, good] = seen;
@@ -166,7 +171,7 @@ HWY_INLINE Jets JetsAt(const Relative& at, const Constants& c) {
     return jets;
 }
 
-inline Constants ConstantsOf(const elastic::Medium& medium, const Couplings& couplings) {
+inline PairConstants ConstantsOf(const elastic::Medium& medium, const Couplings& couplings) {
     const Lanes d;
     const auto m = elastic::KernelInternals::constants(elastic::Field(medium));
     const auto& [kappa, gamma1, gamma2] = couplings;

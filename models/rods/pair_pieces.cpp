@@ -1,4 +1,4 @@
-// A piece a lane. Compiled once for each instruction set (foreach_target includes this file again).
+// One piece in each lane. Compiled once for each instruction set (foreach_target includes this file again).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "pair_pieces.cpp"
 #include <hwy/foreach_target.h> // IWYU pragma: keep
@@ -20,7 +20,7 @@ namespace rodwake::rods::HWY_NAMESPACE {
 
 constexpr double ulps = 32.0 * std::numeric_limits<double>::epsilon(); // allowed for in each defect
 
-/// Of as many pieces as there are lanes.
+/// As many pieces as there are lanes.
 struct LanePieces {
     V length, p[4][6];
 };
@@ -43,7 +43,7 @@ LanePieces LoadPieces(const Of& of) {
     return pieces;
 }
 
-/// A struct of vectors to one of numbers for each of the first lanes.
+/// Stores a struct of vectors to structs of numbers, one for each of the first lanes.
 template<template<class> class Struct, class To>
 void StoreEach(const Struct<V>& vectors, std::size_t count, const To& to) {
     constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
@@ -58,7 +58,7 @@ void StoreEach(const Struct<V>& vectors, std::size_t count, const To& to) {
     }
 }
 
-/// The other way: `of(lane)` is the struct of a lane.
+/// Loads a struct of vectors; `of(lane)` is the struct of a lane.
 template<template<class> class Struct, class Of>
 Struct<V> LoadEach(const Of& of) {
     constexpr std::size_t numbers = sizeof(Struct<double>) / sizeof(double);
@@ -77,20 +77,20 @@ Struct<V> LoadEach(const Of& of) {
 
 HWY_INLINE V LengthOf(V x, V y) { return hn::Sqrt(Fma(Lanes(), x, x, hn::Mul(y, y))); }
 
-/// How far (w+, w-) and the phases go from those at v = 0 within |v| <= reach, at most: ln of 1 + the
-/// relative change.
+/// Bound of the change of (w+, w-) and the phases from v = 0 to |v| <= reach, as ln of 1 + the relative
+/// change.
 struct Wandering {
-    V a[5]; ///< of v, v^2, ...
+    V a[5]; ///< coefficients of v, v^2, ...
 
-    /// Above 0, so that one may divide by it where nothing changes.
+    /// Above 0, so that it can be a divisor.
     V At(V reach) const {
         V sum = hn::Mul(reach, a[4]);
         for (std::size_t k = 4; k-- > 0;)
             sum = hn::Mul(reach, hn::Add(a[k], sum));
         return hn::Max(sum, Number(1e-300));
     }
-    /// A reach within `room`, near the largest: as the sum is of powers 1 to 5, a share less or the fifth
-    /// root of a share more do not leave it.
+    /// A reach within `room`, near the largest. The sum has powers 1 to 5, so that a reach shorter by a
+    /// factor, or longer by the fifth root of one, stays inside.
     V Reach(V room) const {
         const Lanes d;
         const V one = Number(1.0), farthest = Number(32.0);
@@ -123,8 +123,8 @@ V Excursion(const V (&p)[6], V reach) {
 }
 
 /// 4 rho^-n/(rho - 1) for the ellipse with half axes `reach` and sqrt(reach^2 - 1): error of interpolation at
-/// the nodes of what 1 bounds there (Trefethen, theorem 8.2). At most 4, what a bound on the piece itself
-/// tells.
+/// the nodes of a function bounded by 1 there (Trefethen, theorem 8.2). At most 4, which follows from a bound
+/// on the piece.
 V RemainderFactor(V reach) {
     const Lanes d;
     const V one = Number(1.0);
@@ -143,6 +143,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
     PieceReach<V> reach;
     reach.distance = LengthOf(x, y);
     const V headings[2] = {piece.p[2][0], piece.p[3][0]}, r = hn::Mul(medium.c_shear, reach.distance);
+
+    // s + X of each rod in the frame of the other.
     SineCosine<Lanes> n[2];
     elastic::HWY_NAMESPACE::SinCos(d, headings, n);
     V ahead[2];
@@ -154,6 +156,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
             hn::Div(hn::Mul(across, across), far); // r + X behind the rod, without the cancellation
         ahead[rod] = hn::Mul(medium.c_shear, hn::IfThenElse(hn::Lt(X, hn::Zero(d)), near, far));
     }
+
+    // Bounds of the rates of turn about the piece, and how far from it they hold.
     const V width = hn::Min(SuitableWidth(r, ahead[0]), SuitableWidth(r, ahead[1]));
     const Around around = AroundOf(r, ahead, width, medium.nu);
     const V all = hn::Div(hn::Add(width, width), hn::Add(Number(2.0), width)); // below ln(1 + width)
@@ -168,6 +172,8 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
         hn::IfThenElse(hn::Gt(slope_reach, Number(1.02)),
                        hn::Min(hn::Div(RemainderFactor(slope_reach), hn::Sub(all, part)), on_piece),
                        on_piece);
+
+    // Errors of interpolation, of rates and of directions, and rounding.
     reach.missed = reach.rest[0] = hn::Zero(d);
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const TurningBounds most = TurningBoundsOf(around, rod, largest, medium.nu);
@@ -192,7 +198,7 @@ PieceReach<V> ReachOf(const LanePieces& piece, const LaneMedium<Lanes>& medium, 
 }
 
 void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, std::span<ProofPiece> pieces) {
-    const Constants c = ConstantsOf(medium, couplings.own);
+    const PairConstants c = ConstantsOf(medium, couplings.own);
     const BoundWeights largest = BoundWeightsOf(medium, couplings.largest),
                        change = BoundWeightsOf(medium, couplings.change);
     for (std::size_t at = 0; at < pieces.size(); at += lane_count) {
@@ -205,16 +211,16 @@ void FindReach(const elastic::Medium& medium, const PieceCouplings& couplings, s
     }
 }
 
-/// What is expanded.
-enum Column {
+/// Functions that are expanded in Chebyshev polynomials.
+enum SampleColumn {
     defect_column,                    ///< of x, y, theta_0, theta_1
     by_column = defect_column + 4,    ///< rates by the same
     direction_column = by_column + 8, ///< cosine and sine of both headings
     column_count = direction_column + 4
 };
 
-/// exp(h J) and h times the series sum (h J)^k/(k + 1)! of `acts`, to the sixth power: `mean` holds J's
-/// expansions.
+/// exp(h J), and h times the sum of (h J)^k/(k + 1)! times `acts`, to the sixth power. `mean` has the
+/// expansions of J.
 void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V length, PieceExpansion<V>& e) {
     const Lanes d;
     V a[4][4];
@@ -259,9 +265,9 @@ void Propagate(const Expanded (&mean)[column_count], const V (&acts)[4], V lengt
         e.drift[i] = hn::Mul(length, s[i]);
 }
 
-/// Samples at the nodes. False: out of the range of the kernels.
+/// Samples at the nodes. Lanes out of the range of the kernels are false.
 template<bool polar>
-M SamplesOf(const LanePieces& piece, const Constants& c, V (&samples)[column_count][nodes]) {
+M SamplesOf(const LanePieces& piece, const PairConstants& c, V (&samples)[column_count][nodes]) {
     const Lanes d;
     const V speed = hn::Div(Number(2.0), piece.length);
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
@@ -296,11 +302,11 @@ M SamplesOf(const LanePieces& piece, const Constants& c, V (&samples)[column_cou
     return good;
 }
 
-/// Sizes of a Jacobian's or an error's parts, from its columns.
+/// Norms of the blocks of a Jacobian, or of the parts of an error, from its columns.
 template<class Part>
-HWY_INLINE Block BlockOf(const Expanded (&all)[column_count], const Part& part) {
+HWY_INLINE BoundMatrix BlockOf(const Expanded (&all)[column_count], const Part& part) {
     const auto both = [&](std::size_t k) HWY_ATTR { return LengthOf(part(all[k]), part(all[k + 1])); };
-    Block block;
+    BoundMatrix block;
     block.of[0][0] = hn::Zero(Lanes());
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const std::size_t by = by_column + 4 * rod;
@@ -312,13 +318,13 @@ HWY_INLINE Block BlockOf(const Expanded (&all)[column_count], const Part& part) 
     return block;
 }
 template<class Part>
-HWY_INLINE Errors ErrorsOf(const Expanded (&all)[4], const Part& part) {
+HWY_INLINE ErrorBounds ErrorsOf(const Expanded (&all)[4], const Part& part) {
     return {LengthOf(part(all[0]), part(all[1])), hn::Abs(part(all[2])), hn::Abs(part(all[3]))};
 }
 
-Block RestOf(const PieceReach<V>& reach) {
+BoundMatrix RestOf(const PieceReach<V>& reach) {
     const V by_place = hn::Div(Number(std::numbers::sqrt2), reach.distance);
-    Block rest;
+    BoundMatrix rest;
     rest.of[0][0] = hn::Zero(Lanes());
     for (std::size_t rod = 0; rod < 2; ++rod) {
         rest.of[0][1 + rod] = reach.direction_rest[rod];
@@ -328,7 +334,7 @@ Block RestOf(const PieceReach<V>& reach) {
     return rest;
 }
 
-/// E = -int of what the defect differs by from its mean, and J E at the nodes.
+/// E = -int (defect - its mean), and J E at the nodes.
 void SecondOrder(const V (&samples)[column_count][nodes], V length, const ChebyshevRows& rows,
                  V (&product)[4][nodes]) {
     const Lanes d;
@@ -354,14 +360,14 @@ void SecondOrder(const V (&samples)[column_count][nodes], V length, const Chebys
     }
 }
 
-void Store(const Errors& errors, V (&to)[3]) { std::copy_n(errors.of, 3, to); }
-void Store(const Block& block, V (&to)[3][3]) {
+void Store(const ErrorBounds& errors, V (&to)[3]) { std::copy_n(errors.of, 3, to); }
+void Store(const BoundMatrix& block, V (&to)[3][3]) {
     for (std::size_t i = 0; i < 3; ++i)
         std::copy_n(block.of[i], 3, to[i]);
 }
 
-/// The largest that comes of errors of 1, those of places over the scale.
-HWY_INLINE V NormOf(const Block& a, V scale) {
+/// Largest image of errors of 1, with those of positions in units of the scale.
+HWY_INLINE V NormOf(const BoundMatrix& a, V scale) {
     const Lanes d;
     V norm = hn::Div(hn::Add(a.of[0][1], a.of[0][2]), scale);
     for (std::size_t i = 1; i < 3; ++i)
@@ -369,9 +375,10 @@ HWY_INLINE V NormOf(const Block& a, V scale) {
     return norm;
 }
 
-/// Places count as much as headings if both take the other from as much: 2/scale = scale |d rate/d place|.
-/// The series of exp leave out n^7/5040 (1 + n/8 + ...), n = |h J|, which is to be below 4.
-M FindGrowth(const Block& mean, const Block& jacobian, const PieceReach<V>& reach, PieceExpansion<V>& e) {
+/// The scale makes both kinds of error count alike: 2/scale = scale |d rate/d position|. The series of exp
+/// leaves out n^7/5040 (1 + n/8 + ...), n = |h J|, which must be below 4.
+M FindGrowth(const BoundMatrix& mean, const BoundMatrix& jacobian, const PieceReach<V>& reach,
+             PieceExpansion<V>& e) {
     const V far = hn::Mul(Number(10.0), hn::Add(reach.distance, reach.length));
     e.scale = hn::Min(far, hn::Sqrt(hn::Div(Number(2.0), hn::Add(mean.of[1][0], mean.of[2][0]))));
     e.growth = hn::Mul(reach.length, NormOf(jacobian, e.scale));
@@ -381,7 +388,7 @@ M FindGrowth(const Block& mean, const Block& jacobian, const PieceReach<V>& reac
     return hn::Lt(n, Number(4.0));
 }
 
-/// What bounds the error (docs/numerics.md, section 4), from expansions of the samples and of J E.
+/// Bounds of the error (docs/numerics.md, section 4), from expansions of the samples and of J E.
 void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], const V (&acts)[4],
             const PieceReach<V>& reach, PieceExpansion<V>& e) {
     const V length = reach.length, quarter = hn::Mul(Number(0.25), length), one = Number(1.0),
@@ -391,27 +398,28 @@ void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], co
     const auto tail_of = [](const Expanded& of) HWY_ATTR { return of.tail; };
     Expanded first[4];
     std::copy_n(all + defect_column, 4, first);
-    const Block mean = BlockOf(all, mean_of), varies = BlockOf(all, varies_of), rest = RestOf(reach),
-                tail = BlockOf(all, tail_of);
+    const BoundMatrix mean = BlockOf(all, mean_of), varies = BlockOf(all, varies_of), rest = RestOf(reach),
+                      tail = BlockOf(all, tail_of);
     // T_k differs from its mean by 4/3 at most, and the integral of that stays below 1/2
-    const Block jacobian = Combined(Combined(mean, third4, varies), one, rest);
-    const Block zero = Combined(mean, Number(-1.0), mean), turned = Combined(zero, quarter, varies);
-    const Errors defect = ErrorsOf(first, varies_of), e1 = Times(quarter, defect),
-                 e2 = Times(quarter, ErrorsOf(second, varies_of));
-    const Errors mean_defect = ErrorsOf(first, mean_of), rests{reach.rest[0], reach.rest[1], reach.rest[2]};
+    const BoundMatrix jacobian = Combined(Combined(mean, third4, varies), one, rest);
+    const BoundMatrix zero = Combined(mean, Number(-1.0), mean), turned = Combined(zero, quarter, varies);
+    const ErrorBounds defect = ErrorsOf(first, varies_of), e1 = Times(quarter, defect),
+                      e2 = Times(quarter, ErrorsOf(second, varies_of));
+    const ErrorBounds mean_defect = ErrorsOf(first, mean_of),
+                      rests{reach.rest[0], reach.rest[1], reach.rest[2]};
     // the product of T_i and T_k counts once in what interpolation of J E misses if i + k is above the
     // degree: then i is 6 or more, or k above that, and orders above 6 in E come of those from 6 on in the
     // defect
-    const Errors e1_tail = Times(hn::Mul(Number(1.0 / 14.0), length), ErrorsOf(first, tail_of));
-    const Errors folded = Plus(Times(tail, e1), Times(jacobian, e1_tail));
-    const Errors mean_acts{LengthOf(acts[0], acts[1]), hn::Abs(acts[2]), hn::Abs(acts[3])};
+    const ErrorBounds e1_tail = Times(hn::Mul(Number(1.0 / 14.0), length), ErrorsOf(first, tail_of));
+    const ErrorBounds folded = Plus(Times(tail, e1), Times(jacobian, e1_tail));
+    const ErrorBounds mean_acts{LengthOf(acts[0], acts[1]), hn::Abs(acts[2]), hn::Abs(acts[3])};
     M good = hn::Eq(one, one);
-    const Block inverse = SumOfPowers(turned, good);
-    const Errors known =
+    const BoundMatrix inverse = SumOfPowers(turned, good);
+    const ErrorBounds known =
         Plus(Plus(Times(jacobian, e2), Times(turned, mean_acts)), Plus(Plus(folded, Times(rest, e1)), rests));
-    const Block wobble =
+    const BoundMatrix wobble =
         Times(inverse, Combined(Combined(Times(jacobian, turned), one, Times(turned, mean)), one, rest));
-    const Block grown = SumOfPowers(Combined(Combined(zero, length, mean), length, wobble), good);
+    const BoundMatrix grown = SumOfPowers(Combined(Combined(zero, length, mean), length, wobble), good);
     Store(mean_acts, e.mean);
     Store(Plus(e1, e2), e.swing);
     Store(turned, e.turned);
@@ -427,7 +435,7 @@ void Bounds(const Expanded (&all)[column_count], const Expanded (&second)[4], co
 }
 
 template<bool polar>
-M ExpansionOf(const LanePieces& piece, const PieceReach<V>& reach, const Constants& c,
+M ExpansionOf(const LanePieces& piece, const PieceReach<V>& reach, const PairConstants& c,
               const ChebyshevRows& rows, PieceExpansion<V>& e) {
     V samples[column_count][nodes], product[4][nodes];
     const M in_range = SamplesOf<polar>(piece, c, samples);
@@ -449,7 +457,7 @@ bool Expand(const elastic::Medium& medium, const Couplings& couplings, std::span
             std::span<const std::size_t> which) {
     static const ChebyshevRows rows;
     const Lanes d;
-    const Constants c = ConstantsOf(medium, couplings);
+    const PairConstants c = ConstantsOf(medium, couplings);
     M good = hn::Eq(hn::Zero(d), hn::Zero(d));
     for (std::size_t at = 0; at < which.size(); at += lane_count) {
         const auto of = [&](std::size_t lane) -> const Piece& {

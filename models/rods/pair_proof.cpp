@@ -20,15 +20,15 @@ constexpr int most_splits = 6; ///< of a step
 constexpr int most_tries = 20; ///< of a bound over a piece
 constexpr double proof_ulp = std::numeric_limits<double>::epsilon();
 
-/// Where on a piece separations are looked at: every second node.
+/// Points of a piece at which separations are evaluated: every second node.
 constexpr std::array watched_at{node_at[0], node_at[2],  node_at[4], node_at[6],
                                 node_at[8], node_at[10], node_at[12]};
 constexpr std::size_t watched = watched_at.size();
 
-/// Bounds of errors: of the place, and of both headings.
+/// Bounds of errors: of the position, and of both headings.
 using Errors = Eigen::Vector3d;
 
-/// What a piece does to the error, at most: what pair_pieces.hpp tells, as matrices.
+/// Bounds of the change of the error over a piece: the numbers of pair_pieces.hpp as matrices.
 class StepBounds {
 public:
     explicit StepBounds(const ProofPiece& piece) : of_(piece) {}
@@ -42,56 +42,44 @@ public:
     static auto block(const double (&numbers)[3][3]) {
         return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&numbers[0][0]);
     }
-    /// |e| of |d|, as the error is taken apart.
+    /// Bound of |e| from that of |d|, where e = E + (1 + W) d.
     Errors whole(const Errors& d) const { return errors(seen().swing) + d + block(seen().turned) * d; }
-    /// Of a rate: what is of first order in the error.
+    /// Bound of the part of a rate that is of first order in the error.
     double linear(std::size_t rod, const Errors& e) const { return errors(seen().by[rod]).dot(e); }
-    /// The share of the room that an error takes.
+    /// Fraction of the room that an error takes up.
     double reached(const Errors& e) const {
         return (std::numbers::sqrt2 * e[0] / reach().distance + e[1] + e[2]) / reach().room;
     }
-    /// What is of second order in the error.
+    /// Bound of the part that is of second order in the error.
     Errors curvature(const Errors& e) const {
         const double x = reached(e);
         const double share = x < 1.0 ? x * x / (1.0 - x) : HUGE_VAL;
         return {0.5 * (e[1] * e[1] + e[2] * e[2]), reach().rate[0] * share, reach().rate[1] * share};
     }
-    /// |rate of turn| of the polynomial, at most.
+    /// Bound of |rate of turn| of the polynomial.
     double rate(std::size_t rod) const { return of_.piece.p[2 + rod].steepest() * 2.0 / of_.piece.length; }
 
 private:
     const ProofPiece& of_;
 };
 
-/// Couplings that bound those of all pairs.
-Couplings largest(Couplings couplings, const Couplings& spread) {
-    for (const Coupling& one : coupling_list)
-        couplings.*one.number = std::abs(couplings.*one.number) + std::abs(spread.*one.number);
-    return couplings;
-}
-
-/// If a single coupling acts, the share of it, and so of the rate, that it may differ by.
-std::optional<double> share_of(const Couplings& couplings, const Couplings& spread) {
-    std::optional<double> share;
-    for (const Coupling& one : coupling_list) {
-        const double value = couplings.*one.number, change = std::abs(spread.*one.number);
-        if (value == 0.0 && change == 0.0)
-            continue;
-        if (share || value == 0.0)
-            return std::nullopt;
-        share = change / std::abs(value);
-    }
-    return share;
-}
-
 class Prover {
 public:
-    Prover(const PairProblem& pair, const PairTrack& track, const EndingCriteria& criteria, ProofSpace& space,
+    Prover(const PairProblem& pair, const StepTrack& track, const EndingCriteria& criteria, ProofSpace& space,
            const PairSpread& spread)
-        : pair_(pair), track_(track), couplings_{pair.couplings, largest(pair.couplings, spread.couplings),
-                                                 spread.couplings},
-          share_(share_of(pair.couplings, spread.couplings)), space_(space),
-          late_from_((1.0 - criteria.steady_fraction) * pair.t_end) {
+        : pair_(pair), track_(track), couplings_{pair.couplings, pair.couplings, spread.couplings},
+          space_(space), late_from_((1.0 - criteria.steady_fraction) * pair.t_end) {
+        // Bounds of the couplings of all pairs. If a single one acts, rates differ by the same share as it
+        // does.
+        std::size_t acting = 0;
+        for (const Coupling& coupling : coupling_list) {
+            const double value = pair.couplings.*coupling.number,
+                         change = std::abs(spread.couplings.*coupling.number);
+            couplings_.largest.*coupling.number = std::abs(value) + change;
+            if (value == 0.0 && change == 0.0)
+                continue;
+            share_ = ++acting == 1 && value != 0.0 ? std::optional(change / std::abs(value)) : std::nullopt;
+        }
         if (share_)
             couplings_.change = {0.0, 0.0, 0.0};
         for (int k = 0; k < 4; ++k)
@@ -104,9 +92,9 @@ public:
     std::optional<EncounterBounds> run(bool contact) {
         if (!sample())
             return std::nullopt;
-        watched_ = !contact; // whoever is in contact at the end may have been before
+        watched_ = !contact; // rods in contact at the end may have been in contact before
         encounter_.contact = EncounterBounds::Contact::none;
-        constexpr std::size_t at_once = 32; // whoever fails early has not looked at the rest
+        constexpr std::size_t at_once = 32; // a proof that fails early does not prepare the rest
         for (std::size_t step = 0; step + 1 < track_.states.size(); step += at_once)
             if (!advance_steps(step, std::min(step + at_once, track_.states.size() - 1)))
                 return std::nullopt;
@@ -132,7 +120,7 @@ private:
     void finish(bool contact);
 
     const PairProblem& pair_;
-    const PairTrack& track_;
+    const StepTrack& track_;
     PieceCouplings couplings_;
     std::optional<double> share_; ///< of the rate, where that is one
     ProofSpace& space_;
@@ -145,7 +133,7 @@ private:
     EncounterBounds encounter_;
 };
 
-/// Value, rate and second derivative by v, `half` the step.
+/// Value, first and second derivative by v at the end of a step; `half`: half the length of the step.
 std::array<double, 3> Prover::end_of(std::size_t state, int coordinate, double half) const {
     const PairJets& e = space_.ends;
     const double c[2] = {e(PairJets::cosine0, state), e(PairJets::cosine1, state)},
@@ -163,7 +151,7 @@ std::array<double, 3> Prover::end_of(std::size_t state, int coordinate, double h
     return {e(static_cast<std::size_t>(coordinate), state), half * v[coordinate], half * half * second};
 }
 
-/// What holds of it is not set: pieces are many.
+/// Appends a piece. Its bounds are not initialised, since pieces are many.
 Piece& Prover::add(int depth) {
     if (space_.used == space_.pieces.size())
         space_.pieces.resize(2 * space_.used + 64);
@@ -173,7 +161,7 @@ Piece& Prover::add(int depth) {
     return piece.piece;
 }
 
-/// Rates and derivatives at step ends.
+/// Evaluates rates and derivatives at the ends of all steps.
 bool Prover::sample() {
     const std::size_t states = track_.states.size();
     PairJets& ends = space_.ends;
@@ -206,10 +194,10 @@ bool Prover::advance_steps(std::size_t from, std::size_t to) {
     return true;
 }
 
-/// Bounds of the pieces from the first on; pieces that they do not reach, or over which errors grow much, are
-/// taken in halves. False: no bounds, however small the piece.
+/// Computes the bounds of the pieces from `first` on. Pieces without bounds, or over which errors grow much,
+/// are halved. Returns false if even the smallest piece has none.
 bool Prover::prepare(std::size_t first) {
-    constexpr double well = 1e-8, much = 0.5; // an error that is not worth smaller pieces; growth
+    constexpr double well = 1e-8, much = 0.5; // an error too small for halving to pay; growth
     std::vector<ProofPiece>& pieces = space_.pieces;
     std::vector<std::size_t>& which = space_.which;
     while (first < space_.used) {
@@ -242,19 +230,19 @@ void Prover::halve(std::size_t k) {
     }
 }
 
-/// q r = a by Gram and Schmidt, columns as they come.
+/// q r = a by the Gram-Schmidt process, in the order of the columns.
 void orthogonalise(const Matrix& a, Matrix& q) {
     q = a;
     for (int k = 0; k < 4; ++k) {
         for (int j = 0; j < k; ++j)
             q.col(k) -= q.col(j).dot(q.col(k)) * q.col(j);
-        for (int j = 0; j < k; ++j) // once more: columns may be nearly parallel
+        for (int j = 0; j < k; ++j) // twice, since columns may be nearly parallel
             q.col(k) -= q.col(j).dot(q.col(k)) * q.col(j);
         q.col(k).normalize();
     }
 }
 
-/// What other couplings change of the rates, at most.
+/// Bound of the change of the rates by other couplings.
 Errors Prover::changed(const StepBounds& b, const Errors& e) const {
     Errors change = Errors::Zero();
     if (!couplings_.change.any() && share_.value_or(0.0) == 0.0)
@@ -280,7 +268,9 @@ bool Prover::propagate(const StepBounds& b) {
         return inverse * (b.curvature(e) + changed(b, e));
     };
     const Errors first = grown * (now_ + h * (mean + known));
-    Errors d, curved = Errors::Zero(), next = first; // d: the smallest found that maps into itself
+
+    // Iterate for the smallest bound d that maps into itself.
+    Errors d, curved = Errors::Zero(), next = first;
     for (int k = 0; k == 0 || !(next.array() <= d.array()).all(); ++k) {
         if (k == most_tries || !next.allFinite())
             return false;
@@ -288,6 +278,9 @@ bool Prover::propagate(const StepBounds& b) {
         curved = second(d);
         next = first + h * (grown * curved);
     }
+
+    // The error moves with the propagator; its parallelepiped gets orthogonal edges and grows by what is
+    // added.
     most_ = b.whole(d);
     const double size = std::max(d[0] / seen.scale, std::max(d[1], d[2]));
     const Errors added = h * (grown * (known + StepBounds::block(seen.wobble) * d + curved)) +
@@ -306,7 +299,7 @@ bool Prover::propagate(const StepBounds& b) {
     return now_.allFinite();
 }
 
-/// Whether the rods stay out of contact from v = low to high: they close in at `speed` (by v) at most.
+/// Whether the rods stay out of contact from v = low to high. They approach at most at `speed`, by v.
 bool Prover::stays_apart(const Piece& piece, double low, double high, double r_low, double r_high,
                          double speed, int depth) const {
     const double limit = pair_.contact_distance + most_[0];
@@ -319,7 +312,8 @@ bool Prover::stays_apart(const Piece& piece, double low, double high, double r_l
            stays_apart(piece, middle, high, r, r_high, speed, depth - 1);
 }
 
-/// Contact, and the last part of the run. False: contact cannot be excluded.
+/// Excludes contact on a piece, and records its part of the tail window. Returns false if contact cannot be
+/// excluded.
 bool Prover::watch(const Piece& piece, const StepBounds& b) {
     constexpr int most_halvings = 40;
     const bool late = piece.start + piece.length >= late_from_;
@@ -342,22 +336,23 @@ bool Prover::watch(const Piece& piece, const StepBounds& b) {
 void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::array<double, watched>& r,
                         double speed) {
     const double from = (late_from_ - piece.start) / (0.5 * piece.length) - 1.0, error = most_[0];
-    Interval &least = encounter_.late_least, &most = encounter_.late_most, &turning = encounter_.late_turning;
-    const auto seen = [&](double separation) {
+    Enclosure &least = encounter_.late_least, &most = encounter_.late_most,
+              &turning = encounter_.late_turning;
+    const auto add_value = [&](double separation) {
         least.high = std::min(least.high, separation + error);
         most.low = std::max(most.low, separation - error);
     };
     for (std::size_t j = 0; j < watched; ++j) {
         if (watched_at[j] >= from)
-            seen(r[j]);
+            add_value(r[j]);
         if (j + 1 < watched && watched_at[j + 1] >= from) {
-            const double way = speed * (watched_at[j + 1] - watched_at[j]);
-            least.low = std::min(least.low, 0.5 * (r[j] + r[j + 1] - way) - error);
-            most.high = std::max(most.high, 0.5 * (r[j] + r[j + 1] + way) + error);
+            const double path = speed * (watched_at[j + 1] - watched_at[j]);
+            least.low = std::min(least.low, 0.5 * (r[j] + r[j + 1] - path) - error);
+            most.high = std::max(most.high, 0.5 * (r[j] + r[j + 1] + path) + error);
         }
     }
     if (from > -1.0)
-        seen(piece.separation(std::min(from, 1.0)));
+        add_value(piece.separation(std::min(from, 1.0)));
     const Errors off = changed(b, most_) + b.curvature(most_);
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const double further =
@@ -370,7 +365,7 @@ void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::arra
     }
 }
 
-/// A piece over which the error does not stay small is taken in halves.
+/// Propagates the error over a piece, or over its halves if the error does not stay small over the whole.
 bool Prover::advance(std::size_t k) {
     if (const std::size_t halves = space_.pieces[k].halves)
         return advance(halves) && advance(halves + 1);
@@ -383,7 +378,8 @@ bool Prover::advance(std::size_t k) {
     return prepare(space_.pieces[k].halves) && advance(k);
 }
 
-/// Contact is certain if the rods, a little farther on, are nearer than that whatever they do.
+/// Fills in the end. Contact is certain if the rods are within the contact distance a little later for any
+/// rates.
 void Prover::finish(bool contact) {
     const std::size_t last = track_.states.size() - 1;
     const PairJets& e = space_.ends;
@@ -416,14 +412,14 @@ void Prover::finish(bool contact) {
 
 } // namespace
 
-void PairTrack::add(double time, integrate::State y) {
+void StepTrack::add(double time, integrate::State y) {
     if (!times.empty() && !(time > times.back()))
         return;
     times.push_back(time);
     states.push_back({y[0], y[1], y[2], y[3], y[4], y[5]});
 }
 
-std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const PairTrack& track, bool contact,
+std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const StepTrack& track, bool contact,
                                              const EndingCriteria& criteria, ProofSpace& space,
                                              const PairSpread& spread) {
     return Prover(pair, track, criteria, space, spread).run(contact);

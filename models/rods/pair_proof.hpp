@@ -1,5 +1,5 @@
 #pragma once
-// A bound of the error of a pair's solution, step by step, and what it says of the outcome. docs/numerics.md,
+// A bound of the error of a pair's solution, step by step, and of its outcome. docs/numerics.md,
 // section 4. Reduced units; of two rods on the infinite plane, eta >= 0. Rounding is allowed for by 32 ulp of
 // the parts in each defect, not enclosed.
 
@@ -15,14 +15,14 @@
 namespace rodwake::rods {
 
 /// A solution at the ends of its steps.
-struct PairTrack {
+struct StepTrack {
     std::vector<double> times;
     std::vector<std::array<double, 6>> states; ///< as in model.hpp
 
     void add(double time, integrate::State y);
 };
 
-/// Memory that is used again from pair to pair.
+/// Memory that is reused from pair to pair.
 struct ProofSpace {
     PairJets ends;
     std::vector<ProofPiece> pieces;
@@ -30,14 +30,14 @@ struct ProofSpace {
     std::vector<std::size_t> which;
 };
 
-/// Pairs about one: half the widths of R_0 - R_1 and the headings at the start, and of the couplings.
+/// A box of pairs: half widths of R_0 - R_1 and the headings at the start, and of the couplings.
 struct PairSpread {
     std::array<double, 4> start{};
     Couplings couplings{};
 };
 
-/// Of the exact solution, if the error can be bounded; `contact`: the track ends in contact.
-std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const PairTrack& track, bool contact,
+/// Bounds of the exact solution, if the error can be bounded. `contact`: the track ends in contact.
+std::optional<EncounterBounds> proved_bounds(const PairProblem& pair, const StepTrack& track, bool contact,
                                              const EndingCriteria& criteria, ProofSpace& space,
                                              const PairSpread& spread = {});
 

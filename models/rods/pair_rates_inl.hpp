@@ -21,7 +21,7 @@ using elastic::HWY_NAMESPACE::LaneMedium;
 using elastic::HWY_NAMESPACE::Radial;
 using elastic::HWY_NAMESPACE::RadialAt;
 using elastic::HWY_NAMESPACE::SinCos;
-using elastic::HWY_NAMESPACE::Wake;
+using elastic::HWY_NAMESPACE::WakeLanes;
 using elastic::HWY_NAMESPACE::WakeAt;
 
 using Lanes = hn::CappedTag<double, most_lanes>;
@@ -30,7 +30,7 @@ using M = hn::Mask<Lanes>;
 constexpr std::size_t lane_count = hn::MaxLanes(Lanes());
 
 /// What the lanes do not change in a step.
-struct Constants {
+struct PairConstants {
     const double* table;
     LaneMedium<Lanes> medium;
     V kappa, gamma1, gamma2;
@@ -59,7 +59,7 @@ HWY_INLINE Angle Negative(const Angle& angle) {
 
 /// Rate of turn in a wake, at this angle to its rod.
 template<bool polar>
-HWY_INLINE V Torque(const Wake<Lanes>& wake, const Angle& angle, const Constants& c) {
+HWY_INLINE V Torque(const WakeLanes<Lanes>& wake, const Angle& angle, const PairConstants& c) {
     const Lanes d;
     V rate =
         hn::Mul(c.kappa, Fma(d, wake.shear, angle.cos2, hn::Mul(hn::Sub(wake.yy, wake.trace), angle.sin2)));
@@ -80,7 +80,7 @@ struct Sight {
     M good;         ///< within the range of the kernels
 };
 
-HWY_INLINE Sight SightOf(const Relative& at, const Constants& c) {
+HWY_INLINE Sight SightOf(const Relative& at, const PairConstants& c) {
     const Lanes d;
     Sight s;
     SinCos(d, at.heading, s.n);
@@ -102,10 +102,10 @@ HWY_INLINE Sight SightOf(const Relative& at, const Constants& c) {
 
 /// Not inlined: seven copies would cost more to load and to compile than the calls do.
 template<bool polar>
-HWY_NOINLINE Rates RatesAt(const Relative& at, const Constants& c) {
+HWY_NOINLINE Rates RatesAt(const Relative& at, const PairConstants& c) {
     const Lanes d;
     const Sight s = SightOf(at, c);
-    Wake<Lanes> wake[2];
+    WakeLanes<Lanes> wake[2];
     WakeAt<polar>(d, s.X, s.Y, {&s.radial[0], &s.radial[0]}, c.medium, wake);
     const Angle angle{s.cosine, s.sine, Fms(d, s.cosine, s.cosine, hn::Mul(s.sine, s.sine)),
                       hn::Mul(hn::Add(s.sine, s.sine), s.cosine)};

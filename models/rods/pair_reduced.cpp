@@ -103,8 +103,8 @@ PairEquilibrium described(const ScaledPair& pair, const Pose& q) {
     }
     std::copy(values.begin(), values.end(), found.eigenvalues.begin());
     std::sort(found.eigenvalues.begin(), found.eigenvalues.end(),
-              [](std::complex<double> one, std::complex<double> other) {
-                  return std::pair(-one.real(), -one.imag()) < std::pair(-other.real(), -other.imag());
+              [](std::complex<double> item, std::complex<double> other) {
+                  return std::pair(-item.real(), -item.imag()) < std::pair(-other.real(), -other.imag());
               });
     return found;
 }

@@ -26,7 +26,7 @@ HWY_INLINE void StoreIf(M mask, V v, LaneNumbers& numbers) {
     Store(hn::IfThenElse(mask, v, Load(numbers)), numbers);
 }
 
-Constants LoadConstants(const PairLanes& l) {
+PairConstants LoadConstants(const PairLanes& l) {
     return {elastic::bessel_table().rows(),
             {Load(l.c_shear), Load(l.nu), Load(l.delta), Load(l.inverse_nu)},
             Load(l.kappa),
@@ -134,18 +134,18 @@ HWY_INLINE M FromBits(std::uint32_t bits) {
 
 /// How far the lanes may go: as error control wants, to the late part or the end, or to where a meeting is
 /// looked for.
-struct Bounds {
+struct LaneSteps {
     V time, wanted, forced, to_late, rest;
 };
 
-HWY_INLINE Bounds BoundsOf(const PairLanes& l) {
+HWY_INLINE LaneSteps BoundsOf(const PairLanes& l) {
     const V time = Load(l.time), late_from = Load(l.late_from), rest = hn::Sub(Load(l.t_end), time);
     const V to_late =
         hn::IfThenElse(hn::Lt(time, late_from), hn::Sub(late_from, time), rest); // a step ends there
     return {time, Load(l.step), Load(l.forced), to_late, rest};
 }
 
-HWY_INLINE V StepOf(const Bounds& bounds, const V (&y)[6], const Rates& rate) {
+HWY_INLINE V StepOf(const LaneSteps& bounds, const V (&y)[6], const Rates& rate) {
     const V free = hn::Min(bounds.wanted, EncounterStep(y, rate)), end = hn::Min(bounds.to_late, bounds.rest);
     return hn::IfThenElse(hn::Gt(bounds.forced, hn::Zero(Lanes())), bounds.forced, hn::Min(free, end));
 }
@@ -198,7 +198,7 @@ HWY_INLINE M MayMeet(const PairLanes& l, const Trial& trial, V square) {
 }
 
 /// Time, step and counts after an attempt; the time at its end is returned.
-HWY_INLINE V Advance(PairLanes& l, M taken, M active, const Bounds& bounds, V h, V error_square) {
+HWY_INLINE V Advance(PairLanes& l, M taken, M active, const LaneSteps& bounds, V h, V error_square) {
     const Lanes d;
     const M to_end = hn::Ge(h, bounds.rest), cut = hn::AndNot(to_end, hn::Ge(h, bounds.to_late));
     V time = hn::IfThenElse(to_end, Load(l.t_end), hn::Add(bounds.time, h));
@@ -213,7 +213,7 @@ HWY_INLINE V Advance(PairLanes& l, M taken, M active, const Bounds& bounds, V h,
     return time;
 }
 
-HWY_INLINE void Begin(const PairLanes& l, const Bounds& bounds, Trial& trial) {
+HWY_INLINE void Begin(const PairLanes& l, const LaneSteps& bounds, Trial& trial) {
     for (std::size_t i = 0; i < 6; ++i) {
         trial.y[i] = Load(l.state[i]);
         trial.k[0].of[i] = Load(l.rate[i]);
@@ -224,7 +224,7 @@ HWY_INLINE void Begin(const PairLanes& l, const Bounds& bounds, Trial& trial) {
 }
 
 /// What follows from a step.
-HWY_INLINE void Settle(PairQueue& queue, const Bounds& bounds, const Trial& trial) {
+HWY_INLINE void Settle(PairQueue& queue, const LaneSteps& bounds, const Trial& trial) {
     const Lanes d;
     PairLanes& l = queue.lanes;
     const M active = hn::Gt(Load(l.active), hn::Zero(d)), forced = hn::Gt(bounds.forced, hn::Zero(d));
@@ -253,8 +253,8 @@ HWY_INLINE void Settle(PairQueue& queue, const Bounds& bounds, const Trial& tria
 template<bool polar, std::size_t n>
 HWY_INLINE void StepLanes(PairQueue* const (&queues)[n], double rtol, double atol) {
     Trial trial[n];
-    Bounds bounds[n];
-    Constants constants[n];
+    LaneSteps bounds[n];
+    PairConstants constants[n];
     for (std::size_t v = 0; v < n; ++v) {
         PairLanes& l = queues[v]->lanes;
         if (queues[v]->take_fresh())

@@ -60,7 +60,7 @@ struct Trial {
 
 /// Rates of the inner stages. Two vectors in turns: one works while the other waits for its own results.
 template<bool polar, std::size_t stage, std::size_t n>
-HWY_INLINE void InnerStages(Trial (&trial)[n], const Constants (&c)[n]) {
+HWY_INLINE void InnerStages(Trial (&trial)[n], const PairConstants (&c)[n]) {
     if constexpr (stage < tableau::stages - 1) {
         RODWAKE_UNROLL
         for (std::size_t v = 0; v < n; ++v) {
@@ -87,7 +87,7 @@ HWY_INLINE void Assess(Trial& t, double rtol, double atol) {
 }
 
 template<bool polar, std::size_t n>
-HWY_INLINE void TrySteps(Trial (&trial)[n], const Constants (&c)[n], double rtol, double atol) {
+HWY_INLINE void TrySteps(Trial (&trial)[n], const PairConstants (&c)[n], double rtol, double atol) {
     const Lanes d;
     constexpr std::size_t last = tableau::stages - 1;
     InnerStages<polar, 1>(trial, c);

@@ -104,38 +104,38 @@ HWY_INLINE Expanded ExpandedFrom(const V (&f)[nodes], const ChebyshevRows& rows)
 }
 
 /// Of places, heading 0 and heading 1: bounds of errors, and of what maps them. All numbers >= 0.
-struct Errors {
+struct ErrorBounds {
     V of[3];
 };
-struct Block {
+struct BoundMatrix {
     V of[3][3];
 };
 
-HWY_INLINE Errors Plus(const Errors& a, const Errors& b) {
+HWY_INLINE ErrorBounds Plus(const ErrorBounds& a, const ErrorBounds& b) {
     return {hn::Add(a.of[0], b.of[0]), hn::Add(a.of[1], b.of[1]), hn::Add(a.of[2], b.of[2])};
 }
-HWY_INLINE Errors Times(V c, const Errors& a) {
+HWY_INLINE ErrorBounds Times(V c, const ErrorBounds& a) {
     return {hn::Mul(c, a.of[0]), hn::Mul(c, a.of[1]), hn::Mul(c, a.of[2])};
 }
-HWY_INLINE Errors Times(const Block& a, const Errors& b) {
+HWY_INLINE ErrorBounds Times(const BoundMatrix& a, const ErrorBounds& b) {
     const Lanes d;
-    Errors product;
+    ErrorBounds product;
     for (std::size_t i = 0; i < 3; ++i)
         product.of[i] =
             Fma(d, a.of[i][0], b.of[0], Fma(d, a.of[i][1], b.of[1], hn::Mul(a.of[i][2], b.of[2])));
     return product;
 }
-HWY_INLINE Block Times(const Block& a, const Block& b) {
-    Block product;
+HWY_INLINE BoundMatrix Times(const BoundMatrix& a, const BoundMatrix& b) {
+    BoundMatrix product;
     for (std::size_t k = 0; k < 3; ++k) {
-        const Errors column = Times(a, Errors{b.of[0][k], b.of[1][k], b.of[2][k]});
+        const ErrorBounds column = Times(a, ErrorBounds{b.of[0][k], b.of[1][k], b.of[2][k]});
         for (std::size_t i = 0; i < 3; ++i)
             product.of[i][k] = column.of[i];
     }
     return product;
 }
-HWY_INLINE Block Combined(const Block& a, V c, const Block& b) {
-    Block sum;
+HWY_INLINE BoundMatrix Combined(const BoundMatrix& a, V c, const BoundMatrix& b) {
+    BoundMatrix sum;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
             sum.of[i][k] = Fma(Lanes(), c, b.of[i][k], a.of[i][k]);
@@ -143,13 +143,13 @@ HWY_INLINE Block Combined(const Block& a, V c, const Block& b) {
 }
 
 /// 1/(1 - a). It is the sum of the powers of a if nothing in it is negative; `good` becomes false else.
-HWY_INLINE Block SumOfPowers(const Block& a, M& good) {
+HWY_INLINE BoundMatrix SumOfPowers(const BoundMatrix& a, M& good) {
     const Lanes d;
     V m[3][3];
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
             m[i][k] = hn::Sub(Number(i == k ? 1.0 : 0.0), a.of[i][k]);
-    Block inverse;
+    BoundMatrix inverse;
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;

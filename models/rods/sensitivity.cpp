@@ -23,8 +23,8 @@ bool of_rows(Parameter p) { return p > Parameter::xi; }
 /// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
 Couplings unit_coupling(Parameter p) {
     Couplings couplings;
-    if (const Coupling* one = coupling_of(p))
-        couplings.*one->number = 1.0;
+    if (const Coupling* coupling = coupling_of(p))
+        couplings.*coupling->number = 1.0;
     return couplings;
 }
 
@@ -98,7 +98,7 @@ void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, R
     if (request_.strain || request_.polar)
         field = wake.at(at.x, at.y, request_);
     if (medium_wanted_)
-        derivatives = wake.by_medium(at.x, at.y, request_of(couplings_, false));
+        derivatives = wake.medium_derivatives(at.x, at.y, request_of(couplings_, false));
     add(field, derivatives, at.heading, rates);
 }
 
@@ -106,7 +106,7 @@ void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates& rate
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
     if (request_.strain || request_.polar)
-        field = wake.at_own_place(request_);
+        field = wake.self_image_field(request_);
     if (medium_wanted_)
         derivatives = wake.own_place_by_medium(request_of(couplings_, false));
     add(field, derivatives, {1.0, 0.0}, rates);
@@ -138,7 +138,7 @@ Eigen::VectorXd contact_gradient(State y, Box box) {
 }
 
 void check(const RodProblem& problem, std::span<const Parameter> parameters,
-           std::span<const std::size_t> headings, std::span<const std::size_t> places) {
+           std::span<const std::size_t> headings, std::span<const std::size_t> indices) {
     if (!parameters.empty() && !problem.medium)
         throw InputError("sensitivities to couplings and medium need a medium; there is none");
     const auto field = wakes_of(problem);
@@ -153,22 +153,22 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
             throw InputError(
                 fmt::format("the heading of rods[{}] is to be a parameter, but there are {} rods", rod,
                             problem.rods.size()));
-    for (const std::size_t place : places)
-        if (place / 2 >= problem.rods.size())
+    for (const std::size_t index : indices)
+        if (index / 2 >= problem.rods.size())
             throw InputError(fmt::format("the place of rods[{}] is to be a parameter, but there are {} rods",
-                                         place / 2, problem.rods.size()));
+                                         index / 2, problem.rods.size()));
 }
 
 Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,
                                       std::span<const std::size_t> headings,
-                                      std::span<const std::size_t> places) {
+                                      std::span<const std::size_t> indices) {
     Eigen::MatrixXd S = Eigen::MatrixXd::Zero(
-        static_cast<Column>(3 * rods), static_cast<Column>(parameters + headings.size() + places.size()));
+        static_cast<Column>(3 * rods), static_cast<Column>(parameters + headings.size() + indices.size()));
     auto column = static_cast<Column>(parameters);
     for (const std::size_t rod : headings)
         S(static_cast<Column>(3 * rod + 2), column++) = 1.0;
-    for (const std::size_t place : places)
-        S(static_cast<Column>(3 * (place / 2) + place % 2), column++) = 1.0;
+    for (const std::size_t index : indices)
+        S(static_cast<Column>(3 * (index / 2) + index % 2), column++) = 1.0;
     return S;
 }
 
@@ -191,13 +191,13 @@ double value(const RodProblem& problem, Parameter parameter) {
 integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
                                                      std::span<const Parameter> parameters,
                                                      std::span<const std::size_t> headings,
-                                                     std::span<const std::size_t> places) {
-    check(problem, parameters, headings, places);
+                                                     std::span<const std::size_t> indices) {
+    check(problem, parameters, headings, indices);
     integrate::SensitivityProblem result;
     result.ode = to_ode(problem);
     if (problem.rods.size() > 1)
         result.ode.step_limit = step_limit(problem);
-    result.parameters = parameters.size() + headings.size() + places.size();
+    result.parameters = parameters.size() + headings.size() + indices.size();
     // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the
     // problem's
     result.by_parameter = [](double, State, Eigen::Ref<Eigen::MatrixXd>) {
@@ -209,7 +209,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
         };
     }
     // NOLINTEND(performance-unnecessary-value-param)
-    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings, places);
+    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings, indices);
     for (const Parameter p : parameters)
         result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));
     result.parameter_scale.resize(result.parameters, 1.0);

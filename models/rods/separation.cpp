@@ -50,8 +50,8 @@ struct Hermite {
     }
 };
 
-/// The closest distance on the cubic of the offset itself: what its square loses where it is small beside
-/// those at the ends.
+/// The closest distance on the cubic of the offset itself. The cubic of its square loses digits if the
+/// distance is small beside those at the ends.
 double distance_of_offsets(const integrate::Step& step, std::size_t a, std::size_t b, Offset d0, Offset d1,
                            double u) {
     const double h = step.time - step.time_before;
@@ -63,7 +63,7 @@ double distance_of_offsets(const integrate::Step& step, std::size_t a, std::size
     return std::hypot(x.at(u), y.at(u));
 }
 
-/// Of one image of b, `shift` away from b itself.
+/// The closest approach to one image of b, `shift` away from b itself.
 std::optional<Approach> approach_of_image(const integrate::Step& step, std::size_t a, std::size_t b,
                                           Offset shift) {
     constexpr double lost = 1e6 * 8.0 * std::numeric_limits<double>::epsilon(); // six digits left of a square
@@ -82,18 +82,15 @@ std::optional<Approach> approach_of_image(const integrate::Step& step, std::size
     return Approach{step.time_before + u * h, {a, b, distance}};
 }
 
-/// Where the image of b nearest to a is.
-Offset image_shift(State y, std::size_t a, std::size_t b, const PeriodicBox& box) {
-    const Offset d = plane_offset(y, a, b);
-    return {nearest_shift(d.x, box.x), nearest_shift(d.y, box.y)};
-}
-
-/// Of the images nearest at the step's start and at its end.
+/// The closer approach of the two images that are nearest at the start and at the end of the step.
 std::optional<Approach> approach_of_pair(const integrate::Step& step, std::size_t a, std::size_t b, Box box) {
     if (!box)
         return approach_of_image(step, a, b, {0.0, 0.0});
-    const Offset start = image_shift(step.state_before, a, b, *box),
-                 end = image_shift(step.state, a, b, *box);
+    const auto image_shift = [&](State y) {
+        const Offset d = plane_offset(y, a, b);
+        return Offset{nearest_shift(d.x, box->x), nearest_shift(d.y, box->y)};
+    };
+    const Offset start = image_shift(step.state_before), end = image_shift(step.state);
     const auto first = approach_of_image(step, a, b, start);
     if (start.x == end.x && start.y == end.y)
         return first;
@@ -114,7 +111,7 @@ bool comes_first(std::size_t a, std::size_t b, const Separation& other) {
     return a < other.first || (a == other.first && b < other.second);
 }
 
-/// How far the rod went that went farthest.
+/// The longest way that a rod moved in the step.
 double longest_move(const integrate::Step& step) {
     double longest = 0.0;
     for (std::size_t k = 0; k < step.state.size(); k += 3)
@@ -173,7 +170,7 @@ double wake_step(State y, const elastic::Medium& medium, Box box) {
         for (std::size_t b = 0; b < rods; ++b) {
             const Offset d = offset(y, a, b, box);
             const double behind = -(d.x * c[b] + d.y * s[b]), across = std::abs(d.y * c[b] - d.x * s[b]);
-            if (!(behind > 0.0 && across < 3.0 * limit)) // itself, too; no speed is above 1
+            if (!(behind > 0.0 && across < 3.0 * limit)) // a rod to itself, too; no speed is above 1
                 continue;
             const double width = std::sqrt(4.0 * behind * medium.xi / medium.nu());
             limit = std::min(limit, (across + width) / (3.0 * std::abs(s[a] * c[b] - c[a] * s[b])));
@@ -183,7 +180,7 @@ double wake_step(State y, const elastic::Medium& medium, Box box) {
 
 bool has_wide_wakes(const elastic::Medium& medium) { return medium.nu() <= 10.0; }
 
-// Which pairs need no look. On the cubic of a pair the weights of its end slopes g0, g1 are at most 4/27, and
+// Pairs that need no look. On the cubic of a pair the weights of its end slopes g0, g1 are at most 4/27, and
 // |g| <= h d(r^2)/dt <= 4 h r. With m the smaller and M the larger separation at the ends it stays above
 //
 //   m^2 - (4/27) 4 h (m + M) >= m^2 - (32/27) k (m + k),   k the larger of h and the longest move of a rod,
@@ -319,20 +316,6 @@ double meeting_share(double d0, double d1, double spread, const Words& bits, dou
     return odds / (1.0 + odds);
 }
 
-double separation(integrate::State y, std::size_t a, std::size_t b, Box box) {
-    const Offset d = offset(y, a, b, box);
-    return std::hypot(d.x, d.y);
-}
-
-/// How far two rods may come nearer at most.
-double closing(const integrate::Step& step) {
-    double longest = 0.0;
-    for (std::size_t k = 0; k < step.state.size(); k += 3)
-        longest = std::max(longest, std::hypot(step.state[k] - step.state_before[k],
-                                               step.state[k + 1] - step.state_before[k + 1]));
-    return 2.0 * longest;
-}
-
 } // namespace
 
 Words NoisePlace::bits(Use use, std::size_t rod) const {
@@ -342,17 +325,21 @@ Words NoisePlace::bits(Use use, std::size_t rod) const {
 }
 
 std::optional<Meeting> bridge_contact(const integrate::Step& step, double distance, double rate, Box box,
-                                      const NoisePlace& place) {
+                                      const NoisePlace& position) {
     const double spread = rate * (step.time - step.time_before);
-    // Farther apart than this, a pair has met with a probability below exp(-36).
-    const double reach = distance + closing(step) + std::sqrt(18.0 * spread);
+    // A pair farther apart than the reach has met with a probability below exp(-36).
+    const double reach = distance + 2.0 * longest_move(step) + std::sqrt(18.0 * spread);
     std::optional<Meeting> first;
-    const auto see = [&](std::size_t a, std::size_t b) {
-        const double d0 = separation(step.state_before, a, b, box) - distance;
+    const auto gap = [&](State y, std::size_t a, std::size_t b) {
+        const Offset d = offset(y, a, b, box);
+        return std::hypot(d.x, d.y) - distance;
+    };
+    const auto look_at = [&](std::size_t a, std::size_t b) {
+        const double d0 = gap(step.state_before, a, b);
         if (d0 > reach - distance)
             return;
-        const double d1 = separation(step.state, a, b, box) - distance;
-        const Words of_rod = place.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
+        const double d1 = gap(step.state, a, b);
+        const Words of_rod = position.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
         if (d1 > 0.0 && integrate::uniform_of(bits[0], bits[1]) >= std::exp(-2.0 * d0 * d1 / spread))
             return;
         const double share = meeting_share(d0, d1, spread, bits_of_pair(of_rod, b, 1),
@@ -360,7 +347,7 @@ std::optional<Meeting> bridge_contact(const integrate::Step& step, double distan
         if (!first || share < first->share || (share == first->share && a < first->first))
             first = {share, a, b};
     };
-    Sweep(step.state_before, box).pairs([&](double gap) { return gap > reach; }, see);
+    Sweep(step.state_before, box).pairs([&](double separation) { return separation > reach; }, look_at);
     return first;
 }
 

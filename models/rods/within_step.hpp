@@ -54,6 +54,6 @@ struct Meeting {
 /// The earliest meeting at `distance` of rods whose separations diffuse with variance `rate` per time, if one
 /// is drawn; rods that are in contact at the step's end have met.
 std::optional<Meeting> bridge_contact(const integrate::Step& step, double distance, double rate, Box box,
-                                      const NoisePlace& place);
+                                      const NoisePlace& position);
 
 } // namespace rodwake::rods

@@ -25,7 +25,7 @@ void raise(const char* name, const std::exception& error) {
 void raise_scene_error(const scene::SceneError& error) {
     const py::object problem = error_class("Problem");
     py::list problems;
-    for (const scene::Problem& p : error.problems())
+    for (const scene::Diagnostic& p : error.diagnostics())
         problems.append(problem(printable(p.file), p.line, p.column, p.key, printable(p.message)));
     raise("SceneError", error_class("SceneError")(printable(error.what()), problems));
 }

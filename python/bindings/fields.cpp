@@ -73,7 +73,7 @@ void put(const elastic::SymmetricTensor& t, double* row) {
 /// Strain and polar vectors on the plane.
 void add_batch(const Request& r, const elastic::WakeKernel& kernel, std::size_t from, std::size_t to) {
     const std::size_t count = to - from;
-    const elastic::Places places{r.x.subspan(from, count), r.y.subspan(from, count)};
+    const elastic::FieldPoints places{r.x.subspan(from, count), r.y.subspan(from, count)};
     std::array<std::array<double, block>, 7> sums;
     const auto sum = [&](std::size_t k) { return std::span(sums[k]).first(count); };
     const elastic::StrainSums strain{sum(0), sum(1), sum(2)};
@@ -263,7 +263,7 @@ public:
                 if (&rods[a] != &rod)
                     add(a, wake->at(at.x, at.y, all), c, s);
                 else if (medium.box)
-                    add(a, wake->at_own_place(all), c, s);
+                    add(a, wake->self_image_field(all), c, s);
             }
         }
     }

@@ -177,7 +177,7 @@ FitResult fit_scene(const scene::Scene& scene, const std::filesystem::path& fold
 
 py::list estimates_of(const FitResult& result, const py::object& make) {
     py::list all;
-    for (const fitting::Estimate& e : result.results.report.estimates) {
+    for (const fitting::ParameterEstimate& e : result.results.report.estimates) {
         const py::object bound = e.at_lower   ? py::object(py::str("lower"))
                                  : e.at_upper ? py::object(py::str("upper"))
                                               : py::none();
@@ -218,15 +218,15 @@ Array residuals_of(const FitResult& result) {
 py::list profiles_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.profiles.size(); ++i) {
-        const app::FitProfileResult& one = result.results.profiles[i];
+        const app::FitProfileResult& item = result.results.profiles[i];
         const app::FitProfileData& data = result.plan.profiles[i];
         const bool predicted = result.plan.keys.profiles[i].role == scene::FitRole::predict;
-        std::vector<double> sigma = one.sigma;
+        std::vector<double> sigma = item.sigma;
         std::ranges::replace(sigma, 0.0, std::nan(""));
-        const auto excess = one.scale_factor.value_or(fitting::ScaleFactor{std::nan(""), std::nan("")});
+        const auto excess = item.scale_factor.value_or(fitting::ScaleFactor{std::nan(""), std::nan("")});
         all.append(make(data.name, predicted ? "predict" : "fit", column(data.data.place),
-                        column(data.data.value), column(sigma), column(one.model), column(one.band),
-                        column(one.residual), py::array(py::cast(one.used)), one.chi2, excess.scale,
+                        column(data.data.value), column(sigma), column(item.model), column(item.band),
+                        column(item.residual), py::array(py::cast(item.used)), item.chi2, excess.scale,
                         excess.standard_error));
     }
     return all;
@@ -236,14 +236,14 @@ py::list profiles_of(const FitResult& result, const py::object& make) {
 py::list tracks_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.tracks.size(); ++i) {
-        const app::FitTrackResult& one = result.results.tracks[i];
+        const app::FitTrackResult& item = result.results.tracks[i];
         std::vector<double> poses;
-        for (const std::vector<double>& state : one.model)
+        for (const std::vector<double>& state : item.model)
             poses.insert(poses.end(), state.begin(), state.end());
         const auto rods = static_cast<py::ssize_t>(result.plan.tracks[i].rods);
         all.append(make(result.plan.tracks[i].name,
-                        array_of(std::move(poses), {static_cast<py::ssize_t>(one.model.size()), rods, 3}),
-                        one.rms_position, one.rms_heading));
+                        array_of(std::move(poses), {static_cast<py::ssize_t>(item.model.size()), rods, 3}),
+                        item.rms_position, item.rms_heading));
     }
     return all;
 }
@@ -252,11 +252,11 @@ py::list tracks_of(const FitResult& result, const py::object& make) {
 py::list maps_of(const FitResult& result, const py::object& make) {
     py::list all;
     for (std::size_t i = 0; i < result.results.maps.size(); ++i) {
-        const app::FitMapResult& one = result.results.maps[i];
+        const app::FitMapResult& item = result.results.maps[i];
         const std::pair shape{result.plan.maps[i].data.y.size(), result.plan.maps[i].data.x.size()};
         const auto grid = [&](const py::object& values) { return values.attr("reshape")(shape); };
-        all.append(make(result.plan.maps[i].name, grid(column(one.model.Ux)), grid(column(one.model.Uy)),
-                        grid(py::array(py::cast(one.used))), one.chi2));
+        all.append(make(result.plan.maps[i].name, grid(column(item.model.Ux)), grid(column(item.model.Uy)),
+                        grid(py::array(py::cast(item.used))), item.chi2));
     }
     return all;
 }

@@ -90,17 +90,17 @@ py::tuple temperatures(const Bed& bed) {
 }
 
 /// (M, 2), m/s^2, at these places (M, 2 or 3) now; none before t = 0.
-Array body_acceleration(const Bed& bed, const Array& places) {
-    if (places.ndim() != 2 || places.shape(1) < 2)
+Array body_acceleration(const Bed& bed, const Array& positions) {
+    if (positions.ndim() != 2 || positions.shape(1) < 2)
         throw InputError("places: expected an array of shape (M, 2) or (M, 3): x and y of each, m");
-    Array rows({places.shape(0), py::ssize_t{2}});
+    Array rows({positions.shape(0), py::ssize_t{2}});
     double* out = rows.mutable_data();
     const auto& force = bed.plan().problem.body_force;
     const bool on = force && bed.step() >= 0;
-    for (py::ssize_t i = 0; i < places.shape(0); ++i, out += 2) {
-        const double b =
-            on ? force->at(places.at(i, 0), places.at(i, 1), bed.simulation().time(), bed.plan().problem.box)
-               : 0.0;
+    for (py::ssize_t i = 0; i < positions.shape(0); ++i, out += 2) {
+        const double b = on ? force->at(positions.at(i, 0), positions.at(i, 1), bed.simulation().time(),
+                                        bed.plan().problem.box)
+                            : 0.0;
         out[0] = on ? b * std::cos(force->direction) : 0.0;
         out[1] = on ? b * std::sin(force->direction) : 0.0;
     }
@@ -132,8 +132,8 @@ void bind_granular(py::module_& module) {
         .def_property_readonly("finished", [](const Bed& b) { return b.simulation().finished(); })
         .def("positions", &bead_positions)
         .def("body_acceleration",
-             [](const Bed& b, const std::optional<Array>& places) {
-                 return body_acceleration(b, places ? *places : bead_positions(b));
+             [](const Bed& b, const std::optional<Array>& positions) {
+                 return body_acceleration(b, positions ? *positions : bead_positions(b));
              })
         .def("velocities",
              [](const Bed& b) {

@@ -171,7 +171,7 @@ integrate::OdeProblem problem_with(const py::object& rhs, const Array& y0, doubl
 }
 
 /// t, y (T, n), final_time, final_state, hits [(event, time, state)], status, message, statistics
-py::tuple told(integrate::Solution&& s) {
+py::tuple to_tuple(integrate::Solution&& s) {
     const auto columns = static_cast<py::ssize_t>(s.final_state.size());
     const auto rows = static_cast<py::ssize_t>(s.times.size());
     std::vector<double> states;
@@ -200,7 +200,7 @@ py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, doub
     }
     calls.rethrow();
     interrupt.rethrow();
-    return told(std::move(solution));
+    return to_tuple(std::move(solution));
 }
 
 constexpr const char* about_equations =

@@ -222,7 +222,7 @@ void bind_rods(py::module_& module) {
                                "numbers of the two rods that the outcome is about; None: a single rod")
         .def_property_readonly(
             "separation", [](const Run& run) { return run.outcome.pair.distance; },
-            "of that pair, when the outcome was told")
+            "of that pair, when the outcome was decided")
         .def_property_readonly(
             "omega", [](const Run& run) { return run.outcome.omega; },
             "turning rate of an orbit, + counterclockwise; NaN: no orbit")

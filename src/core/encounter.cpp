@@ -65,7 +65,7 @@ Ending classify(const PairEnd& pair, const EndingCriteria& criteria) {
     return escapes(pair, criteria) ? Ending::escape : Ending::undecided;
 }
 
-PairCourse::PairCourse(double heading0, double heading1, double x, double y) {
+PairFrame::PairFrame(double heading0, double heading1, double x, double y) {
     const double cx = std::cos(heading0) + std::cos(heading1), cy = std::sin(heading0) + std::sin(heading1);
     const double length = std::sqrt(cx * cx + cy * cy);
     if (length < 1e-6) // opposite to rounding
@@ -76,8 +76,8 @@ PairCourse::PairCourse(double heading0, double heading1, double x, double y) {
     first_ = across(x, y);
 }
 
-double PairCourse::separation() const { return std::abs(first_); }
+double PairFrame::separation() const { return std::abs(first_); }
 
-double PairCourse::change(double x, double y) const { return std::copysign(1.0, first_) * across(x, y); }
+double PairFrame::change(double x, double y) const { return std::copysign(1.0, first_) * across(x, y); }
 
 } // namespace rodwake

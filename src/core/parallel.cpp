@@ -62,7 +62,7 @@ std::size_t threads_for(std::size_t work, std::size_t least, std::size_t threads
     return std::clamp<std::size_t>(work / least, 1, std::max<std::size_t>(threads, 1));
 }
 
-Team::~Team() {
+ThreadPool::~ThreadPool() {
     ending_ = true;
     gate_ += one_round;
     gate_.notify_all();
@@ -71,7 +71,7 @@ Team::~Team() {
 }
 
 /// Where the system has no more threads, those that are there do it.
-void Team::start() {
+void ThreadPool::start() {
     try {
         while (workers_.size() + 1 < threads_)
             workers_.emplace_back([this] { work(); });
@@ -80,12 +80,12 @@ void Team::start() {
     }
 }
 
-std::size_t Team::started() {
+std::size_t ThreadPool::started() {
     start();
     return threads_;
 }
 
-void Team::take_tasks(std::uint64_t one) {
+void ThreadPool::take_tasks(std::uint64_t one) {
     for (;;) {
         const std::uint64_t taken = taken_.fetch_add(one), first = taken % from_last,
                             last = taken / from_last;
@@ -96,7 +96,7 @@ void Team::take_tasks(std::uint64_t one) {
 }
 
 /// False if it is in use, or has too many tasks to count.
-bool Team::share(std::size_t count, Call call, void* context) {
+bool ThreadPool::share(std::size_t count, Call call, void* context) {
     if (count >= from_last / 2 || in_use_.test_and_set())
         return false;
     const Claim claim{in_use_};
@@ -115,12 +115,12 @@ bool Team::share(std::size_t count, Call call, void* context) {
 }
 
 /// Whether there is a round to come into, or the end.
-bool Team::opened(std::uint32_t seen) const {
+bool ThreadPool::opened(std::uint32_t seen) const {
     const std::uint32_t gate = gate_;
     return ending_ || (gate % 2 == open && round_of(gate) != seen);
 }
 
-void Team::work() {
+void ThreadPool::work() {
     for (std::uint32_t seen = 0;;) {
         wait_until([&] { return opened(seen); }, gate_);
         if (ending_)
@@ -135,7 +135,7 @@ void Team::work() {
 }
 
 /// The last one out of a closed gate tells the caller, who waits.
-void Team::leave() {
+void ThreadPool::leave() {
     const std::uint32_t gate = gate_.fetch_sub(one_inside);
     if (gate % 2 == open || inside(gate) > 1)
         return;
@@ -143,7 +143,7 @@ void Team::leave() {
     all_left_.notify_one();
 }
 
-void parallel_for(std::size_t count, Team& team, const std::function<void(std::size_t)>& task) {
+void parallel_for(std::size_t count, ThreadPool& team, const std::function<void(std::size_t)>& task) {
     std::vector<std::exception_ptr> failures(count);
     team.run(count, [&](std::size_t i) {
         try {
@@ -158,7 +158,7 @@ void parallel_for(std::size_t count, Team& team, const std::function<void(std::s
 }
 
 void parallel_for(std::size_t count, std::size_t threads, const std::function<void(std::size_t)>& task) {
-    Team team(std::min(threads, count));
+    ThreadPool team(std::min(threads, count));
     parallel_for(count, team, task);
 }
 

@@ -43,7 +43,7 @@ Sum exact_sum(double a, double b) { // Knuth's
 }
 
 /// value + rest, at most pi/4, and the quarter turns taken off.
-struct Reduced {
+struct ReducedAngle {
     double value, rest;
     std::int64_t quarters;
 };
@@ -51,7 +51,7 @@ struct Reduced {
 constexpr double widest = 0x1p30; // more quarter turns than 2^30 have no exact products with 22 digits
 
 /// |x| < widest. Parts of pi/2 of 22 binary digits, whose multiples are exact, and a rest: 145 digits.
-Reduced reduce(double x) {
+ReducedAngle reduce(double x) {
     if (std::abs(x) <= 0.25 * std::numbers::pi)
         return {x, 0.0, 0};
     const double n = nearest_whole(x * (2.0 / std::numbers::pi));

@@ -127,12 +127,12 @@ std::string first_difference(const std::string& there, const std::string& here) 
             line.clear();
         return is_there;
     };
-    const auto told = [](const std::string& line) { return line.empty() ? "nothing" : line; };
+    const auto shown = [](const std::string& line) { return line.empty() ? "nothing" : line; };
     std::string line_a, line_b;
     for (bool more = true; more;) {
         const bool in_a = next(a, line_a), in_b = next(b, line_b);
         if (line_a != line_b)
-            return told(line_a) + " there, " + told(line_b) + " here";
+            return shown(line_a) + " there, " + shown(line_b) + " here";
         more = in_a || in_b;
     }
     return "no line";

@@ -19,14 +19,14 @@ using sundials::require;
 
 int call_jacobian(double t, N_Vector y, N_Vector, SUNMatrix matrix, void* calls, N_Vector, N_Vector,
                   N_Vector) {
-    return static_cast<ProblemCalls*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
+    return static_cast<UserFunctions*>(calls)->jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
 }
 
 /// The correction that puts y on its manifold; the error estimate is left as it is.
 int call_projection(double, N_Vector y, N_Vector correction, double, N_Vector, void* calls) {
     const std::span<double> put = elements(correction);
     std::ranges::copy(elements(y), put.begin());
-    static_cast<ProblemCalls*>(calls)->project(put);
+    static_cast<UserFunctions*>(calls)->project(put);
     N_VLinearSum(1.0, correction, -1.0, y, correction);
     return 0;
 }
@@ -47,8 +47,8 @@ int call_sensitivity_rhs(int parameters, double t, N_Vector y, N_Vector, N_Vecto
     Eigen::MatrixXd matrix(static_cast<Eigen::Index>(state.size()), parameters),
         slope(matrix.rows(), parameters);
     copy(S, matrix);
-    const int result = static_cast<ProblemCalls*>(calls)->sensitivity_rhs(t, state, matrix, slope);
-    if (result == ProblemCalls::fine)
+    const int result = static_cast<UserFunctions*>(calls)->sensitivity_rhs(t, state, matrix, slope);
+    if (result == UserFunctions::fine)
         copy(slope, S_dot);
     return result;
 }
@@ -216,7 +216,8 @@ Statistics CvodeStepper::segment_counts() const {
 
 } // namespace
 
-std::unique_ptr<Stepper> make_cvode_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+std::unique_ptr<Stepper> make_cvode_stepper(UserFunctions& calls, const OdeOptions& options,
+                                            double end_time) {
     return std::make_unique<CvodeStepper>(calls, options, end_time);
 }
 

@@ -17,13 +17,13 @@ using sundials::made;
 using sundials::require;
 
 int call_projection(double, N_Vector y, void* calls) {
-    static_cast<ProblemCalls*>(calls)->project(elements(y));
+    static_cast<UserFunctions*>(calls)->project(elements(y));
     return 0;
 }
 
 class ErkStepper final : public SundialsStepper {
 public:
-    ErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+    ErkStepper(UserFunctions& calls, const OdeOptions& options, double end_time)
         : SundialsStepper(calls, options, end_time),
           table_(erk_table(options.rtol > 1e-6 ? Erk::dormand_prince : Erk::verner)), dense_(table_->q) {}
 
@@ -120,7 +120,7 @@ Statistics ErkStepper::segment_counts() const {
 
 } // namespace
 
-std::unique_ptr<Stepper> make_erk_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+std::unique_ptr<Stepper> make_erk_stepper(UserFunctions& calls, const OdeOptions& options, double end_time) {
     return std::make_unique<ErkStepper>(calls, options, end_time);
 }
 

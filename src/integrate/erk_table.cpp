@@ -67,7 +67,7 @@ const Eigen::MatrixXd& powers_from(std::size_t inner) {
 
 } // namespace
 
-void DenseOutput::operator()(const Stepper& stepper, ProblemCalls& calls, double t, std::span<double> y,
+void DenseOutput::operator()(const Stepper& stepper, UserFunctions& calls, double t, std::span<double> y,
                              State slope_before, State slope_after) {
     if (stepper.time_before() != from_ || stepper.time() != to_)
         make(stepper, calls, slope_before, slope_after);
@@ -86,14 +86,14 @@ void DenseOutput::evaluate(double u, std::span<double> y) const {
     }
 }
 
-void DenseOutput::make(const Stepper& stepper, ProblemCalls& calls, State slope_before, State slope_after) {
+void DenseOutput::make(const Stepper& stepper, UserFunctions& calls, State slope_before, State slope_after) {
     const double from = stepper.time_before(), to = stepper.time();
     const auto n = static_cast<Eigen::Index>(stepper.state().size());
     const auto vector = [n](State state) { return Eigen::Map<const Eigen::VectorXd>(state.data(), n); };
     const auto rate = [&](double t, State y, State known, Eigen::Ref<Eigen::VectorXd> slope) {
         if (!known.empty())
             slope = vector(known);
-        else if (calls.rhs(t, y, {slope.data(), y.size()}) != ProblemCalls::fine)
+        else if (calls.rhs(t, y, {slope.data(), y.size()}) != UserFunctions::fine)
             throw StepFailure{"RHSFUNC_FAIL", calls.fault()};
     };
     reset(); // what a failure leaves

@@ -31,11 +31,11 @@ public:
 
     /// The state at a time in the stepper's last step. `slope_before`, `slope_after`: rates at its ends, or
     /// empty. Throws StepFailure.
-    void operator()(const Stepper& stepper, ProblemCalls& calls, double t, std::span<double> y,
+    void operator()(const Stepper& stepper, UserFunctions& calls, double t, std::span<double> y,
                     State slope_before = {}, State slope_after = {});
 
 private:
-    void make(const Stepper& stepper, ProblemCalls& calls, State slope_before, State slope_after);
+    void make(const Stepper& stepper, UserFunctions& calls, State slope_before, State slope_after);
     void evaluate(double u, std::span<double> y) const;
 
     int order_;

@@ -28,7 +28,7 @@ double largest(const std::vector<double>& values) {
 
 } // namespace
 
-EventSampler::EventSampler(ProblemCalls& calls)
+EventSampler::EventSampler(UserFunctions& calls)
     : calls_(calls), state_(calls.problem().initial_state.size()) {
     const std::vector<Event>& events = calls.problem().events;
     for (std::size_t i = 0; i < events.size(); ++i)
@@ -60,9 +60,9 @@ bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
     first_ = before;
     last_ = after;
     parts_ = 0;
-    const Part step{stepper.time_before(), stepper.time(), 0};
+    const Subinterval step{stepper.time_before(), stepper.time(), 0};
     if (!needed())
-        return tell(step, {}, true);
+        return report(step, {}, true);
     take_order(stepper.order());
     const bool stop = search(step);
     const double share = most_parts / static_cast<double>(std::max(parts_, 1L));
@@ -72,7 +72,7 @@ bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
 }
 
 /// Left to right; true: look() has seen enough.
-bool EventSampler::search(const Part& part) {
+bool EventSampler::search(const Subinterval& part) {
     const std::vector<Samples> all = sample(part);
     std::size_t rough = 0;
     while (rough < all.size() && is_settled(rough, all[rough], part))
@@ -85,10 +85,10 @@ bool EventSampler::search(const Part& part) {
     count_rough(part, rough);
     for (std::size_t k = 0; k < all.size(); ++k)
         first_[sampled_[k]] = all[k].values.back();
-    return tell(part, all, rough == all.size());
+    return report(part, all, rough == all.size());
 }
 
-void EventSampler::count_rough(const Part& part, std::size_t rough) {
+void EventSampler::count_rough(const Subinterval& part, std::size_t rough) {
     constexpr long most_rough = 64; // a jump or a kink has one or two, among many that are not
     ++parts_;
     rough_parts_ = std::max(rough_parts_ + (rough < sampled_.size() ? 1 : -1), 0L);
@@ -101,7 +101,7 @@ void EventSampler::count_rough(const Part& part, std::size_t rough) {
                         stepper_->time_before(), stepper_->time())};
 }
 
-double EventSampler::time_of(const Part& part, std::size_t fine) const {
+double EventSampler::time_of(const Subinterval& part, std::size_t fine) const {
     if (fine == fineness * panels_)
         return part.to;
     return part.from + 0.5 * (1.0 - cosines_[fine]) * (part.to - part.from);
@@ -112,7 +112,7 @@ double EventSampler::value_at(std::size_t event, double t) {
     return calls_.event(event, t, state_);
 }
 
-std::vector<EventSampler::Samples> EventSampler::sample(const Part& part) {
+std::vector<EventSampler::Samples> EventSampler::sample(const Subinterval& part) {
     std::vector<Samples> all(sampled_.size());
     for (std::size_t k = 0; k < all.size(); ++k)
         all[k].values.push_back(first_[sampled_[k]]);
@@ -130,7 +130,7 @@ std::vector<EventSampler::Samples> EventSampler::sample(const Part& part) {
 }
 
 /// Of one event, on the solution itself.
-EventSampler::Samples EventSampler::sample(std::size_t event, const Part& part) {
+EventSampler::Samples EventSampler::sample(std::size_t event, const Subinterval& part) {
     Samples samples;
     for (std::size_t j = 0; j <= panels_; ++j)
         samples.values.push_back(value_at(event, time_of(part, fineness * j)));
@@ -154,7 +154,7 @@ std::vector<double> EventSampler::coefficients(const std::vector<double>& values
 
 /// The polynomial is good enough to show where roots may be, or is far from zero: the less it is good, the
 /// farther; the more samples saw no root, the nearer.
-bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part& part) {
+bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Subinterval& part) {
     constexpr double small = 1e-3, rounded = 1e-10;
     const std::vector<double>& c = samples.coefficients;
     const double tail = std::abs(c[panels_]) + std::abs(c[panels_ - 1]);
@@ -170,7 +170,7 @@ bool EventSampler::is_settled(std::size_t k, const Samples& samples, const Part&
 }
 
 /// By how much the rounding of the state changes an event in which it cancels; 0 if the event is random.
-double EventSampler::rounding(std::size_t k, const Samples& samples, const Part& part) try {
+double EventSampler::rounding(std::size_t k, const Samples& samples, const Subinterval& part) try {
     const double t = time_of(part, fineness * (panels_ / 2)), value = samples.values[panels_ / 2];
     stepper_->interpolate(t, state_);
     if (calls_.event(sampled_[k], t, state_) != value)
@@ -183,7 +183,7 @@ double EventSampler::rounding(std::size_t k, const Samples& samples, const Part&
 }
 
 /// All times of the part to be looked at.
-bool EventSampler::tell(const Part& part, const std::vector<Samples>& all, bool settled) {
+bool EventSampler::report(const Subinterval& part, const std::vector<Samples>& all, bool settled) {
     constexpr long most_looks = 64; // closer ones: a cluster of roots needs some, rounding has no end
     closer_looks_ = most_looks;
     std::vector<double> times;
@@ -216,7 +216,7 @@ std::vector<double> EventSampler::on_fine_points(const Samples& samples) const {
 
 /// Between two fine points the polynomial, whose shortest wave is eight of them long, has one root, or a dip,
 /// or is looked at more closely.
-void EventSampler::add_times(std::size_t event, const Part& part, const Samples& samples, bool settled,
+void EventSampler::add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
                              std::vector<double>& times) {
     constexpr double near_zero = 0.01; // of the largest sample; a believed polynomial is off by less
     const std::vector<double> p = on_fine_points(samples);
@@ -225,7 +225,8 @@ void EventSampler::add_times(std::size_t event, const Part& part, const Samples&
         const int sign = sign_of(p[i]);
         const bool changes = sign != sign_of(p[i + 1]),
                    near = changes || std::min(sign * p[i], sign * p[i + 1]) <= zero;
-        const Part gap{time_of(part, i), time_of(part, i + 1), part.depth + 4}; // some 16 times shorter
+        const Subinterval gap{time_of(part, i), time_of(part, i + 1),
+                              part.depth + 4}; // some 16 times shorter
         if (changes)
             times.insert(times.end(), {gap.from, gap.to});
         if (!settled || (!changes && sign == 0))
@@ -268,7 +269,7 @@ bool EventSampler::is_monotone(const Samples& samples, const std::vector<double>
 }
 
 /// The time at which the event has left this sign, if there is one.
-void EventSampler::add_dip(std::size_t event, int sign, const Part& gap, std::vector<double>& times) {
+void EventSampler::add_dip(std::size_t event, int sign, const Subinterval& gap, std::vector<double>& times) {
     std::optional<double> found;
     const auto value = [&](double u) {
         const double t = gap.from + (u - 1.0) * (gap.to - gap.from);
@@ -286,7 +287,7 @@ void EventSampler::add_dip(std::size_t event, int sign, const Part& gap, std::ve
 
 /// A solve may begin at the root that ended another: the time of that one is known to a few roundings only,
 /// and the way back may be slower.
-EventFinder::EventFinder(ProblemCalls& calls, double start_time, State start_state)
+EventFinder::EventFinder(UserFunctions& calls, double start_time, State start_state)
     : calls_(calls), events_(calls.problem().events), sampler_(calls),
       latest_start_(start_time + 1e3 * std::numeric_limits<double>::epsilon() * std::abs(start_time)),
       values_before_(events_.size()), values_after_(events_.size()), state_(start_state.size()) {
@@ -355,15 +356,15 @@ std::vector<double> EventFinder::times_to_look_at(const Step& step, std::span<co
     return inside;
 }
 
-EventFinder::Point EventFinder::point_at(double t, Stepper& stepper) {
-    Point point{t, std::vector<double>(events_.size()), {}};
+EventFinder::EventPoint EventFinder::point_at(double t, Stepper& stepper) {
+    EventPoint point{t, std::vector<double>(events_.size()), {}};
     stepper.interpolate(t, state_);
     evaluate(t, state_, point.values);
     return point;
 }
 
 /// An event that has changed sign since the last point and has no root there yet.
-std::optional<std::size_t> EventFinder::next_crossing(const Point& to) const {
+std::optional<std::size_t> EventFinder::next_crossing(const EventPoint& to) const {
     for (std::size_t i = 0; i < events_.size(); ++i)
         if (crosses(i, last_.values[i], to.values[i]) && std::ranges::count(to.roots, i) == 0)
             return i;
@@ -371,7 +372,7 @@ std::optional<std::size_t> EventFinder::next_crossing(const Point& to) const {
 }
 
 /// From the last point, by way of all roots between.
-bool EventFinder::go_to(Point to, Stepper& stepper) {
+bool EventFinder::go_to(EventPoint to, Stepper& stepper) {
     const std::size_t most = 100 + 20 * events_.size(); // a smooth event has one between two points
     for (std::size_t roots = 0; const auto event = next_crossing(to); ++roots) {
         if (roots > most)
@@ -385,7 +386,7 @@ bool EventFinder::go_to(Point to, Stepper& stepper) {
             to.roots.push_back(*event);
             continue;
         }
-        Point root = point_at(t, stepper);
+        EventPoint root = point_at(t, stepper);
         root.roots.push_back(*event);
         if (go_to(std::move(root), stepper))
             return true;
@@ -396,7 +397,7 @@ bool EventFinder::go_to(Point to, Stepper& stepper) {
     return !last_.roots.empty() && record(last_, stepper);
 }
 
-bool EventFinder::record(const Point& root, Stepper& stepper) {
+bool EventFinder::record(const EventPoint& root, Stepper& stepper) {
     const State end = stepper.state();
     if (root.time < stepper.time())
         stepper.interpolate(root.time, state_);
@@ -413,7 +414,8 @@ bool EventFinder::record(const Point& root, Stepper& stepper) {
 }
 
 /// Zero counts as the new sign, so that of a plateau the beginning is found.
-double EventFinder::locate(std::size_t event, const Point& from, const Point& to, Stepper& stepper) {
+double EventFinder::locate(std::size_t event, const EventPoint& from, const EventPoint& to,
+                           Stepper& stepper) {
     const double start = from.values[event];
     const auto signed_value = [&](double v) { return v == 0.0 ? -start : v; };
     const auto value = [&](double t) {

@@ -3,7 +3,7 @@
 //
 // A part of the step is sampled at Chebyshev points, more than the order of the method. The polynomial
 // through the samples is believed if its last coefficients are small; else the part is halved. Of the
-// polynomial each change of sign is told, and each minimum near zero that turns out to reach it.
+// polynomial each change of sign is reported, and each minimum near zero that turns out to reach it.
 
 #include "stepper.hpp"
 
@@ -14,7 +14,7 @@ namespace rodwake::integrate {
 
 class EventSampler {
 public:
-    explicit EventSampler(ProblemCalls& calls);
+    explicit EventSampler(UserFunctions& calls);
 
     bool needed() const { return !sampled_.empty(); }
 
@@ -30,30 +30,30 @@ private:
     struct Samples {
         std::vector<double> values, coefficients;
     };
-    struct Part {
+    struct Subinterval {
         double from, to;
         int depth;
     };
 
     void take_order(int order);
-    double time_of(const Part& part, std::size_t fine) const;
+    double time_of(const Subinterval& part, std::size_t fine) const;
     double value_at(std::size_t event, double t);
-    std::vector<Samples> sample(const Part& part);
-    Samples sample(std::size_t event, const Part& part);
+    std::vector<Samples> sample(const Subinterval& part);
+    Samples sample(std::size_t event, const Subinterval& part);
     std::vector<double> coefficients(const std::vector<double>& values) const;
-    bool is_settled(std::size_t k, const Samples& samples, const Part& part);
-    double rounding(std::size_t k, const Samples& samples, const Part& part);
-    bool search(const Part& part);
-    void count_rough(const Part& part, std::size_t rough);
-    bool tell(const Part& part, const std::vector<Samples>& all, bool settled);
+    bool is_settled(std::size_t k, const Samples& samples, const Subinterval& part);
+    double rounding(std::size_t k, const Samples& samples, const Subinterval& part);
+    bool search(const Subinterval& part);
+    void count_rough(const Subinterval& part, std::size_t rough);
+    bool report(const Subinterval& part, const std::vector<Samples>& all, bool settled);
     std::vector<double> on_fine_points(const Samples& samples) const;
-    void add_times(std::size_t event, const Part& part, const Samples& samples, bool settled,
+    void add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
                    std::vector<double>& times);
     double slope(const Samples& samples, std::size_t i) const;
     bool is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const;
-    void add_dip(std::size_t event, int sign, const Part& gap, std::vector<double>& times);
+    void add_dip(std::size_t event, int sign, const Subinterval& gap, std::vector<double>& times);
 
-    ProblemCalls& calls_;
+    UserFunctions& calls_;
     std::vector<std::size_t> sampled_; ///< the events
     std::vector<double> largest_;      ///< |value| of each so far
     std::size_t panels_ = 0;           ///< one less than the samples of a part
@@ -79,7 +79,7 @@ private:
 
 class EventFinder {
 public:
-    EventFinder(ProblemCalls& calls, double start_time, State start_state);
+    EventFinder(UserFunctions& calls, double start_time, State start_state);
 
     /// Roots in (time_before, time] of the stepper's last step, in order of time and not beyond the first
     /// terminal one. The time of a root is the later end of its bracket, one rounding wide: the event has
@@ -87,7 +87,7 @@ public:
     std::vector<EventHit> in_last_step(Stepper& stepper, std::span<const double> times);
 
 private:
-    struct Point {
+    struct EventPoint {
         double time;
         std::vector<double> values;
         std::vector<std::size_t> roots; ///< events whose root is at this time
@@ -97,19 +97,19 @@ private:
     bool crosses(std::size_t event, double from, double to) const;
     bool any_crosses() const;
     std::vector<double> times_to_look_at(const Step& step, std::span<const double> times) const;
-    Point point_at(double t, Stepper& stepper);
+    EventPoint point_at(double t, Stepper& stepper);
     // True: a terminal event ends the solve there.
-    bool go_to(Point to, Stepper& stepper);
-    bool record(const Point& root, Stepper& stepper);
-    std::optional<std::size_t> next_crossing(const Point& to) const;
-    double locate(std::size_t event, const Point& from, const Point& to, Stepper& stepper);
+    bool go_to(EventPoint to, Stepper& stepper);
+    bool record(const EventPoint& root, Stepper& stepper);
+    std::optional<std::size_t> next_crossing(const EventPoint& to) const;
+    double locate(std::size_t event, const EventPoint& from, const EventPoint& to, Stepper& stepper);
 
-    ProblemCalls& calls_;
+    UserFunctions& calls_;
     const std::vector<Event>& events_;
     EventSampler sampler_;
     double latest_start_; ///< later than the start by roundings
     std::vector<double> values_before_, values_after_;
-    Point last_{};               ///< up to which the step has been looked at
+    EventPoint last_{};          ///< up to which the step has been looked at
     std::vector<EventHit> hits_; ///< of this step
     std::vector<double> state_;  ///< scratch
 };

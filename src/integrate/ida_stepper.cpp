@@ -16,9 +16,9 @@ using sundials::made;
 using sundials::require;
 
 int call_residual(double t, N_Vector y, N_Vector slope, N_Vector residual, void* user) {
-    auto& calls = *static_cast<ProblemCalls*>(user);
+    auto& calls = *static_cast<UserFunctions*>(user);
     const std::span<double> f = elements(residual), dy = elements(slope);
-    const ProblemCalls::Result result = calls.rhs(t, elements(y), f);
+    const UserFunctions::CallbackResult result = calls.rhs(t, elements(y), f);
     const std::vector<bool>& algebraic = calls.problem().algebraic;
     for (std::size_t i = 0; i < f.size(); ++i)
         f[i] = (algebraic[i] ? 0.0 : dy[i]) - f[i];
@@ -28,9 +28,9 @@ int call_residual(double t, N_Vector y, N_Vector slope, N_Vector residual, void*
 /// dF/dy + c dF/dy' = c M - J
 int call_jacobian(double t, double c, N_Vector y, N_Vector, N_Vector, SUNMatrix matrix, void* user, N_Vector,
                   N_Vector, N_Vector) {
-    auto& calls = *static_cast<ProblemCalls*>(user);
+    auto& calls = *static_cast<UserFunctions*>(user);
     const auto size = static_cast<Eigen::Index>(elements(y).size());
-    const ProblemCalls::Result result = calls.jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
+    const UserFunctions::CallbackResult result = calls.jacobian(t, elements(y), SUNDenseMatrix_Data(matrix));
     Eigen::Map<Eigen::MatrixXd> system(SUNDenseMatrix_Data(matrix), size, size);
     system *= -1.0;
     for (Eigen::Index i = 0; i < size; ++i)
@@ -41,7 +41,7 @@ int call_jacobian(double t, double c, N_Vector y, N_Vector, N_Vector, SUNMatrix 
 
 class IdaStepper final : public SundialsStepper {
 public:
-    IdaStepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+    IdaStepper(UserFunctions& calls, const OdeOptions& options, double end_time);
 
     void start(double t, State y) override;
     bool advance() override;
@@ -67,7 +67,7 @@ private:
     int flag_ = IDA_SUCCESS;
 };
 
-IdaStepper::IdaStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+IdaStepper::IdaStepper(UserFunctions& calls, const OdeOptions& options, double end_time)
     : SundialsStepper(calls, options, end_time) {
     const std::vector<bool>& algebraic = calls.problem().algebraic;
     slope_ = sundials::make_vector(algebraic.size(), context_.get());
@@ -100,8 +100,8 @@ void IdaStepper::start(double t, State y) {
 /// would take that of the whole run, which fails where the run is long or the problem stiff.
 void IdaStepper::guess_slope() {
     const std::span<double> slope = elements(slope_.get());
-    if (calls_.rhs(time_, state(), slope) != ProblemCalls::fine)
-        N_VConst(0.0, slope_.get()); // told when the solver meets it
+    if (calls_.rhs(time_, state(), slope) != UserFunctions::fine)
+        N_VConst(0.0, slope_.get()); // the solver reports it
     const std::vector<bool>& algebraic = calls_.problem().algebraic;
     for (std::size_t i = 0; i < slope.size(); ++i)
         if (algebraic[i])
@@ -187,7 +187,7 @@ Statistics IdaStepper::segment_counts() const {
 
 } // namespace
 
-std::unique_ptr<Stepper> make_ida_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+std::unique_ptr<Stepper> make_ida_stepper(UserFunctions& calls, const OdeOptions& options, double end_time) {
     return std::make_unique<IdaStepper>(calls, options, end_time);
 }
 

@@ -8,7 +8,7 @@ namespace rodwake::integrate {
 
 namespace {
 
-std::unique_ptr<Stepper> make_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time) {
+std::unique_ptr<Stepper> make_stepper(UserFunctions& calls, const OdeOptions& options, double end_time) {
     if (calls.constrained())
         return make_ida_stepper(calls, options, end_time);
     if (options.method != Method::erk)
@@ -164,7 +164,7 @@ Eigen::VectorXd Run::event_time_by_parameter(const EventHit& hit) {
     const auto n = static_cast<Eigen::Index>(hit.state.size());
     const Eigen::VectorXd gradient = calls_.event_gradient(hit.event, hit.time, hit.state);
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(n);
-    if (calls_.rhs(hit.time, hit.state, {slope.data(), hit.state.size()}) != ProblemCalls::fine)
+    if (calls_.rhs(hit.time, hit.state, {slope.data(), hit.state.size()}) != UserFunctions::fine)
         throw StepFailure{"RHSFUNC_FAIL", calls_.fault()};
     const Eigen::VectorXd by_state = gradient.head(n);
     Eigen::VectorXd by_parameter = stepper_->sensitivities(hit.time).transpose() * by_state;

@@ -40,7 +40,7 @@ private:
 
     const OdeOptions& options_;
     const std::span<const double> output_times_;
-    ProblemCalls calls_;
+    UserFunctions calls_;
     std::unique_ptr<Stepper> stepper_;
     std::optional<EventFinder> events_;
     SensitivitySolution result_;

@@ -19,7 +19,7 @@ namespace tableau = tsitouras_famelis;
 template<std::size_t fixed>
 class SmallErkStepper final : public Stepper {
 public:
-    SmallErkStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+    SmallErkStepper(UserFunctions& calls, const OdeOptions& options, double end_time)
         : Stepper(calls, options, end_time), strictness_(1.0 / tableau::leniency(options.rtol, 8.0)),
           size_of_state_(calls.problem().initial_state.size()), dense_(tableau::order) {}
 
@@ -39,7 +39,7 @@ private:
     bool first_slope();
     double chosen_step();
     bool attempt(double from);
-    ProblemCalls::Result stages(double from, double h);
+    UserFunctions::CallbackResult stages(double from, double h);
     double error_norm(double h);
     double factor(double error) const;
     void accept(double from, double to, double error);
@@ -84,8 +84,8 @@ bool SmallErkStepper<fixed>::fail(const char* flag) {
 
 template<std::size_t fixed>
 bool SmallErkStepper<fixed>::first_slope() {
-    const ProblemCalls::Result result = calls_.rhs(time_, state(), of(slopes_[0]));
-    if (result != ProblemCalls::fine)
+    const UserFunctions::CallbackResult result = calls_.rhs(time_, state(), of(slopes_[0]));
+    if (result != UserFunctions::fine)
         return fail("FIRST_RHSFUNC_ERR");
     if (step_ == 0.0)
         step_ = chosen_step();
@@ -133,10 +133,10 @@ bool SmallErkStepper<fixed>::attempt(double from) {
     constexpr double shortening = 0.25;                 // after a fault, as CVODES
     int failures = 0, faults = 0;
     for (double h = cut(from, step_);;) {
-        const ProblemCalls::Result result = stages(from, h);
-        if (result == ProblemCalls::give_up)
+        const UserFunctions::CallbackResult result = stages(from, h);
+        if (result == UserFunctions::give_up)
             return fail("RHSFUNC_FAIL");
-        if (result == ProblemCalls::try_shorter_step) {
+        if (result == UserFunctions::try_shorter_step) {
             const double tried = calls_.last_time() - from;
             if (!(tried > 0.0) || ++faults > most_faults)
                 return fail("UNREC_RHSFUNC_ERR");
@@ -160,7 +160,7 @@ bool SmallErkStepper<fixed>::attempt(double from) {
 }
 
 template<std::size_t fixed>
-ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h) {
+UserFunctions::CallbackResult SmallErkStepper<fixed>::stages(double from, double h) {
     for (std::size_t s = 1; s < tableau::stages; ++s) {
         end_ = before_;
         for (std::size_t k = 0; k < s; ++k)
@@ -168,10 +168,10 @@ ProblemCalls::Result SmallErkStepper<fixed>::stages(double from, double h) {
                 for (std::size_t i = 0; i < size(); ++i)
                     end_[i] += weight * slopes_[k][i];
         const auto result = calls_.rhs(from + tableau::nodes[s] * h, of(std::as_const(end_)), of(slopes_[s]));
-        if (result != ProblemCalls::fine)
+        if (result != UserFunctions::fine)
             return result;
     }
-    return ProblemCalls::fine;
+    return UserFunctions::fine;
 }
 
 template<std::size_t fixed>
@@ -228,7 +228,7 @@ std::vector<double> SmallErkStepper<fixed>::weighted_errors() const {
 
 } // namespace
 
-std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
+std::unique_ptr<Stepper> make_small_erk_stepper(UserFunctions& calls, const OdeOptions& options,
                                                 double end_time) {
     if (calls.problem().initial_state.size() == 6) // a pair of rods
         return std::make_unique<SmallErkStepper<6>>(calls, options, end_time);

@@ -23,7 +23,7 @@ struct Remedy {
     const char* advice;
 };
 
-struct Entry {
+struct StatusEntry {
     std::string_view flag;
     Remedy remedy;
 };
@@ -32,50 +32,54 @@ constexpr const char* look_at_rhs =
     "check the model at that time and state; set max_step if it is only defined near the solution";
 
 constexpr std::array entries{
-    Entry{"TOO_MUCH_WORK",
-          {"the steps allowed were used up", "raise max_steps, loosen rtol, or use method bdf if the "
-                                             "problem is stiff"}},
-    Entry{"TOO_MUCH_ACC",
-          {"the tolerances are below the precision of the arithmetic", "loosen rtol or raise atol"}},
-    Entry{"ERR_FAILURE",
-          {"no step was short enough for the tolerances: the right-hand side jumps or is singular here",
-           "raise atol for the components named, loosen rtol, or stop earlier by an event (a larger "
-           "contact distance)"}},
-    Entry{"CONV_FAILURE",
-          {"the implicit equation of the step did not converge: stiff problem, or a wrong Jacobian",
-           "use method bdf, check the Jacobian against difference quotients, or tighten rtol"}},
-    Entry{"LSETUP_FAIL", {"the Jacobian could not be set up", "check the Jacobian at that time"}},
-    Entry{"LSOLVE_FAIL",
-          {"the linear system of the step could not be solved", "check the Jacobian at that time"}},
-    Entry{"RHSFUNC_FAIL", {"the right-hand side failed", look_at_rhs}},
-    Entry{"FIRST_RHSFUNC_ERR", {"the right-hand side failed at the start", "check the initial state"}},
-    Entry{"REPTD_RHSFUNC_ERR", {"the right-hand side kept failing even for the shortest step", look_at_rhs}},
-    Entry{"UNREC_RHSFUNC_ERR", {"the right-hand side kept failing even for the shortest step", look_at_rhs}},
-    Entry{"SRHSFUNC_FAIL", {"the derivatives of the right-hand side failed", look_at_rhs}},
-    Entry{"FIRST_SRHSFUNC_ERR",
-          {"the derivatives of the right-hand side failed at the start", "check the initial state"}},
-    Entry{"REPTD_SRHSFUNC_ERR",
-          {"the derivatives of the right-hand side kept failing even for the shortest step", look_at_rhs}},
-    Entry{"UNREC_SRHSFUNC_ERR",
-          {"the derivatives of the right-hand side kept failing even for the shortest step", look_at_rhs}},
-    Entry{"RTFUNC_FAIL", {"an event function failed", "check the event function at that time"}},
-    Entry{"REP_RES_ERR", {"the equations kept failing even for the shortest step", look_at_rhs}},
-    Entry{"RES_FAIL", {"the equations failed", look_at_rhs}},
-    Entry{"FIRST_RES_FAIL", {"the equations failed at the start", "check the initial state"}},
-    Entry{"NO_RECOVERY", {"no consistent initial values were found", "check the initial state"}},
-    Entry{"CONV_FAIL",
-          {"the implicit equation of the step did not converge", "tighten rtol, or use another form"}},
-    Entry{"ERR_FAIL",
-          {"no step was short enough for the tolerances: the equations jump or are singular here",
-           "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
-    Entry{"STEP_BELOW_ROUNDOFF",
-          {"the step no longer changes the time: the solution is singular here",
-           "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
+    StatusEntry{"TOO_MUCH_WORK",
+                {"the steps allowed were used up", "raise max_steps, loosen rtol, or use method bdf if the "
+                                                   "problem is stiff"}},
+    StatusEntry{"TOO_MUCH_ACC",
+                {"the tolerances are below the precision of the arithmetic", "loosen rtol or raise atol"}},
+    StatusEntry{"ERR_FAILURE",
+                {"no step was short enough for the tolerances: the right-hand side jumps or is singular here",
+                 "raise atol for the components named, loosen rtol, or stop earlier by an event (a larger "
+                 "contact distance)"}},
+    StatusEntry{"CONV_FAILURE",
+                {"the implicit equation of the step did not converge: stiff problem, or a wrong Jacobian",
+                 "use method bdf, check the Jacobian against difference quotients, or tighten rtol"}},
+    StatusEntry{"LSETUP_FAIL", {"the Jacobian could not be set up", "check the Jacobian at that time"}},
+    StatusEntry{"LSOLVE_FAIL",
+                {"the linear system of the step could not be solved", "check the Jacobian at that time"}},
+    StatusEntry{"RHSFUNC_FAIL", {"the right-hand side failed", look_at_rhs}},
+    StatusEntry{"FIRST_RHSFUNC_ERR", {"the right-hand side failed at the start", "check the initial state"}},
+    StatusEntry{"REPTD_RHSFUNC_ERR",
+                {"the right-hand side kept failing even for the shortest step", look_at_rhs}},
+    StatusEntry{"UNREC_RHSFUNC_ERR",
+                {"the right-hand side kept failing even for the shortest step", look_at_rhs}},
+    StatusEntry{"SRHSFUNC_FAIL", {"the derivatives of the right-hand side failed", look_at_rhs}},
+    StatusEntry{"FIRST_SRHSFUNC_ERR",
+                {"the derivatives of the right-hand side failed at the start", "check the initial state"}},
+    StatusEntry{
+        "REPTD_SRHSFUNC_ERR",
+        {"the derivatives of the right-hand side kept failing even for the shortest step", look_at_rhs}},
+    StatusEntry{
+        "UNREC_SRHSFUNC_ERR",
+        {"the derivatives of the right-hand side kept failing even for the shortest step", look_at_rhs}},
+    StatusEntry{"RTFUNC_FAIL", {"an event function failed", "check the event function at that time"}},
+    StatusEntry{"REP_RES_ERR", {"the equations kept failing even for the shortest step", look_at_rhs}},
+    StatusEntry{"RES_FAIL", {"the equations failed", look_at_rhs}},
+    StatusEntry{"FIRST_RES_FAIL", {"the equations failed at the start", "check the initial state"}},
+    StatusEntry{"NO_RECOVERY", {"no consistent initial values were found", "check the initial state"}},
+    StatusEntry{"CONV_FAIL",
+                {"the implicit equation of the step did not converge", "tighten rtol, or use another form"}},
+    StatusEntry{"ERR_FAIL",
+                {"no step was short enough for the tolerances: the equations jump or are singular here",
+                 "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
+    StatusEntry{"STEP_BELOW_ROUNDOFF",
+                {"the step no longer changes the time: the solution is singular here",
+                 "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
 };
 
 Remedy remedy_for(const std::string& flag) {
     const auto entry =
-        std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.flag == flag; });
+        std::find_if(entries.begin(), entries.end(), [&](const StatusEntry& e) { return e.flag == flag; });
     if (entry != entries.end())
         return entry->remedy;
     return {nullptr, "try another method, or loosen rtol"};
@@ -83,7 +87,7 @@ Remedy remedy_for(const std::string& flag) {
 
 /// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.
 std::vector<Status::Component> worst_components(const std::vector<double>& errors,
-                                                const ProblemCalls& calls) {
+                                                const UserFunctions& calls) {
     auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
     std::vector<std::size_t> order(errors.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -124,7 +128,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
     return *this;
 }
 
-void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
+void describe_failure(const StepFailure& failure, const Stepper& stepper, const UserFunctions& calls,
                       Status& status) {
     const Remedy remedy = remedy_for(failure.flag);
     const double tried = calls.last_time() - stepper.time();

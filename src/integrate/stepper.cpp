@@ -7,7 +7,7 @@
 
 namespace rodwake::integrate {
 
-Stepper::Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+Stepper::Stepper(UserFunctions& calls, const OdeOptions& options, double end_time)
     : calls_(calls), options_(options), end_time_(end_time) {}
 
 Eigen::MatrixXd Stepper::sensitivities(double) {

@@ -1,7 +1,7 @@
 #pragma once
 // One internal step at a time, whatever integrator takes it: all that solve() needs to know of one.
 
-#include "problem_calls.hpp"
+#include "user_functions.hpp"
 #include "rodwake/integrate/ode.hpp"
 
 #include <limits>
@@ -11,7 +11,7 @@ namespace rodwake::integrate {
 
 class Stepper {
 public:
-    Stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+    Stepper(UserFunctions& calls, const OdeOptions& options, double end_time);
     Stepper(const Stepper&) = delete;
     Stepper& operator=(const Stepper&) = delete;
     virtual ~Stepper() = default;
@@ -58,7 +58,7 @@ protected:
     /// The shortest step worth trying at t: shorter ones may not change t.
     static double shortest_step(double t);
 
-    ProblemCalls& calls_;
+    UserFunctions& calls_;
     const OdeOptions& options_;
     const double end_time_;
     double time_before_ = 0.0, time_ = 0.0;
@@ -67,18 +67,18 @@ protected:
     std::string solver_text_;
 };
 
-std::unique_ptr<Stepper> make_cvode_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+std::unique_ptr<Stepper> make_cvode_stepper(UserFunctions& calls, const OdeOptions& options, double end_time);
 /// For problems with algebraic components.
-std::unique_ptr<Stepper> make_ida_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
-std::unique_ptr<Stepper> make_erk_stepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+std::unique_ptr<Stepper> make_ida_stepper(UserFunctions& calls, const OdeOptions& options, double end_time);
+std::unique_ptr<Stepper> make_erk_stepper(UserFunctions& calls, const OdeOptions& options, double end_time);
 /// For at most most_small components, where SUNDIALS' calls take as long as the right-hand side.
-std::unique_ptr<Stepper> make_small_erk_stepper(ProblemCalls& calls, const OdeOptions& options,
+std::unique_ptr<Stepper> make_small_erk_stepper(UserFunctions& calls, const OdeOptions& options,
                                                 double end_time);
 inline constexpr std::size_t most_small = 27;
 
 /// Completes the status of a solve that ended with the stepper where it is now: flag, step, cause,
 /// components, advice.
-void describe_failure(const StepFailure& failure, const Stepper& stepper, const ProblemCalls& calls,
+void describe_failure(const StepFailure& failure, const Stepper& stepper, const UserFunctions& calls,
                       Status& status);
 
 } // namespace rodwake::integrate

@@ -5,7 +5,7 @@
 
 namespace rodwake::integrate {
 
-SundialsStepper::SundialsStepper(ProblemCalls& calls, const OdeOptions& options, double end_time)
+SundialsStepper::SundialsStepper(UserFunctions& calls, const OdeOptions& options, double end_time)
     : Stepper(calls, options, end_time) {
     const std::size_t size = calls.problem().initial_state.size();
     before_ = sundials::make_vector(size, context_.get());
@@ -22,11 +22,11 @@ void SundialsStepper::set_start(double t, State y) {
 }
 
 int SundialsStepper::rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls) {
-    return static_cast<ProblemCalls*>(calls)->rhs(t, sundials::elements(y), sundials::elements(ydot));
+    return static_cast<UserFunctions*>(calls)->rhs(t, sundials::elements(y), sundials::elements(ydot));
 }
 
 int SundialsStepper::error_weights_callback(N_Vector y, N_Vector weights, void* calls) {
-    static_cast<ProblemCalls*>(calls)->error_weights(sundials::elements(y), sundials::elements(weights));
+    static_cast<UserFunctions*>(calls)->error_weights(sundials::elements(y), sundials::elements(weights));
     return 0;
 }
 

@@ -8,14 +8,14 @@ namespace rodwake::integrate {
 
 class SundialsStepper : public Stepper {
 public:
-    SundialsStepper(ProblemCalls& calls, const OdeOptions& options, double end_time);
+    SundialsStepper(UserFunctions& calls, const OdeOptions& options, double end_time);
 
     State state_before() const final { return sundials::elements(before_.get()); }
     State state() const final { return sundials::elements(after_.get()); }
 
 protected:
     void set_start(double t, State y);
-    // The problem's functions as SUNDIALS calls them; the user data are the ProblemCalls.
+    // The problem's functions as SUNDIALS calls them; the user data are the UserFunctions.
     static int rhs_callback(double t, N_Vector y, N_Vector ydot, void* calls);
     static int error_weights_callback(N_Vector y, N_Vector weights, void* calls);
     /// Error over tolerance of each component, from the weights and errors that an integrator hands out.

@@ -10,32 +10,32 @@ namespace rodwake::scan {
 
 namespace {
 
-using Place = Lattice::Place;
+using LatticePoint = Lattice::LatticePoint;
 using Pair = std::pair<std::int32_t, std::int32_t>;
 
-struct Edge {
-    Place low;
+struct GridEdge {
+    LatticePoint low;
     std::size_t axis;
 };
 
-std::int64_t number_of(const Lattice& lattice, const Edge& edge) {
+std::int64_t number_of(const Lattice& lattice, const GridEdge& edge) {
     return lattice.id(edge.low) * static_cast<std::int64_t>(lattice.axes()) +
            static_cast<std::int64_t>(edge.axis);
 }
 
-Edge edge_of(const Lattice& lattice, std::int64_t number) {
+GridEdge edge_of(const Lattice& lattice, std::int64_t number) {
     const auto axes = static_cast<std::int64_t>(lattice.axes());
     return {lattice.place(number / axes), static_cast<std::size_t>(number % axes)};
 }
 
 /// Edges of a cell, those of axis 0 first: for two axes bottom, top, left, right.
-std::vector<Edge> edges_of(const Lattice& lattice, const Leaf& cell) {
-    std::vector<Edge> edges;
+std::vector<GridEdge> edges_of(const Lattice& lattice, const Leaf& cell) {
+    std::vector<GridEdge> edges;
     for (std::size_t axis = 0; axis < lattice.axes(); ++axis)
         for (std::size_t which = 0; which < std::size_t{1} << lattice.axes(); ++which) {
             if (which >> axis & 1U)
                 continue;
-            Place low = cell.low;
+            LatticePoint low = cell.low;
             for (std::size_t k = 0; k < lattice.axes(); ++k)
                 if (which >> k & 1U)
                     low[k] += cell.side;
@@ -51,7 +51,9 @@ std::vector<Leaf> finest_mixed(const Refinement& refinement) {
     return cells;
 }
 
-Pair pair_of(const Crossing& crossing) { return std::minmax(crossing.outcome_low, crossing.outcome_high); }
+Pair pair_of(const OutcomeChange& crossing) {
+    return std::minmax(crossing.outcome_low, crossing.outcome_high);
+}
 
 /// Which crossings are joined within a cell, as indices.
 using Links = std::map<std::size_t, std::vector<std::size_t>>;
@@ -69,28 +71,28 @@ void join(Links& links, const std::vector<std::size_t>& crossings) {
 
 /// The crossings of a cell between two outcomes, in an order in which neighbours can be joined.
 std::map<Pair, std::vector<std::size_t>> crossings_in(const Lattice& lattice, const Leaf& cell,
-                                                      std::span<const Crossing> crossings) {
+                                                      std::span<const OutcomeChange> crossings) {
     std::map<Pair, std::vector<std::size_t>> found;
-    const std::vector<Edge> edges = edges_of(lattice, cell);
+    const std::vector<GridEdge> edges = edges_of(lattice, cell);
     for (const std::size_t which : {0, 2, 1, 3}) {
         const auto at =
-            std::ranges::lower_bound(crossings, number_of(lattice, edges[which]), {}, &Crossing::id);
+            std::ranges::lower_bound(crossings, number_of(lattice, edges[which]), {}, &OutcomeChange::id);
         if (at != crossings.end() && at->id == number_of(lattice, edges[which]))
             found[pair_of(*at)].push_back(static_cast<std::size_t>(at - crossings.begin()));
     }
     return found;
 }
 
-BoundaryPoint point_of(const Lattice& lattice, const Crossing& crossing) {
-    const Edge edge = edge_of(lattice, crossing.id);
+BoundaryPoint point_of(const Lattice& lattice, const OutcomeChange& crossing) {
+    const GridEdge edge = edge_of(lattice, crossing.id);
     const double middle = 0.5 * (crossing.u_low + crossing.u_high);
     return {lattice.point_on(edge.low, edge.axis, middle).at, 0.5 * (crossing.u_high - crossing.u_low)};
 }
 
 /// The points between two outcomes, as they come.
-std::vector<Curve> unordered(const Lattice& lattice, std::span<const Crossing> crossings) {
+std::vector<Curve> unordered(const Lattice& lattice, std::span<const OutcomeChange> crossings) {
     std::map<Pair, Curve> sets;
-    for (const Crossing& crossing : crossings)
+    for (const OutcomeChange& crossing : crossings)
         if (const Pair pair = pair_of(crossing); pair.first >= 0) {
             Curve& curve = sets.try_emplace(pair, Curve{pair.first, pair.second, {}}).first->second;
             curve.points.push_back(point_of(lattice, crossing));
@@ -105,7 +107,7 @@ std::vector<Curve> unordered(const Lattice& lattice, std::span<const Crossing> c
 /// Joins the crossings of two axes from cell to cell.
 class Tracer {
 public:
-    Tracer(const Refinement& refinement, std::span<const Crossing> crossings)
+    Tracer(const Refinement& refinement, std::span<const OutcomeChange> crossings)
         : lattice_(refinement.lattice()), crossings_(crossings) {
         for (const Leaf& cell : finest_mixed(refinement))
             for (const auto& [pair, inside] : crossings_in(lattice_, cell, crossings))
@@ -151,19 +153,19 @@ private:
     }
 
     const Lattice& lattice_;
-    std::span<const Crossing> crossings_;
+    std::span<const OutcomeChange> crossings_;
     std::map<Pair, Links> links_;
     std::set<std::pair<Pair, std::size_t>> seen_;
 };
 
 } // namespace
 
-std::vector<Crossing> crossed_edges(const Refinement& refinement) {
+std::vector<OutcomeChange> crossed_edges(const Refinement& refinement) {
     const Lattice& lattice = refinement.lattice();
-    std::map<std::int64_t, Crossing> found;
+    std::map<std::int64_t, OutcomeChange> found;
     for (const Leaf& cell : finest_mixed(refinement))
-        for (const Edge& edge : edges_of(lattice, cell)) {
-            Place high = edge.low;
+        for (const GridEdge& edge : edges_of(lattice, cell)) {
+            LatticePoint high = edge.low;
             high[edge.axis] += cell.side;
             const std::int32_t a = refinement.outcome(edge.low), b = refinement.outcome(high);
             if (a != b && a >= 0 && b >= 0) {
@@ -172,22 +174,22 @@ std::vector<Crossing> crossed_edges(const Refinement& refinement) {
                                  lattice.fraction(edge.axis, high[edge.axis])};
             }
         }
-    std::vector<Crossing> edges;
+    std::vector<OutcomeChange> edges;
     edges.reserve(found.size());
     for (const auto& [number, crossing] : found)
         edges.push_back(crossing);
     return edges;
 }
 
-Point middle(const Refinement& refinement, const Crossing& crossing) {
-    const Edge edge = edge_of(refinement.lattice(), crossing.id);
+Point middle(const Refinement& refinement, const OutcomeChange& crossing) {
+    const GridEdge edge = edge_of(refinement.lattice(), crossing.id);
     Point point =
         refinement.lattice().point_on(edge.low, edge.axis, 0.5 * (crossing.u_low + crossing.u_high));
     point.id = crossing.id;
     return point;
 }
 
-void bisect(Crossing& crossing, const Result& at_middle) {
+void bisect(OutcomeChange& crossing, const Result& at_middle) {
     const double u = 0.5 * (crossing.u_low + crossing.u_high);
     const std::int32_t outcome = at_middle.ok() ? at_middle.outcome : -1;
     if (outcome == crossing.outcome_low) {
@@ -198,7 +200,7 @@ void bisect(Crossing& crossing, const Result& at_middle) {
     }
 }
 
-std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const Crossing> crossings) {
+std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const OutcomeChange> crossings) {
     if (refinement.lattice().axes() == 2)
         return Tracer(refinement, crossings).curves();
     return unordered(refinement.lattice(), crossings);

@@ -129,8 +129,8 @@ PointList::PointList(const Design& design) : design_(design), size_(scan::size(d
     order_.resize(count);
     rank_.resize(count);
     std::iota(order_.begin(), order_.end(), std::int64_t{0});
-    std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::int64_t place) {
-        return design.costs[static_cast<std::size_t>(place)];
+    std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::int64_t index) {
+        return design.costs[static_cast<std::size_t>(index)];
     });
     for (std::size_t i = 0; i < count; ++i)
         rank_[static_cast<std::size_t>(order_[i])] = static_cast<std::int64_t>(i);
@@ -138,10 +138,10 @@ PointList::PointList(const Design& design) : design_(design), size_(scan::size(d
 
 Point PointList::operator[](std::int64_t number) const {
     const std::int64_t runs = std::max(design_.runs, 1L), turn = number / runs;
-    const std::int64_t place = order_.empty() ? turn : order_[static_cast<std::size_t>(turn)];
-    Point point = at_place(place);
+    const std::int64_t index = order_.empty() ? turn : order_[static_cast<std::size_t>(turn)];
+    Point point = at_place(index);
     if (design_.runs > 0)
-        point.id = id_of_run(place, number % runs);
+        point.id = id_of_run(index, number % runs);
     return point;
 }
 
@@ -154,9 +154,9 @@ std::optional<std::int64_t> PointList::number_of(std::int64_t id) const {
     return (rank_.empty() ? place : rank_[static_cast<std::size_t>(place)]) * runs + run;
 }
 
-Point PointList::at_place(std::int64_t place) const {
-    Point point{place, {}};
-    const std::size_t axes = design_.axes.size(), row = static_cast<std::size_t>(place);
+Point PointList::at_place(std::int64_t index) const {
+    Point point{index, {}};
+    const std::size_t axes = design_.axes.size(), row = static_cast<std::size_t>(index);
     if (design_.kind == Kind::list) {
         if (is_long_list(design_))
             point.at[0] = static_cast<double>(row);
@@ -164,7 +164,7 @@ Point PointList::at_place(std::int64_t place) const {
             std::ranges::copy(design_.rows[row], point.at.begin());
         return point;
     }
-    std::int64_t rest = place;
+    std::int64_t rest = index;
     for (std::size_t k = axes; k-- > 0;) { // the last axis runs fastest
         const Axis& axis = design_.axes[k];
         if (design_.kind == Kind::grid) {

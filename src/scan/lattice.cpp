@@ -36,15 +36,15 @@ Lattice::Lattice(const Design& design) : axes_(design.axes) {
         steps_[k] = static_cast<std::int64_t>(axes_[k].count) << depth_;
 }
 
-std::int64_t Lattice::id(const Place& place) const {
+std::int64_t Lattice::id(const LatticePoint& position) const {
     std::int64_t id = 0;
     for (std::size_t k = 0; k < axes_.size(); ++k)
-        id = id * (steps_[k] + 1) + place[k];
+        id = id * (steps_[k] + 1) + position[k];
     return id;
 }
 
-Lattice::Place Lattice::place(std::int64_t id) const {
-    Place place{};
+Lattice::LatticePoint Lattice::place(std::int64_t id) const {
+    LatticePoint place{};
     for (std::size_t k = axes_.size(); k-- > 0;) {
         place[k] = id % (steps_[k] + 1);
         id /= steps_[k] + 1;
@@ -52,15 +52,15 @@ Lattice::Place Lattice::place(std::int64_t id) const {
     return place;
 }
 
-Point Lattice::point(const Place& place) const {
-    Point point{id(place), {}};
+Point Lattice::point(const LatticePoint& position) const {
+    Point point{id(position), {}};
     for (std::size_t k = 0; k < axes_.size(); ++k)
-        point.at[k] = axes_[k].at(fraction(k, place[k]));
+        point.at[k] = axes_[k].at(fraction(k, position[k]));
     return point;
 }
 
-Point Lattice::point_on(const Place& place, std::size_t axis, double u) const {
-    Point moved = point(place);
+Point Lattice::point_on(const LatticePoint& position, std::size_t axis, double u) const {
+    Point moved = point(position);
     moved.at[axis] = axes_[axis].at(u);
     return moved;
 }

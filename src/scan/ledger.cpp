@@ -25,7 +25,7 @@ using nlohmann::json;
 using Bytes = std::vector<std::byte>;
 
 /// Kinds of records, as the journal's layouts. Later records replace earlier ones.
-enum Record : std::uint32_t {
+enum LedgerRecord : std::uint32_t {
     points_record = 1,    ///< packed points that simply succeeded
     cause_record,         ///< one packed point that failed or was retried, its status, its cause
     crossings_record,     ///< brackets as they are
@@ -127,28 +127,28 @@ public:
                 append(points_record, packed.take());
             ids.clear();
         };
-        for (const Result& one : results) {
-            if (one.ok() && one.cause.front() == '\0') {
-                pack(packed, head_, one);
-                ids.push_back(one.point.id);
+        for (const Result& result : results) {
+            if (result.ok() && result.cause.front() == '\0') {
+                pack(packed, head_, result);
+                ids.push_back(result.point.id);
                 continue;
             }
             append_packed();
             store::ByteWriter out;
-            pack(out, head_, one);
-            out.put(one.status);
-            out.put_text(one.cause_text());
+            pack(out, head_, result);
+            out.put(result.status);
+            out.put_text(result.cause_text());
             append(cause_record, out.take());
         }
         append_packed();
         journal_->flush();
     }
 
-    void write(Record kind, const Bytes& content) {
+    void write(LedgerRecord kind, const Bytes& content) {
         append(kind, content);
         journal_->flush();
     }
-    void append(Record kind, const Bytes& content) {
+    void append(LedgerRecord kind, const Bytes& content) {
         journal_->append(kind, content);
         take(journal_->size() - 1, kind, content);
     }
@@ -172,8 +172,8 @@ public:
             else
                 failed.erase(id);
         } else if (kind == crossings_record) {
-            for (const Crossing& one : in.get_array<Crossing>())
-                brackets[one.id] = one;
+            for (const OutcomeChange& item : in.get_array<OutcomeChange>())
+                brackets[item.id] = item;
         } else if (kind == forgotten_record) {
             for (const std::int64_t id : in.get_array<std::int64_t>())
                 places.erase(id), failed.erase(id);
@@ -203,18 +203,18 @@ public:
         std::unordered_map<std::uint32_t, Bytes> records;
         std::size_t bytes = 0;
         for (const std::int64_t id : ids) {
-            const Place place = places.at(id);
-            auto found = records.find(place.record);
+            const RecordNumber position = places.at(id);
+            auto found = records.find(position.record);
             if (found == records.end()) {
                 if (bytes > most_bytes)
                     records.clear(), bytes = 0;
-                found = records.emplace(place.record, journal_->read(place.record)).first;
+                found = records.emplace(position.record, journal_->read(position.record)).first;
                 bytes += found->second.size();
             }
             const std::size_t size = packed_size(head_);
-            store::ByteReader in(std::span(found->second).subspan(place.number * size), "ledger");
+            store::ByteReader in(std::span(found->second).subspan(position.number * size), "ledger");
             Result r = unpack(in, head_);
-            if (journal_->layout(place.record) == cause_record) {
+            if (journal_->layout(position.record) == cause_record) {
                 r.status = in.get<Status>();
                 r.set_cause(in.get_text());
             }
@@ -253,12 +253,12 @@ public:
 
     void sync() { journal_->sync(); }
 
-    struct Place {
+    struct RecordNumber {
         std::uint32_t record = 0, number = 0;
     };
-    std::unordered_map<std::int64_t, Place> places;
+    std::unordered_map<std::int64_t, RecordNumber> places;
     std::unordered_set<std::int64_t> failed;
-    std::map<std::int64_t, Crossing> brackets;
+    std::map<std::int64_t, OutcomeChange> brackets;
     std::int64_t damaged = 0;
 
     const LedgerHead& head() const { return head_; }
@@ -278,7 +278,7 @@ private:
     std::optional<store::Journal> journal_;
 };
 
-static_assert(sizeof(Crossing) == 32, "brackets are copied as they are, and have no padding");
+static_assert(sizeof(OutcomeChange) == 32, "brackets are copied as they are, and have no padding");
 
 Ledger::Ledger(const fs::path& file, LedgerHead head)
     : head_(std::move(head)), book_(std::make_unique<Book>(file, head_)) {}
@@ -287,7 +287,7 @@ Ledger::~Ledger() = default;
 
 void Ledger::add(std::span<const Result> results) { book_->add(results); }
 
-void Ledger::add(std::span<const Crossing> crossings) {
+void Ledger::add(std::span<const OutcomeChange> crossings) {
     store::ByteWriter out;
     out.put_array(crossings);
     book_->write(crossings_record, out.take());
@@ -304,10 +304,10 @@ void Ledger::merge(const fs::path& other) {
         add(fresh);
         fresh.clear();
     };
-    theirs.for_each([&](const Result& one) {
-        if (book_->places.contains(one.point.id) && !book_->failed.contains(one.point.id))
+    theirs.for_each([&](const Result& result) {
+        if (book_->places.contains(result.point.id) && !book_->failed.contains(result.point.id))
             return;
-        fresh.push_back(one);
+        fresh.push_back(result);
         if (fresh.size() == at_once)
             flush();
     });
@@ -343,7 +343,7 @@ std::vector<Result> Ledger::find(std::span<const Point> points) const {
             there.push_back(point.id);
     std::ranges::sort(there);
     std::vector<Result> found;
-    book_->read(there, [&](const Result& one) { found.push_back(one); });
+    book_->read(there, [&](const Result& result) { found.push_back(result); });
     return found;
 }
 
@@ -352,8 +352,8 @@ std::optional<Result> Ledger::find(std::int64_t id) const {
     return found.empty() ? std::nullopt : std::optional(found.front());
 }
 
-std::vector<Crossing> Ledger::crossings() const {
-    std::vector<Crossing> all;
+std::vector<OutcomeChange> Ledger::crossings() const {
+    std::vector<OutcomeChange> all;
     for (const auto& [id, one] : book_->brackets)
         all.push_back(one);
     return all;
@@ -370,21 +370,22 @@ Counts Ledger::counts() const {
     };
     Counts counts;
     std::map<std::string, Cause> by_pattern;
-    book_->read_as_written([&](const Result& one) {
+    book_->read_as_written([&](const Result& result) {
         ++counts.points;
-        counts.seconds += one.seconds;
-        if (one.ok()) {
-            ++counts.outcomes[one.outcome < 0 ? "" : head_.columns.outcomes.at(std::size_t(one.outcome))];
+        counts.seconds += result.seconds;
+        if (result.ok()) {
+            ++counts
+                  .outcomes[result.outcome < 0 ? "" : head_.columns.outcomes.at(std::size_t(result.outcome))];
             return;
         }
         ++counts.failed;
-        std::string text = status_names[static_cast<std::size_t>(one.status)];
-        if (!one.cause_text().empty())
-            text += fmt::format(": {}", one.cause_text());
+        std::string text = status_names[static_cast<std::size_t>(result.status)];
+        if (!result.cause_text().empty())
+            text += fmt::format(": {}", result.cause_text());
         Cause& cause = by_pattern[cause_pattern(text)];
         ++cause.points;
-        if (one.point.id < cause.first)
-            cause.first = one.point.id, cause.text = text;
+        if (result.point.id < cause.first)
+            cause.first = result.point.id, cause.text = text;
     });
     for (const auto& [pattern, cause] : by_pattern) {
         counts.causes[cause.text] = cause.points;

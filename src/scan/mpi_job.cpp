@@ -1,4 +1,4 @@
-#include "dispenser.hpp"
+#include "work_queue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
 
@@ -58,12 +58,12 @@ void look_for_no_network() {
 struct MpiJob::Workers {
     std::vector<int> idle;
     int busy = 0;
-    std::string failure; ///< of the first rank that told of one
+    std::string failure; ///< of the first rank that reported one
 
     /// Gives every idle rank a chunk, as long as there are any.
-    void hand_out(Dispenser& dispenser) {
+    void hand_out(WorkQueue& queue) {
         while (!idle.empty()) {
-            const auto chunk = dispenser.next();
+            const auto chunk = queue.next();
             if (chunk.empty())
                 return;
             send(chunk, idle.back(), points_tag);
@@ -126,22 +126,22 @@ MpiJob::~MpiJob() {
 Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
     return [this, evaluate = std::move(evaluate), stop = std::move(stop)](std::span<const Point> points,
                                                                           const Take& take) {
-        Dispenser dispenser(points, take, static_cast<std::size_t>(ranks_), stop);
+        WorkQueue queue(points, take, static_cast<std::size_t>(ranks_), stop);
         // this thread talks to the others, another one of this rank computes
         std::future<void> own = std::async(std::launch::async, [&] {
             try {
-                work(dispenser, evaluate);
+                work(queue, evaluate);
             } catch (...) {
-                dispenser.stop();
+                queue.stop();
                 throw;
             }
         });
         try {
             std::vector<Result> results;
             do {
-                workers_->hand_out(dispenser);
+                workers_->hand_out(queue);
                 if (workers_->collect(results))
-                    dispenser.take(results);
+                    queue.take(results);
                 else if (!workers_->failure.empty())
                     throw RunError(workers_->failure);
                 else
@@ -149,12 +149,12 @@ Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
             } while (workers_->busy > 0 ||
                      own.wait_for(std::chrono::seconds(0)) != std::future_status::ready);
         } catch (...) {
-            dispenser.stop();
+            queue.stop();
             own.wait();
             throw;
         }
         own.get();
-        return !dispenser.stopped();
+        return !queue.stopped();
     };
 }
 

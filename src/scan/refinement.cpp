@@ -23,14 +23,14 @@ Refinement::Refinement(const Design& design)
 
 void Refinement::learn(const Result& result) {
     const auto row = static_cast<std::uint32_t>(drivers_.empty() ? 0 : rows_.size() / drivers_.size());
-    for (const Driver& driver : drivers_)
+    for (const RefinementCriterion& driver : drivers_)
         rows_.push_back(result.ok() ? result.values[driver.observable] : std::nan(""));
     const double side = side_ && result.ok() ? side_(result) : 0.0;
     known_[result.point.id] = {result.ok() ? result.outcome : -1, row, (side > 0.0) - (side < 0.0)};
 }
 
-std::int32_t Refinement::outcome(const Place& place) const {
-    const auto found = known_.find(lattice_.id(place));
+std::int32_t Refinement::outcome(const LatticePoint& position) const {
+    const auto found = known_.find(lattice_.id(position));
     return found == known_.end() ? -1 : found->second.outcome;
 }
 
@@ -40,10 +40,10 @@ std::vector<Point> Refinement::next() {
         Cells asked;
         for (const auto& [low, level] : fresh_)
             for (std::size_t c = 0; c < corners(); ++c) {
-                const Place place = corner(low, lattice_.stride(level), c);
-                const std::int64_t id = lattice_.id(place);
+                const LatticePoint position = corner(low, lattice_.stride(level), c);
+                const std::int64_t id = lattice_.id(position);
                 if (!known_.contains(id) && asked.insert(id).second)
-                    wanted.push_back(lattice_.point(place));
+                    wanted.push_back(lattice_.point(position));
             }
         if (!wanted.empty())
             break;
@@ -58,10 +58,10 @@ std::vector<Point> Refinement::next() {
 }
 
 /// What a mixed cell asks of itself and its neighbours.
-void Refinement::follow(const Place& low, int level) {
+void Refinement::follow(const LatticePoint& low, int level) {
     const std::int64_t side = lattice_.stride(level);
     if (level < lattice_.levels()) {
-        around(low, level, [&](const Place& cell) { divide(cell, level); });
+        around(low, level, [&](const LatticePoint& cell) { divide(cell, level); });
         return;
     }
     // At the finest the boundary goes on through the faces over which corners differ.
@@ -76,27 +76,28 @@ void Refinement::follow(const Place& low, int level) {
                 differs =
                     differs || differ(known_.at(lattice_.id(on_face(c))), known_.at(lattice_.id(on_face(0))));
             }
-            Place next = low;
+            LatticePoint next = low;
             next[k] += upper ? side : -side;
             if (differs && holds(next, side))
                 ensure(next, level);
         }
 }
 
-void Refinement::divide_at(const Place& place) {
+void Refinement::divide_at(const LatticePoint& position) {
     for (int level = 0; level < lattice_.levels(); ++level)
-        divide(low_of(place, level), level);
+        divide(low_of(position, level), level);
 }
 
-Refinement::Place Refinement::corner(const Place& low, std::int64_t side, std::size_t which) const {
-    Place place = low;
+Refinement::LatticePoint Refinement::corner(const LatticePoint& low, std::int64_t side,
+                                            std::size_t which) const {
+    LatticePoint position = low;
     for (std::size_t k = 0; k < lattice_.axes(); ++k)
         if (which >> k & 1U)
-            place[k] += side;
-    return place;
+            position[k] += side;
+    return position;
 }
 
-bool Refinement::holds(const Place& low, std::int64_t side) const {
+bool Refinement::holds(const LatticePoint& low, std::int64_t side) const {
     for (std::size_t k = 0; k < lattice_.axes(); ++k)
         if (low[k] < 0 || low[k] + side > lattice_.steps(k))
             return false;
@@ -104,11 +105,11 @@ bool Refinement::holds(const Place& low, std::int64_t side) const {
 }
 
 /// Low corner of the cell of this level that holds a place; at the far end of an axis that of the last.
-Refinement::Place Refinement::low_of(const Place& place, int level) const {
+Refinement::LatticePoint Refinement::low_of(const LatticePoint& position, int level) const {
     const std::int64_t side = lattice_.stride(level);
-    Place low = place;
+    LatticePoint low = position;
     for (std::size_t k = 0; k < lattice_.axes(); ++k)
-        low[k] = std::min(place[k] / side * side, lattice_.steps(k) - side);
+        low[k] = std::min(position[k] / side * side, lattice_.steps(k) - side);
     return low;
 }
 
@@ -122,7 +123,7 @@ bool Refinement::differ(const Known& a, const Known& b) const {
     return false;
 }
 
-bool Refinement::is_mixed(const Place& low, std::int64_t side) const {
+bool Refinement::is_mixed(const LatticePoint& low, std::int64_t side) const {
     const Known& first = known_.at(lattice_.id(low));
     for (std::size_t c = 1; c < corners(); ++c)
         if (differ(first, known_.at(lattice_.id(corner(low, side, c)))))
@@ -130,36 +131,36 @@ bool Refinement::is_mixed(const Place& low, std::int64_t side) const {
     return false;
 }
 
-void Refinement::add(const Place& low, int level) {
+void Refinement::add(const LatticePoint& low, int level) {
     if (cells_[static_cast<std::size_t>(level)].insert(lattice_.id(low)).second)
         fresh_.emplace_back(low, level);
 }
 
 /// Makes the cell by dividing what holds it.
-void Refinement::ensure(const Place& low, int level) {
+void Refinement::ensure(const LatticePoint& low, int level) {
     if (level > 0 && !cells_[static_cast<std::size_t>(level)].contains(lattice_.id(low)))
         divide(low_of(low, level - 1), level - 1);
 }
 
-void Refinement::divide(const Place& low, int level) {
+void Refinement::divide(const LatticePoint& low, int level) {
     ensure(low, level);
     if (!divided_[static_cast<std::size_t>(level)].insert(lattice_.id(low)).second)
         return;
-    around(low, level, [&](const Place& cell) { ensure(cell, level); }); // what touches is not coarser
+    around(low, level, [&](const LatticePoint& cell) { ensure(cell, level); }); // what touches is not coarser
     for (std::size_t c = 0; c < corners(); ++c)
         add(corner(low, lattice_.stride(level + 1), c), level + 1);
 }
 
 /// The cell and those that touch it.
 template<class Each>
-void Refinement::around(const Place& low, int level, Each each) {
+void Refinement::around(const LatticePoint& low, int level, Each each) {
     const std::int64_t side = lattice_.stride(level);
     const int dims = static_cast<int>(lattice_.axes());
     int count = 1;
     for (int k = 0; k < dims; ++k)
         count *= 3;
     for (int which = 0; which < count; ++which) {
-        Place cell = low;
+        LatticePoint cell = low;
         for (int k = 0, rest = which; k < dims; ++k, rest /= 3)
             cell[static_cast<std::size_t>(k)] += (rest % 3 - 1) * side;
         if (holds(cell, side))
@@ -167,7 +168,7 @@ void Refinement::around(const Place& low, int level, Each each) {
     }
 }
 
-Leaf Refinement::leaf(const Place& low, int level) const {
+Leaf Refinement::leaf(const LatticePoint& low, int level) const {
     const std::int64_t side = lattice_.stride(level);
     Leaf leaf{low, side, outcome(low), false};
     for (std::size_t c = 1; c < corners(); ++c)
@@ -175,12 +176,12 @@ Leaf Refinement::leaf(const Place& low, int level) const {
     return leaf;
 }
 
-Leaf Refinement::leaf_at(const Place& place) const {
+Leaf Refinement::leaf_at(const LatticePoint& position) const {
     int level = 0;
     while (level < lattice_.levels() &&
-           divided_[static_cast<std::size_t>(level)].contains(lattice_.id(low_of(place, level))))
+           divided_[static_cast<std::size_t>(level)].contains(lattice_.id(low_of(position, level))))
         ++level;
-    return leaf(low_of(place, level), level);
+    return leaf(low_of(position, level), level);
 }
 
 std::vector<Leaf> Refinement::leaves() const {
@@ -191,7 +192,7 @@ std::vector<Leaf> Refinement::leaves() const {
             if (!divided_[level].contains(id))
                 found.push_back(leaf(lattice_.place(id), static_cast<int>(level)));
         std::ranges::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(), {},
-                          [&](const Leaf& one) { return lattice_.id(one.low); });
+                          [&](const Leaf& item) { return lattice_.id(item.low); });
     }
     return found;
 }
@@ -211,7 +212,7 @@ std::vector<Point> audit_points(const Refinement& refinement, const Design& desi
     std::unordered_set<std::int64_t> taken;
     for (long tries = 0; tries < 20 * design.audit && static_cast<long>(points.size()) < design.audit;
          ++tries) {
-        Lattice::Place place{};
+        Lattice::LatticePoint place{};
         for (std::size_t k = 0; k < lattice.axes(); ++k) {
             const std::int64_t cells = lattice.steps(k) / side;
             place[k] = static_cast<std::int64_t>(random.uniform() * static_cast<double>(cells + 1)) * side;

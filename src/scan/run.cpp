@@ -1,8 +1,8 @@
 #include "rodwake/scan/run.hpp"
 
-#include "dispenser.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "work_queue.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +16,11 @@ namespace {
 constexpr std::size_t slab = 1 << 16;
 
 /// Evaluates points and commits their results chunk by chunk.
-class Evaluation {
+class ChunkEvaluation {
 public:
     using Learn = std::function<void(const Result&)>;
 
-    Evaluation(Ledger& ledger, const Execute& execute, const RunOptions& options)
+    ChunkEvaluation(Ledger& ledger, const Execute& execute, const RunOptions& options)
         : ledger_(ledger), execute_(execute), options_(options) {}
 
     bool operator()(std::span<const Point> points, const Learn& learn = nullptr) {
@@ -29,7 +29,7 @@ public:
             if (learn)
                 std::ranges::for_each(results, learn);
             done += static_cast<std::int64_t>(results.size());
-            tell();
+            report();
         });
     }
 
@@ -37,9 +37,9 @@ public:
     bool complete(std::span<const Point> points, const Learn& learn, Summary& summary) {
         const std::vector<Result> found = ledger_.find(points);
         std::unordered_set<std::int64_t> known;
-        for (const Result& one : found) {
-            learn(one);
-            known.insert(one.point.id);
+        for (const Result& result : found) {
+            learn(result);
+            known.insert(result.point.id);
         }
         std::vector<Point> unknown;
         std::ranges::copy_if(points, std::back_inserter(unknown),
@@ -51,7 +51,7 @@ public:
         return finished;
     }
 
-    void tell() const {
+    void report() const {
         if (options_.on_progress)
             options_.on_progress(done, std::max(done, total));
     }
@@ -74,7 +74,7 @@ std::vector<bool> numbers_in(const Ledger& ledger, const PointList& points) {
     return there;
 }
 
-void run_list(const Design& design, Ledger& ledger, Evaluation& evaluate, Part part, Summary& summary) {
+void run_list(const Design& design, Ledger& ledger, ChunkEvaluation& evaluate, Part part, Summary& summary) {
     const PointList points(design);
     const std::vector<bool> there = numbers_in(ledger, points);
     std::vector<Point> next;
@@ -100,7 +100,7 @@ void run_list(const Design& design, Ledger& ledger, Evaluation& evaluate, Part p
 
 /// Asks for points until the refinement is complete; false: stopped. Only what was asked for is learnt, in
 /// rounds, so that a scan that is taken up asks for the same points again.
-bool refine(Refinement& refinement, Evaluation& evaluate, Summary& summary) {
+bool refine(Refinement& refinement, ChunkEvaluation& evaluate, Summary& summary) {
     for (auto points = refinement.next(); !points.empty(); points = refinement.next())
         if (!evaluate.complete(
                 points, [&](const Result& result) { refinement.learn(result); }, summary))
@@ -109,7 +109,7 @@ bool refine(Refinement& refinement, Evaluation& evaluate, Summary& summary) {
 }
 
 /// One round: places that were tried are known afterwards, and those that were missed are refined.
-bool audit(Refinement& refinement, const Design& design, Evaluation& evaluate, Summary& summary) {
+bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evaluate, Summary& summary) {
     const std::vector<Point> points =
         audit_points(refinement, design, static_cast<std::uint32_t>(summary.audit_rounds++));
     std::vector<Result> results;
@@ -118,7 +118,7 @@ bool audit(Refinement& refinement, const Design& design, Evaluation& evaluate, S
         return false;
     std::ranges::sort(results, {}, [](const Result& r) { return r.point.id; });
     summary.audit = {static_cast<std::int64_t>(results.size()), 0};
-    std::vector<Lattice::Place> missed;
+    std::vector<Lattice::LatticePoint> missed;
     for (const Result& result : results) {
         if (is_missed(refinement, result))
             missed.push_back(refinement.lattice().place(result.point.id));
@@ -126,15 +126,15 @@ bool audit(Refinement& refinement, const Design& design, Evaluation& evaluate, S
     }
     summary.audit.missed = static_cast<std::int64_t>(missed.size());
     summary.found_by_audit += summary.audit.missed;
-    for (const Lattice::Place& place : missed)
-        refinement.divide_at(place);
+    for (const Lattice::LatticePoint& position : missed)
+        refinement.divide_at(position);
     return true;
 }
 
 /// Brackets of the ledger that belong to these edges replace those one edge long.
-void take_known(std::vector<Crossing>& edges, const Ledger& ledger) {
-    for (const Crossing& known : ledger.crossings()) {
-        const auto at = std::ranges::lower_bound(edges, known.id, {}, &Crossing::id);
+void take_known(std::vector<OutcomeChange>& edges, const Ledger& ledger) {
+    for (const OutcomeChange& known : ledger.crossings()) {
+        const auto at = std::ranges::lower_bound(edges, known.id, {}, &OutcomeChange::id);
         const bool narrower =
             at != edges.end() && at->id == known.id && known.u_low >= at->u_low && known.u_high <= at->u_high;
         if (narrower)
@@ -143,7 +143,7 @@ void take_known(std::vector<Crossing>& edges, const Ledger& ledger) {
 }
 
 /// Points that brackets cost: each halved one.
-std::int64_t traced(std::span<const Crossing> whole, std::span<const Crossing> brackets) {
+std::int64_t traced(std::span<const OutcomeChange> whole, std::span<const OutcomeChange> brackets) {
     double halvings = 0.0;
     for (std::size_t i = 0; i < whole.size(); ++i)
         halvings += std::round(
@@ -152,28 +152,30 @@ std::int64_t traced(std::span<const Crossing> whole, std::span<const Crossing> b
 }
 
 bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, const Execute& execute,
-           Evaluation& evaluate, Summary& summary) {
-    std::vector<Crossing> edges = crossed_edges(refinement);
+           ChunkEvaluation& evaluate, Summary& summary) {
+    std::vector<OutcomeChange> edges = crossed_edges(refinement);
     take_known(edges, ledger);
-    for (const Crossing& edge : edges) // halvings that are left
+    for (const OutcomeChange& edge : edges) // halvings that are left
         evaluate.total += static_cast<std::int64_t>(
             std::ceil(std::log2(std::max((edge.u_high - edge.u_low) / design.boundary_tolerance, 1.0))));
-    const auto at = [&](std::int64_t id) { return std::ranges::lower_bound(edges, id, {}, &Crossing::id); };
+    const auto at = [&](std::int64_t id) {
+        return std::ranges::lower_bound(edges, id, {}, &OutcomeChange::id);
+    };
     for (bool going = true; going;) {
         std::vector<Point> middles;
-        for (const Crossing& edge : edges)
+        for (const OutcomeChange& edge : edges)
             if (edge.u_high - edge.u_low > design.boundary_tolerance)
                 middles.push_back(middle(refinement, edge));
         going = !middles.empty();
         const bool finished = execute(middles, [&](std::span<const Result> results) {
-            std::vector<Crossing> changed;
+            std::vector<OutcomeChange> changed;
             for (const Result& result : results) {
                 bisect(*at(result.point.id), result);
                 changed.push_back(*at(result.point.id));
             }
             ledger.add(changed);
             evaluate.done += static_cast<std::int64_t>(results.size());
-            evaluate.tell();
+            evaluate.report();
         });
         if (!finished) {
             summary.left = static_cast<std::int64_t>(middles.size());
@@ -183,11 +185,11 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
     summary.curves = boundary_curves(refinement, edges);
     summary.traced = traced(crossed_edges(refinement), edges);
     summary.lost_crossings = std::ranges::count_if(
-        edges, [](const Crossing& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
+        edges, [](const OutcomeChange& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
     return true;
 }
 
-void run_adaptive(const Design& design, Ledger& ledger, const Execute& execute, Evaluation& evaluate,
+void run_adaptive(const Design& design, Ledger& ledger, const Execute& execute, ChunkEvaluation& evaluate,
                   Summary& summary) {
     Refinement refinement(design);
     constexpr int most_rounds = 8;
@@ -216,7 +218,7 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
     require_part(design, options.part);
     Summary summary;
     summary.requested = size(design);
-    Evaluation evaluate(ledger, execute, options);
+    ChunkEvaluation evaluate(ledger, execute, options);
     if (design.kind != Kind::adaptive)
         run_list(design, ledger, evaluate, options.part, summary);
     else
@@ -225,26 +227,26 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
     return summary;
 }
 
-void work(Dispenser& dispenser, const Evaluate& evaluate) {
+void work(WorkQueue& queue, const Evaluate& evaluate) {
     std::vector<Result> results;
-    for (auto points = dispenser.next(); !points.empty(); points = dispenser.next()) {
+    for (auto points = queue.next(); !points.empty(); points = queue.next()) {
         results.assign(points.size(), {});
         try {
             evaluate(points, results);
         } catch (...) {
-            dispenser.stop(); // nobody need go on
+            queue.stop(); // nobody need go on
             throw;
         }
-        dispenser.take(results);
+        queue.take(results);
     }
 }
 
 Execute on_threads(Evaluate evaluate, std::size_t threads, std::function<bool()> stop) {
     return [evaluate = std::move(evaluate), threads, stop = std::move(stop)](std::span<const Point> points,
                                                                              const Take& take) {
-        Dispenser dispenser(points, take, threads, stop);
-        parallel_for(threads, threads, [&](std::size_t) { work(dispenser, evaluate); });
-        return !dispenser.stopped();
+        WorkQueue queue(points, take, threads, stop);
+        parallel_for(threads, threads, [&](std::size_t) { work(queue, evaluate); });
+        return !queue.stopped();
     };
 }
 

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t most_numbers = 500'000'000;
 
 /// Where in the file we are, for messages.
-struct Place {
+struct CsvPosition {
     std::string file;
     std::size_t line = 0;
     std::size_t column = 1;
@@ -50,7 +50,7 @@ std::string better(std::string text) {
     return is_number(text) ? "; write it as " + text : "";
 }
 
-double parse_number(std::string_view field, const std::string& name, bool required, const Place& at) {
+double parse_number(std::string_view field, const std::string& name, bool required, const CsvPosition& at) {
     if (!required && is_missing(field))
         return std::numeric_limits<double>::quiet_NaN();
     if (field.empty())
@@ -82,7 +82,7 @@ struct Header {
 };
 
 /// Programs write an index without a name in front, and a separator behind the last column.
-Header read_names(std::string_view line, const LinesOfBlocks& lines, Place& at) {
+Header read_names(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at) {
     Header header;
     std::deque<std::string> found; // whose addresses stay
     Names names;
@@ -110,7 +110,7 @@ Header read_names(std::string_view line, const LinesOfBlocks& lines, Place& at) 
     return header;
 }
 
-void require_columns(const Header& header, const Place& at, std::span<const std::string> required) {
+void require_columns(const Header& header, const CsvPosition& at, std::span<const std::string> required) {
     std::vector<std::string_view> names;
     for (const FileColumn& column : header.columns)
         names.emplace_back(column.name);
@@ -124,7 +124,7 @@ void require_columns(const Header& header, const Place& at, std::span<const std:
                                 blanks ? "; columns are separated by commas, semicolons or tabs" : ""));
 }
 
-Header read_header(std::string_view line, const LinesOfBlocks& lines, Place& at,
+Header read_header(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at,
                    std::span<const std::string> required, std::span<const std::string> optional) {
     Header header = read_names(line, lines, at);
     require_columns(header, at, required);
@@ -145,7 +145,7 @@ Table empty_table(const Header& header) {
     return table;
 }
 
-void read_row(std::string_view line, const LinesOfBlocks& lines, Place& at, const Header& header,
+void read_row(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at, const Header& header,
               Table& table) {
     std::size_t fields = 0, next = 0;
     lines.for_each_cell(line, line.npos, [&](std::size_t index, std::string_view cell, std::size_t column) {
@@ -167,7 +167,7 @@ void read_row(std::string_view line, const LinesOfBlocks& lines, Place& at, cons
 template<class Use>
 void for_each_line(const std::filesystem::path& path, std::span<const std::string> required, Use use) {
     LinesOfBlocks lines(path);
-    Place at{lines.name()};
+    CsvPosition at{lines.name()};
     for (std::string_view line; lines.next_record(line);) {
         at.line = lines.number();
         at.column = 1;
@@ -197,7 +197,7 @@ const std::vector<double>* Table::find(const std::string& name) const {
 
 std::vector<std::string> csv_names(const std::filesystem::path& path) {
     std::vector<std::string> names;
-    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
+    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, CsvPosition& at) {
         for (FileColumn& column : read_names(line, lines, at).columns)
             if (!column.name.empty())
                 names.push_back(std::move(column.name));
@@ -210,7 +210,7 @@ void for_each_csv_row(const std::filesystem::path& path,
                       const std::function<void(std::string_view, std::span<const std::string>)>& use) {
     Header header;
     std::vector<std::string> fields;
-    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
+    for_each_line(path, {}, [&](std::string_view line, const LinesOfBlocks& lines, CsvPosition& at) {
         if (header.columns.empty())
             header = read_names(line, lines, at);
         fields.clear();
@@ -228,7 +228,7 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
                std::span<const std::string> optional) {
     Table table;
     Header header;
-    for_each_line(path, required, [&](std::string_view line, const LinesOfBlocks& lines, Place& at) {
+    for_each_line(path, required, [&](std::string_view line, const LinesOfBlocks& lines, CsvPosition& at) {
         if (header.columns.empty()) {
             header = read_header(line, lines, at, required, optional);
             table = empty_table(header);

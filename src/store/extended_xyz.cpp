@@ -51,7 +51,7 @@ void ExtendedXyzWriter::add_frame(const Frame& frame) {
     std::size_t of_rods = 0;
     for (std::size_t i = 0; i < layout_.particles(); ++i) {
         const int molecule = layout_.species[i] == 0 ? 0 : layout_.rod_of_sphere[of_rods++] + 1;
-        const Kind& kind = layout_.kinds[static_cast<std::size_t>(layout_.species[i])];
+        const Species& kind = layout_.kinds[static_cast<std::size_t>(layout_.species[i])];
         print(out, "{}", kind.symbol);
         print_vector(out, &position.place[3 * i], unit_);
         print_vector(out, &frame.velocity[3 * i], unit_);

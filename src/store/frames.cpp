@@ -84,7 +84,7 @@ void check_layout(const FrameLayout& layout) {
         check_name(name);
         check_not_reserved(name);
     }
-    for (const Kind& kind : layout.kinds) {
+    for (const Species& kind : layout.kinds) {
         check_name(kind.name);
         check_name(kind.symbol);
     }
@@ -103,25 +103,25 @@ void check_frame(const FrameLayout& layout, const Frame& frame, std::int64_t aft
     want_values("observables", frame.observables, layout.observables.size());
 }
 
-Wrapped wrap(double x, double side) {
+PeriodicCoordinate wrap(double x, double side) {
     double image = std::floor(x / side);
     if (!(std::abs(image) <= 0x1p30))
         throw RunError(fmt::format("frames: position {} is no place near the box of side {}", x, side));
-    double place = std::fma(-side, image, x);
-    if (place < 0.0) // x/side was rounded up
-        place = std::fma(-side, --image, x);
-    if (place >= side) // just below a multiple of the side: rounded to it
-        place = std::max(0.0, std::fma(-side, ++image, x));
-    return {place, static_cast<std::int32_t>(image)};
+    double position = std::fma(-side, image, x);
+    if (position < 0.0) // x/side was rounded up
+        position = std::fma(-side, --image, x);
+    if (position >= side) // just below a multiple of the side: rounded to it
+        position = std::max(0.0, std::fma(-side, ++image, x));
+    return {position, static_cast<std::int32_t>(image)};
 }
 
 WrappedVectors wrap(std::span<const double> positions, const FrameLayout& layout) {
     WrappedVectors out{{positions.begin(), positions.end()}, std::vector<std::int32_t>(positions.size(), 0)};
     for (std::size_t i = 0; i < positions.size(); ++i)
         if (layout.periodic[i % 3]) {
-            const Wrapped one = wrap(positions[i], layout.box[i % 3]);
-            out.place[i] = one.place;
-            out.image[i] = one.image;
+            const PeriodicCoordinate item = wrap(positions[i], layout.box[i % 3]);
+            out.place[i] = item.place;
+            out.image[i] = item.image;
         }
     return out;
 }

@@ -49,7 +49,7 @@ void write_parameters(Hdf5File& file, const FrameLayout& layout, const H5mdInfo&
     for (const auto& [name, value] : info.parameters)
         write_attribute(group.get(), name, value);
     std::int32_t number = 0;
-    for (const Kind& kind : layout.kinds) {
+    for (const Species& kind : layout.kinds) {
         write_attribute(kinds.get(), kind.name, H5T_NATIVE_INT32, &number);
         ++number;
     }
@@ -98,7 +98,7 @@ struct H5mdWriter::Impl {
             add("observables/" + name, {H5T_IEEE_F64LE, {}, rows_of_numbers, false});
     }
 
-    void add_series(const std::string& path, const Hdf5Series::Layout& rows) {
+    void add_series(const std::string& path, const Hdf5Series::ElementLayout& rows) {
         series.try_emplace(path, file.get(), path, rows);
     }
 
@@ -109,7 +109,7 @@ struct H5mdWriter::Impl {
     }
 
     /// An element in time with the common step and time.
-    void add(const std::string& element, const Hdf5Series::Layout& rows) {
+    void add(const std::string& element, const Hdf5Series::ElementLayout& rows) {
         add_series(element + "/value", rows);
         for (const std::string name : {"/step", "/time"}) {
             const std::string common = spheres + "position" + name;

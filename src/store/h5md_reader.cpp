@@ -178,9 +178,9 @@ const std::string trajectory_advice =
     "give a trajectory.h5md as rodwake dem writes it, or repeat the run if this should be one";
 
 /// Which row of a frame is whose, where bodies have numbers (`id`); the order is that of the first frame.
-class Rows {
+class BodyOrder {
 public:
-    Rows(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count)
+    BodyOrder(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count)
         : file_(file), path_(group + "id"), row_(count) {
         const bool in_time = file.has(path_) && file.has(path_ + "/value");
         if (file.has(path_))
@@ -238,16 +238,16 @@ private:
 };
 
 /// Position and number of the box of one kind of bodies.
-struct Places {
+struct BodyPositions {
     Hdf5Table position, image;
-    Rows row;
+    BodyOrder row;
     double factor;
     std::size_t beads;         ///< of the bodies
     std::vector<double> place; ///< of the frame read last, [count][3]
     std::vector<std::int32_t> box;
 
-    Places(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count,
-           std::size_t beads_of)
+    BodyPositions(const Hdf5Input& file, const std::string& group, hsize_t frames, hsize_t count,
+                  std::size_t beads_of)
         : position(file, group + "position/value", H5T_IEEE_F64LE),
           image(file, group + "image/value", H5T_STD_I32LE), row(file, group, frames, count),
           factor(si_factor(file, group + "position/value", H5mdUnit::length)), beads(beads_of),
@@ -284,7 +284,7 @@ struct Vectors {
 };
 
 struct Rods {
-    Places places;
+    BodyPositions places;
     Vectors orientation;
 
     Rods(const Hdf5Input& file, hsize_t frames, hsize_t count)
@@ -306,7 +306,7 @@ bool is_orientation(const std::array<double, 4>& q) {
 struct H5mdReader::Impl {
     Hdf5Input file;
     TrajectoryInfo info;
-    Places places;
+    BodyPositions places;
     Vectors velocity;
     double speed; ///< unit of the velocities, m/s
     std::optional<Rods> rods;
@@ -326,14 +326,14 @@ struct H5mdReader::Impl {
 
     /// Places in the box are finite; what is not looked at otherwise must be, too.
     void check(std::size_t frame, const char* kind, std::size_t count,
-               const std::vector<double>& place) const {
+               const std::vector<double>& position) const {
         for (std::size_t i = 0; i < count; ++i) {
-            const double x = place[3 * i], y = place[3 * i + 1];
+            const double x = position[3 * i], y = position[3 * i + 1];
             if (!(x >= 0.0 && x < info.box[0] && y >= 0.0 && y < info.box[1]))
                 refuse(frame, fmt::format("{} {} is at ({}, {}) m, outside the box of {} x {} m", kind, i, x,
                                           y, info.box[0], info.box[1]));
         }
-        if (!finite(place))
+        if (!finite(position))
             refuse(frame, "positions that are not finite");
     }
 

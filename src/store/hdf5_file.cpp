@@ -156,11 +156,11 @@ herr_t require_checksum(hid_t root, const char* name, const H5O_info_t* info, vo
         text(H5Aget_type(attribute.get()), H5Tclose, "read a checksum"),
         data(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose, "read back"),
         type(H5Dget_type(data.get()), H5Tclose, "read back");
-    std::string told(H5Tget_size(text.get()), '\0');
+    std::string stored(H5Tget_size(text.get()), '\0');
     const std::vector<hsize_t> extent = extent_of(data.get());
     const hsize_t count = extent.empty() ? 1 : extent[0];
-    return H5Aread(attribute.get(), text.get(), told.data()) >= 0 &&
-                   told.c_str() == checksum_text(checksum_of(data.get(), type.get(), 0, count))
+    return H5Aread(attribute.get(), text.get(), stored.data()) >= 0 &&
+                   stored.c_str() == checksum_text(checksum_of(data.get(), type.get(), 0, count))
                ? 0
                : -1;
 } catch (const std::exception&) {
@@ -306,7 +306,7 @@ std::vector<hsize_t> with_rows(hsize_t rows, const std::vector<hsize_t>& item) {
     return extent;
 }
 
-Hdf5Handle storage(const Hdf5Series::Layout& layout) {
+Hdf5Handle storage(const Hdf5Series::ElementLayout& layout) {
     const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
     const std::vector<hsize_t> chunk = with_rows(layout.chunk_rows, layout.item);
     H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
@@ -317,7 +317,7 @@ Hdf5Handle storage(const Hdf5Series::Layout& layout) {
     return Hdf5Handle(properties, H5Pclose, "set up chunks");
 }
 
-hid_t create(hid_t file, const std::string& path, const Hdf5Series::Layout& layout) {
+hid_t create(hid_t file, const std::string& path, const Hdf5Series::ElementLayout& layout) {
     const std::vector<hsize_t> none = with_rows(0, layout.item), any = with_rows(H5S_UNLIMITED, layout.item);
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(none.size()), none.data(), any.data()), H5Sclose,
                            "shape " + path);
@@ -328,7 +328,7 @@ hid_t create(hid_t file, const std::string& path, const Hdf5Series::Layout& layo
 
 } // namespace
 
-Hdf5Series::Hdf5Series(hid_t file, const std::string& path, const Layout& layout)
+Hdf5Series::Hdf5Series(hid_t file, const std::string& path, const ElementLayout& layout)
     : path_(path), type_(layout.type), extent_(with_rows(0, layout.item)),
       data_(create(file, path, layout), H5Dclose, "create " + path) {}
 

@@ -76,13 +76,13 @@ void write_attribute(hid_t object, const std::string& name, std::span<const std:
 /// A dataset that grows along its first dimension, row by row.
 class Hdf5Series {
 public:
-    struct Layout {
+    struct ElementLayout {
         hid_t type;                ///< in memory and in the file
         std::vector<hsize_t> item; ///< extents of a row; none: a number
         hsize_t chunk_rows;
         bool deflate; ///< shuffled and deflated
     };
-    Hdf5Series(hid_t file, const std::string& path, const Layout& layout);
+    Hdf5Series(hid_t file, const std::string& path, const ElementLayout& layout);
 
     /// `row` has the elements of a row in C order. Throws RunError with the system's reason.
     void append(const void* row);

@@ -31,8 +31,8 @@ public:
 
 private:
     static std::recursive_mutex& mutex() {
-        static std::recursive_mutex one;
-        return one;
+        static std::recursive_mutex item;
+        return item;
     }
     std::unique_lock<std::recursive_mutex> lock_;
 };

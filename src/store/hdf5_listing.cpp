@@ -245,14 +245,14 @@ bool hdf5_survives(const std::filesystem::path& path) {
 
 std::string list_hdf5(const std::filesystem::path& path) {
     const Hdf5Guard guard;
-    const std::optional<std::string> told = asked_of_child(path);
-    if (!told)
+    const std::optional<std::string> answer = asked_of_child(path);
+    if (!answer)
         return listing(path);
-    if (told->empty())
+    if (answer->empty())
         throw InputError(path.string() + ": the HDF5 file is damaged: the HDF5 library crashes on it");
-    if (told->front() == refused)
-        throw InputError(told->substr(1));
-    return told->substr(1);
+    if (answer->front() == refused)
+        throw InputError(answer->substr(1));
+    return answer->substr(1);
 }
 
 } // namespace rodwake::store

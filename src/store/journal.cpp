@@ -180,7 +180,7 @@ void Journal::index() {
 
 std::vector<std::byte> Journal::read(std::size_t record) {
     flush();
-    const Record& at = records_.at(record);
+    const RecordSpan& at = records_.at(record);
     const std::string bytes = read_at(descriptor_, at.offset + record_head, at.length + check_size, file_);
     const std::string_view content = std::string_view(bytes).substr(0, at.length);
     if (bytes.size() != at.length + check_size ||

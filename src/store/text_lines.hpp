@@ -101,7 +101,7 @@ public:
     }
 
     /// A row of a table, whose quoted cells may hold ends of lines; comments and rows of nothing are passed
-    /// over. The first row tells the separator.
+    /// over. The first row decides the separator.
     bool next_record(std::string_view& record) {
         for (std::size_t first = std::string_view::npos; first == std::string_view::npos;) {
             if (!next(record))

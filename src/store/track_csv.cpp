@@ -19,7 +19,20 @@ namespace rodwake::store {
 namespace {
 
 /// What a row says of a particle.
-enum Role : std::size_t { frame, id, x, y, heading, kind, time, thin_x, thin_y, thick_x, thick_y, roles };
+enum ColumnRole : std::size_t {
+    frame,
+    id,
+    x,
+    y,
+    heading,
+    kind,
+    time,
+    thin_x,
+    thin_y,
+    thick_x,
+    thick_y,
+    roles
+};
 
 struct RoleNames {
     const char* key; ///< of tracks.columns
@@ -42,7 +55,7 @@ constexpr RoleNames role_names[roles] = {
 
 constexpr std::size_t no_column = static_cast<std::size_t>(-1);
 
-struct Columns {
+struct ColumnRoles {
     std::array<std::size_t, roles> at{};   ///< which column has it
     std::vector<std::uint8_t> role_of;     ///< of the columns up to the last that is used
     std::array<std::string, roles> name{}; ///< as in the file
@@ -97,7 +110,7 @@ private:
         columns_.at.fill(no_column);
         guess_ends(names);
         for (std::size_t role = 0; role < roles; ++role)
-            find(static_cast<Role>(role), names);
+            find(static_cast<ColumnRole>(role), names);
         std::size_t last = 0;
         for (const std::size_t at : columns_.at)
             last = at == no_column ? last : std::max(last, at);
@@ -113,7 +126,7 @@ private:
         const auto called = [&](std::string_view name) {
             return std::ranges::find_if(names, [&](const std::string& n) { return alike(n, name); });
         };
-        for (const Role role : {x, y, heading})
+        for (const ColumnRole role : {x, y, heading})
             if (!(given_.*role_names[role].given).empty() ||
                 std::ranges::any_of(role_names[role].usual, [&](std::string_view usual) {
                     return !usual.empty() && called(usual) != names.end();
@@ -130,7 +143,7 @@ private:
         given_.ends = std::move(ends);
     }
 
-    void find(Role role, const std::vector<std::string>& names) {
+    void find(ColumnRole role, const std::vector<std::string>& names) {
         const RoleNames& of = role_names[role];
         const std::string given = of.given              ? given_.*of.given
                                   : given_.ends.empty() ? ""
@@ -159,7 +172,8 @@ private:
             fail(missing(fmt::format("no column for {} (usual: {})", of.key, of.usual[0]), role, names));
     }
 
-    static std::string missing(const std::string& what, Role role, const std::vector<std::string>& names) {
+    static std::string missing(const std::string& what, ColumnRole role,
+                               const std::vector<std::string>& names) {
         const std::string key =
             role == time     ? "tracks.time_column"
             : role >= thin_x ? std::string("tracks.columns = { ends = [\"x1\", \"y1\", \"x2\", \"y2\"] }")
@@ -247,7 +261,7 @@ private:
     bool ends(std::array<double, 4>& end) const {
         bool all = columns_.at[thin_x] != no_column;
         for (std::size_t k = 0; k < end.size(); ++k)
-            all = all && place(static_cast<Role>(thin_x + k), end[k]);
+            all = all && place(static_cast<ColumnRole>(thin_x + k), end[k]);
         return all;
     }
 
@@ -272,7 +286,7 @@ private:
     }
 
     /// False for a place that is none.
-    bool place(Role role, double& value) const {
+    bool place(ColumnRole role, double& value) const {
         const std::string_view cell = cells_[role];
         const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
         if (error == std::errc{} && end == cell.data() + cell.size())
@@ -283,7 +297,7 @@ private:
         return std::isfinite(value);
     }
 
-    double real(Role role) const {
+    double real(ColumnRole role) const {
         const auto value = number_in(cells_[role]);
         if (!value)
             wrong(role, "expected a number");
@@ -293,7 +307,7 @@ private:
     }
 
     /// A whole number, perhaps written as 12.0.
-    std::int64_t whole(Role role) const {
+    std::int64_t whole(ColumnRole role) const {
         const auto value = whole_in(cells_[role]);
         if (!value)
             wrong(role, role == frame
@@ -314,7 +328,7 @@ private:
         wrong(kind, "expected bead or rod, 0 or 1");
     }
 
-    [[noreturn]] void wrong(Role role, const std::string& expected) const {
+    [[noreturn]] void wrong(ColumnRole role, const std::string& expected) const {
         std::string text(cells_[role]), better = text;
         std::ranges::replace(better, ',', '.');
         const bool comma = better != text && number_in(better);
@@ -325,7 +339,7 @@ private:
     std::string path_;
     TrackColumns given_;
     LinesOfBlocks lines_;
-    Columns columns_;
+    ColumnRoles columns_;
     std::array<std::string_view, roles> cells_{};
     std::size_t skipped_ = 0, fields_ = 0; ///< fields of the header
     bool is_first_ = true, has_row_names_ = false;

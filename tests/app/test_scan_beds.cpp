@@ -40,7 +40,7 @@ double number(const scene::Scene& scene, const std::string& name) {
     const auto& names = made.columns.observables;
     const auto at = std::ranges::find(names, name);
     REQUIRE(at != names.end());
-    return app::yield_of(scene, tables()).values[static_cast<std::size_t>(at - names.begin())];
+    return app::observables_of(scene, tables()).values[static_cast<std::size_t>(at - names.begin())];
 }
 
 } // namespace

@@ -87,8 +87,8 @@ TEST_CASE("a table of a box is kept as those of the plane are") {
     CHECK(read.data() == made.data());
     CHECK(read.error() <= box_tolerance);
     // also what is worked out from the numbers of the file
-    CHECK(read.at_own_place(0.3, {.strain = true}).strain.xy ==
-          made.at_own_place(0.3, {.strain = true}).strain.xy);
+    CHECK(read.self_image_field(0.3, {.strain = true}).strain.xy ==
+          made.self_image_field(0.3, {.strain = true}).strain.xy);
     CHECK(read.at({0.1, 0.2, 0.3}, 0.5, 0.6, {.strain = true}).strain.xx ==
           made.at({0.1, 0.2, 0.3}, 0.5, 0.6, {.strain = true}).strain.xx);
     damage(folder.box_file());

@@ -58,7 +58,7 @@ NO_FILES = re.compile(r"^(fstream|iostream|ostream|cstdio)$")
 # What turns a scene into a plan, and tells of it.
 PLANS = {f"app/{name}.cpp" for name in (
     "run/describe", "run/plan", "run/schema", "theory/rods", "bed/granular", "bed/measure", "bed/measure_parts",
-    "bed/describe_granular", "fit/fit", "fit/fit_track", "fit/describe_fit", "scan/scan",
+    "bed/describe_granular", "fit/fit_plan", "fit/settle_data", "fit/describe_fit", "scan/scan",
     "scan/scan_problem")}
 # A measure is known to its own part and to the file of its kind: a header named as a file of that folder is one's.
 MEASURES = {path.stem for path in (SOURCE / KINDS).glob("*.cpp")}

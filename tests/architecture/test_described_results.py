@@ -20,11 +20,11 @@ struct R {{ double speed = 0.0; static constexpr auto fields() {{ return std::tu
 inline const auto size = std::get<0>(R::fields()).name.size();
 }}
 """
-TOLD = """namespace {name} {{
+ENTRY = """namespace {name} {{
 # 1 "{name}"
 struct Found {{ double speed = 0.0; }};
 constexpr rodwake::app::{text}, [](const Found& f) {{ return f.speed; }}}}}};
-inline const auto size = std::size(told);
+inline const auto size = std::size(entries);
 }}
 """
 KEPT = """namespace {name} {{ struct R {{ double x, y; }}; }}
@@ -52,25 +52,25 @@ QUOTED = {
     "non_reciprocity": {PAIRS, "app/scan/scan_values.cpp", "app/scene/figure_kinds.cpp"},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
-    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/app/run.hpp", "include/rodwake/scene/scene.hpp"},
+    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
     "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
     "separation": {PAIRS, "app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
-    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
-    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/fit_map_data.cpp"},
+    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
     "thrust": {"app/bed/measures/force.cpp"},
     "turn0": {PAIRS},
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
-    "chi2": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
+    "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
              "include/rodwake/app/measure_report.hpp", "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
-    "dof": {"app/bed/measures/force.cpp", "app/fit/fit_files.cpp"},
+    "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp"},
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
-    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/posterior_files.cpp"},  # of posterior.json
+    "log_evidence": {"app/fit/fit_models.cpp", "app/fit/write_posterior.cpp"},  # of posterior.json
     "log_evidence_stderr": {"app/fit/fit_models.cpp"},
-    "misfit": {"app/fit/fit_files.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
+    "misfit": {"app/fit/write_fit.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
 
@@ -115,8 +115,8 @@ class DescribedResultsTest(unittest.TestCase):
         self.assert_refused(said, "unit", "unit", "meaning", "name")
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
-        values = [f'ToldValue<Found> told[] = {{{{{{"speed", "Speed", {rest}}}' for rest in ('"a/s", "of the rod"', '"a/s", ""', '"a/ss", "of the rod"')]
-        said = errors_of("bed/measure_parts.hpp", TOLD, *values, 'RowColumn<Found> told[] = {{{"speed", "", "of the rod"}')
+        values = [f'ResultValue<Found> entries[] = {{{{{{"speed", "Speed", {rest}}}' for rest in ('"a/s", "of the rod"', '"a/s", ""', '"a/ss", "of the rod"')]
+        said = errors_of("bed/measure_parts.hpp", ENTRY, *values, 'RowColumn<Found> entries[] = {{{"speed", "", "of the rod"}')
         self.assert_refused(said, *["meaning and a unit"] * 3)
 
     def test_a_struct_of_a_checkpoint_with_a_part_left_out_does_not_compile(self):

@@ -86,7 +86,7 @@ TEST_CASE("a pair's course: along and across the mean first heading, outwards po
         const double c = std::cos(turn), s = std::sin(turn);
         for (const double side : {1.0, -1.0}) {
             const double y = side * 5.0;
-            const PairCourse course(turn + 0.2, turn - 0.2, 2.0 * c - y * s, 2.0 * s + y * c);
+            const PairFrame course(turn + 0.2, turn - 0.2, 2.0 * c - y * s, 2.0 * s + y * c);
             REQUIRE(course.common());
             CHECK(course.separation() == Approx(5.0).epsilon(1e-14)); // rounding of a few products
             CHECK(course.ahead(c, s) == Approx(1.0).epsilon(1e-14));
@@ -95,5 +95,5 @@ TEST_CASE("a pair's course: along and across the mean first heading, outwards po
             CHECK(course.change(c, s) == Approx(0.0).margin(1e-14));
         }
     }
-    CHECK_FALSE(PairCourse(0.0, pi, 1.0, 0.0).common());
+    CHECK_FALSE(PairFrame(0.0, pi, 1.0, 0.0).common());
 }

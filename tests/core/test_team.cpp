@@ -16,14 +16,14 @@
 #include <vector>
 
 using rodwake::parallel_for;
-using rodwake::Team;
+using rodwake::ThreadPool;
 
 namespace {
 
 using namespace std::chrono_literals;
 
 /// How often each task of a round was done. Not atomic: no task runs twice, and all is seen when run returns.
-std::vector<int> round_of(Team& team, std::size_t count) {
+std::vector<int> round_of(ThreadPool& team, std::size_t count) {
     std::vector<int> done(count, 0);
     team.run(count, [&](std::size_t i) { ++done[i]; });
     return done;
@@ -37,14 +37,14 @@ bool once_each(const std::vector<int>& done) {
 
 TEST_CASE("a team does every task of every round once", "[threads]") {
     for (const std::size_t threads : {1u, 2u, 3u, 8u}) {
-        Team team(threads);
+        ThreadPool team(threads);
         for (std::size_t round = 0; round < 3000; ++round)
             REQUIRE(once_each(round_of(team, round % 17)));
     }
 }
 
 TEST_CASE("a team with more threads than tasks, or with none to do, ends", "[threads]") {
-    Team team(6);
+    ThreadPool team(6);
     int once = 0;
     team.run(0, [&](std::size_t) { ++once; });
     CHECK(once == 0);
@@ -56,7 +56,7 @@ TEST_CASE("a team with more threads than tasks, or with none to do, ends", "[thr
 }
 
 TEST_CASE("what one round writes the next one reads, whoever does it", "[threads]") {
-    Team team(3);
+    ThreadPool team(3);
     std::vector<long> value(100, 1), next(100, 0);
     for (int round = 0; round < 500; ++round) {
         team.run(100, [&](std::size_t i) { next[i] = value[(i + 7) % 100] + static_cast<long>(i % 3); });
@@ -74,12 +74,12 @@ TEST_CASE("what one round writes the next one reads, whoever does it", "[threads
 
 TEST_CASE("a team that never worked goes away quietly", "[threads]") {
     for (int k = 0; k < 200; ++k)
-        Team team(4);
+        ThreadPool team(4);
     SUCCEED();
 }
 
 TEST_CASE("the work is shared out among the threads", "[threads]") {
-    Team team(2);
+    ThreadPool team(2);
     std::vector<std::thread::id> who(2);
     std::atomic<int> waiting{0};
     team.run(2, [&](std::size_t i) { // each waits for the other: one thread alone would never get past
@@ -93,7 +93,7 @@ TEST_CASE("the work is shared out among the threads", "[threads]") {
 
 TEST_CASE("a team that fell asleep between rounds wakes up, and ends asleep", "[threads]") {
     for (int k = 0; k < 10; ++k) {
-        Team team(3);
+        ThreadPool team(3);
         for (int round = 0; round < 10; ++round) {
             REQUIRE(once_each(round_of(team, 7)));
             std::this_thread::sleep_for(200us); // they watch for 50
@@ -102,7 +102,7 @@ TEST_CASE("a team that fell asleep between rounds wakes up, and ends asleep", "[
 }
 
 TEST_CASE("a round does not wait for a thread that never begins", "[threads]") {
-    Team team(3);
+    ThreadPool team(3);
     round_of(team, 50);
     const pid_t child = fork(); // which has the caller's thread alone
     REQUIRE(child >= 0);
@@ -119,7 +119,7 @@ TEST_CASE("a round does not wait for a thread that never begins", "[threads]") {
 }
 
 TEST_CASE("a team that waits leaves the processor to others", "[threads]") {
-    Team team(4);
+    ThreadPool team(4);
     const auto idle = [&] {
         round_of(team, 100);
         const std::clock_t before = std::clock(); // processor time of all threads
@@ -141,7 +141,7 @@ TEST_CASE("a team that waits leaves the processor to others", "[threads]") {
 }
 
 TEST_CASE("a team in use by one caller lets others do their tasks alone", "[threads]") {
-    Team team(3);
+    ThreadPool team(3);
     std::atomic<int> wrong{0}, inner{0};
     const auto call = [&] {
         for (int round = 0; round < 200; ++round) {
@@ -161,7 +161,7 @@ TEST_CASE("a team in use by one caller lets others do their tasks alone", "[thre
 }
 
 TEST_CASE("a team's loops hand on the exception of the lowest index", "[threads]") {
-    Team team(2);
+    ThreadPool team(2);
     std::atomic<int> done{0};
     const auto task = [&](std::size_t i) {
         ++done;

@@ -99,7 +99,7 @@ TEST_CASE("near pairs lose what the nodes gave them") {
             std::vector<KernelSource> rods;
             for (const Source& rod : all.rods)
                 rods.push_back({rod.x, rod.y, std::cos(rod.heading), std::sin(rod.heading)});
-            const FarWakes::Plan plan = far.plan(rods);
+            const FarWakes::QuadraturePlan plan = far.plan(rods);
             const NearHeat& heat = far.near_heat(plan);
             // just within the reach exact field and heat are one: nothing is left of them
             NearSources sources;

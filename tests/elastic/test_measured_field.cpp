@@ -128,7 +128,7 @@ TEST_CASE("a measured field in a box has images and turns with its rod") {
         CHECK(largest_difference(here, wake->at(p.x + side.x, p.y + side.y, everything)) <
               1e-9); // rounding of the exact field's images
         const Vector q{p.x + side.x, p.y + side.y};
-        const FieldValues change = wake->by_heading(q.x, q.y, {.strain = true, .polar = true});
+        const FieldValues change = wake->heading_derivative(q.x, q.y, {.strain = true, .polar = true});
         const auto a = ahead->at(q.x, q.y, everything), b = before->at(q.x, q.y, everything);
         const auto close = [](double value) { return Approx(value).epsilon(1e-5).margin(1e-5); };
         CHECK(change.strain.xy == close((a.strain.xy - b.strain.xy) / (2.0 * h)));
@@ -158,7 +158,7 @@ TEST_CASE("a measured field says what it cannot do, and refuses what is no field
     CHECK(field->capabilities().gradients);
     CHECK_FALSE(field->capabilities().dipole);
     CHECK_THROWS_AS(field->wake(0.0)->at(1.0, 1.0, {.dipole = true}), InputError);
-    CHECK_THROWS_AS(field->wake(0.0)->by_medium(1.0, 1.0, {.strain = true}), InputError);
+    CHECK_THROWS_AS(field->wake(0.0)->medium_derivatives(1.0, 1.0, {.strain = true}), InputError);
     CHECK_THROWS_AS(field->wake(0.0)->at(0.0, 0.0, {.strain = true}), InputError);
     const MeasuredGrid good = sampled(16, 0.1, false);
     const auto refuses = [&](auto spoil, const std::string& words) {

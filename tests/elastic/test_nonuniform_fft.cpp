@@ -84,7 +84,7 @@ TEST_CASE("eight lines at once are transformed as their sums say") {
 TEST_CASE("sums over points and over modes are exact to 1e-12") {
     constexpr double box = 7.0;
     for (const std::size_t half : {1, 5, 24}) {
-        Team team(1);
+        ThreadPool team(1);
         NonuniformFft transform(box, half, team);
         const std::vector<double> at = places(box, 40);
         const std::vector<Complex> w = weights(40);
@@ -125,7 +125,7 @@ TEST_CASE("sums over points and over modes are exact to 1e-12") {
 TEST_CASE("threads change no bit of a transform", "[threads]") {
     std::vector<std::vector<double>> ends;
     for (const std::size_t threads : {1, 2, 3}) {
-        Team team(threads);
+        ThreadPool team(threads);
         NonuniformFft transform(7.0, 20, team);
         transform.place(places(7.0, 300));
         transform.to_modes(weights(300));

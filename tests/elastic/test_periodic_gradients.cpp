@@ -120,9 +120,9 @@ FieldValues by_differences(FieldAt field_at, const BoxPoint& p) {
 /// Of the derivative, and of that rounding.
 Norms scale_of(const PeriodicField& field, const BoxPoint& p) {
     const double r = std::hypot(p.x, p.y);
-    const Norms by_heading =
-        largest_on_circle(r, [&](double x, double y) { return norms(field.by_heading(x, y, plain)); });
-    return sum(by_heading, largest_at(field, r), 1e-2 / angle_of_change(p));
+    const Norms heading_derivative = largest_on_circle(
+        r, [&](double x, double y) { return norms(field.heading_derivative(x, y, plain)); });
+    return sum(heading_derivative, largest_at(field, r), 1e-2 / angle_of_change(p));
 }
 
 } // namespace
@@ -134,7 +134,8 @@ TEST_CASE("the derivative of the periodic field by heading is that of difference
         p.x = p.x < 0.0 ? p.x - 0.1 * p.box : p.x + 0.1 * p.box; // the oracle loses digits near the rod
         p.xi = std::min(p.xi, 100.0 * p.box);                    // and in small boxes
         const PeriodicField field = field_of(p);
-        const FieldValues got = field.by_heading(p.x, p.y, plain), exact = by_differences(periodic_field, p);
+        const FieldValues got = field.heading_derivative(p.x, p.y, plain),
+                          exact = by_differences(periodic_field, p);
         CAPTURE(k, p.aspect, p.box / p.xi, p.eta, p.heading, p.x / p.box, p.y / p.box);
         const Norms scale = scale_of(field, p);
         CHECK(worst(distances(got, exact), scale) < promised);
@@ -157,7 +158,7 @@ TEST_CASE("the derivative of the periodic field by heading is that of its own di
         const auto field_at = [](const BoxPoint& q) { return field_of(q).at(q.x, q.y, plain); };
         const PeriodicField field = field_of(p);
         CAPTURE(k, xi, p.eta, p.heading, p.x, p.y);
-        CHECK(worst(distances(field.by_heading(p.x, p.y, plain), by_differences(field_at, p)),
+        CHECK(worst(distances(field.heading_derivative(p.x, p.y, plain), by_differences(field_at, p)),
                     scale_of(field, p)) < promised);
     }
 }
@@ -167,12 +168,12 @@ TEST_CASE("what the images do to their own rod changes with its heading as by di
         for (const double ratio : {1e-3, 1e-2, 0.019, 0.5, 5.0, 11.9, 12.1, 100.0})
             for (const double heading : headings) {
                 const BoxPoint p{0.01, 0.0, 1.0 / ratio, 1.3, 1.0, heading, aspect};
-                const auto own_field = [](const BoxPoint& q) { return field_of(q).at_own_place(plain); };
+                const auto own_field = [](const BoxPoint& q) { return field_of(q).self_image_field(plain); };
                 const FieldValues got = field_of(p).own_place_by_heading(plain);
                 CAPTURE(aspect, ratio, heading);
                 // By symmetry it may vanish: of the field, and 2e-11 of U over a length, 100 ulp (G_T - G_L
                 // at c L = 0.01), over a 100th of the angle
-                const Norms own = norms(field_of(p).at_own_place(plain));
+                const Norms own = norms(field_of(p).self_image_field(plain));
                 Norms scale = sum(norms(got), own, 0.1 / angle_of_change(p));
                 for (double& one : scale)
                     one += 2e-2 * own[0] / angle_of_change(p);
@@ -185,15 +186,16 @@ TEST_CASE("the derivative by heading has the box's symmetries") {
         const auto box_of = [&](double heading) {
             return PeriodicField({.eta = 2.0, .xi = 1.0 / ratio}, 1.0, heading);
         };
-        const FieldValues on_axis = box_of(0.0).by_heading(0.3, 0.0, plain),
-                          size = box_of(0.4).by_heading(0.3, 0.0, plain);
+        const FieldValues on_axis = box_of(0.0).heading_derivative(0.3, 0.0, plain),
+                          size = box_of(0.4).heading_derivative(0.3, 0.0, plain);
         CHECK(std::abs(on_axis.displacement.x) < 1e-11 * norms(size)[0]); // mirror symmetry
         CHECK(std::abs(on_axis.strain.yy) < 1e-11 * norms(size)[1]);
         CHECK(norms(on_axis)[1] > 1e-3 * norms(size)[1]);
         for (const auto& [x, y] : {std::pair{0.1, 0.15}, {-0.3, 0.1}, {0.05, -0.4}}) {
-            const FieldValues f = box_of(0.4).by_heading(x, y, plain);
+            const FieldValues f = box_of(0.4).heading_derivative(x, y, plain);
             // a quarter turn; the headings differ by rounding times L/xi
-            CHECK(worst(distances(box_of(0.4 + pi / 2).by_heading(x, y, plain), f), norms(f)) < 1e-10);
+            CHECK(worst(distances(box_of(0.4 + pi / 2).heading_derivative(x, y, plain), f), norms(f)) <
+                  1e-10);
         }
     }
 }
@@ -203,8 +205,8 @@ TEST_CASE("the derivative by heading repeats but for the images' own motion") {
         for (const auto& [x, y] : {std::pair{0.1, 0.15}, {-0.3, 0.4}}) {
             const PeriodicField field({.eta = 2.0, .xi = 1.0 / ratio}, 1.0, 0.4);
             const Vector shift = to_rod(0.4, 2.0, -1.0);
-            const FieldValues here = field.by_heading(x, y, plain),
-                              there = field.by_heading(x + shift.x, y + shift.y, plain),
+            const FieldValues here = field.heading_derivative(x, y, plain),
+                              there = field.heading_derivative(x + shift.x, y + shift.y, plain),
                               f = field.at(x, y, {.strain = true, .polar = true, .gradients = true});
             // f(x + s) = f(x) with s turning as (s_y, -s_x)
             const double by_shift = shift.y * f.strain_x.yy - shift.x * f.strain_y.yy;
@@ -251,16 +253,16 @@ TEST_CASE("derivatives of the periodic field by the medium are those of differen
 TEST_CASE("only what is asked of a periodic field and its derivatives is made") {
     const PeriodicField field({}, 2.0, 0.3);
     for (const double x : {0.2, 0.8, 2.1}) {
-        const elastic::MediumDerivatives by_medium = field.medium_derivatives(x, 0.1, plain),
+        const elastic::MediumDerivatives medium_derivatives = field.medium_derivatives(x, 0.1, plain),
                                          one = field.medium_derivatives(x, 0.1, {.displacement = true});
-        CHECK(one.by_xi.displacement.x == by_medium.by_xi.displacement.x);
-        CHECK(one.by_eta.displacement.y == by_medium.by_eta.displacement.y);
+        CHECK(one.by_xi.displacement.x == medium_derivatives.by_xi.displacement.x);
+        CHECK(one.by_eta.displacement.y == medium_derivatives.by_eta.displacement.y);
         CHECK(std::isnan(norms(one.by_xi)[1]));
         CHECK(std::isnan(norms(one.by_eta)[4]));
         CHECK(field.at(x, 0.1, {.displacement = true}).displacement.x ==
               field.at(x, 0.1, plain).displacement.x);
-        const FieldValues turned = field.by_heading(x, 0.1, {.displacement = true});
-        CHECK(turned.displacement.x == field.by_heading(x, 0.1, plain).displacement.x);
+        const FieldValues turned = field.heading_derivative(x, 0.1, {.displacement = true});
+        CHECK(turned.displacement.x == field.heading_derivative(x, 0.1, plain).displacement.x);
         CHECK(std::isnan(turned.strain.xx));
         CHECK(std::isnan(turned.dipole.y));
         CHECK(std::isnan(turned.strain_x.xx));
@@ -274,5 +276,5 @@ TEST_CASE("only what is asked of a periodic field and its derivatives is made") 
         CHECK(std::isnan(strain.laplacian_x.x));
         CHECK(std::isnan(all.dipole.x));
     }
-    CHECK(std::isfinite(field.at_own_place(with_gradients).strain_x.xy));
+    CHECK(std::isfinite(field.self_image_field(with_gradients).strain_x.xy));
 }

@@ -148,7 +148,7 @@ TEST_CASE("a box of many screening lengths is the infinite plane beside and ahea
     CHECK(distances(by_place(slopes, false), by_place(exact, false))[1] < 1e-5);
     CHECK(distances(by_place(slopes, true), by_place(exact, true))[2] < 1e-5);
     CHECK(norms(by_place(exact, false))[1] > 1e-2);
-    const Norms turned = norms(field.by_heading(x, y, plain)); // the images' wakes move by L a radian
+    const Norms turned = norms(field.heading_derivative(x, y, plain)); // the images' wakes move by L a radian
     CHECK(turned[0] < 8e-3 * 400.0 / 40.0);
     CHECK(turned[1] < 2e-4 * 400.0 / 40.0);
     CHECK(turned[2] < 1e-4 * 400.0 / 40.0);
@@ -219,7 +219,7 @@ TEST_CASE("near the rod the periodic field is the infinite plane's and the image
     for (const double ratio : {0.015, 3.0, 50.0}) {
         const PeriodicField field = box_of(ratio, 1.0, 0.5);
         const elastic::Field plane(field.medium());
-        const FieldValues own = field.at_own_place(plain);
+        const FieldValues own = field.self_image_field(plain);
         const double r = 1e-9;
         const FieldValues got = field.at(r, r, plain), single = plane.at(r, r, plain);
         CHECK(std::abs(got.displacement.x - single.displacement.x - own.displacement.x) < 1e-8);
@@ -237,14 +237,14 @@ TEST_CASE("near the rod the periodic field is the infinite plane's and the image
             mean.xx += (with.xx - without.xx) / 8;
             mean.xy += (with.xy - without.xy) / 8;
         }
-        const FieldValues own = field.at_own_place(plain);
+        const FieldValues own = field.self_image_field(plain);
         CHECK(std::abs(mean.xy - own.strain.xy) <
               1e-4 * norms(own)[1]); // r^2 times the square of c L = 25 and less
         CHECK(std::abs(mean.xx - own.strain.xx) < 1e-3 * norms(own)[1]);
     }
-    CHECK(box_of(3.0, 1.0, 0.0).at_own_place(plain).strain.xy ==
+    CHECK(box_of(3.0, 1.0, 0.0).self_image_field(plain).strain.xy ==
           Approx(0.0).margin(1e-13)); // mirror symmetry
-    CHECK(std::abs(box_of(3.0, 1.0, 0.5).at_own_place(plain).strain.xy) > 1e-6);
+    CHECK(std::abs(box_of(3.0, 1.0, 0.5).self_image_field(plain).strain.xy) > 1e-6);
 }
 
 TEST_CASE("bad boxes and places are errors") {
@@ -272,7 +272,7 @@ TEST_CASE("bad boxes and places are errors") {
     CHECK_THROWS_WITH(field.at(2.0, -4.0, {.displacement = true}),
                       Catch::Contains("x = 2, y = -4") && Catch::Contains("images"));
     CHECK_THROWS_WITH(field.at(nan, 0.0, {.displacement = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(field.by_heading(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(field.heading_derivative(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
     CHECK_THROWS_WITH(field.own_place_by_heading({.gradients = true}), Catch::Contains("gradients"));
     CHECK_THROWS_WITH(field.medium_derivatives(0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
 }

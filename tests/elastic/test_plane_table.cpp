@@ -213,7 +213,7 @@ TEST_CASE("the derivative of the table by heading is that of the field") {
                     PeriodicField(table.medium(), box, changed.source.heading).at(place.x, place.y, plain),
                     changed.source.heading);
             };
-            const FieldValues got = table.by_heading(at.source, at.x, at.y, plain);
+            const FieldValues got = table.heading_derivative(at.source, at.x, at.y, plain);
             const PeriodicField field(table.medium(), box, at.source.heading);
             const double rate = std::max(1.0, ratio / pi); // of the field's change by heading
             Norms scale = largest_at(field, at.distance());
@@ -232,11 +232,11 @@ TEST_CASE("the table knows what the images do to their own rod") {
         const PeriodicTable table(medium_of(ratio, 2.0), box);
         for (const double heading : {0.0, 0.3, pi / 4, -0.2, 1.2, 3.0, -2.2, 40.0}) {
             const PeriodicField field(table.medium(), box, heading);
-            const FieldValues own = table.at_own_place(heading, plain);
+            const FieldValues own = table.self_image_field(heading, plain);
             const Norms scale = largest_at(field, 0.5 * box);
             CAPTURE(ratio, heading);
-            CHECK(worst(distances(own, to_lab(field.at_own_place(plain), heading)), scale) < 1e-8);
-            const FieldValues f = field.at_own_place(plain), turn = field.own_place_by_heading(plain);
+            CHECK(worst(distances(own, to_lab(field.self_image_field(plain), heading)), scale) < 1e-8);
+            const FieldValues f = field.self_image_field(plain), turn = field.own_place_by_heading(plain);
             // in the lab's components the field turns too
             FieldValues sum = turn;
             sum.strain.xx -= 2.0 * f.strain.xy;
@@ -244,9 +244,10 @@ TEST_CASE("the table knows what the images do to their own rod") {
             sum.strain.yy += 2.0 * f.strain.xy;
             const FieldValues exact = to_lab(sum, heading), got = table.own_place_by_heading(heading, plain);
             CHECK(distances(got, exact)[1] < 1e-6 * scale[1] * std::max(1.0, ratio / pi));
-            const FieldValues gradients = table.at_own_place(heading, {.strain = true, .gradients = true});
+            const FieldValues gradients =
+                table.self_image_field(heading, {.strain = true, .gradients = true});
             CHECK(gradients.strain.xy == Approx(own.strain.xy).epsilon(0).margin(1e-13 * scale[1]));
-            const auto along = field.at_own_place({.strain = true, .gradients = true});
+            const auto along = field.self_image_field({.strain = true, .gradients = true});
             const double c = std::cos(heading), s = std::sin(heading);
             CHECK(std::abs(gradients.strain_x.xy -
                            (c * turned(along.strain_x, c, s).xy - s * turned(along.strain_y, c, s).xy)) <
@@ -272,8 +273,8 @@ TEST_CASE("only what is asked of a table is evaluated") {
     CHECK(one.laplacian.x == all.laplacian.x);
     CHECK(std::isnan(one.strain.xx));
     CHECK(std::isnan(one.strain_x.xx));
-    CHECK(std::isnan(table.by_heading({}, 0.4, 0.3, {.strain = true}).displacement.x));
-    CHECK(std::isnan(table.at_own_place(0.3, {.strain = true}).dipole.y));
+    CHECK(std::isnan(table.heading_derivative({}, 0.4, 0.3, {.strain = true}).displacement.x));
+    CHECK(std::isnan(table.self_image_field(0.3, {.strain = true}).dipole.y));
 }
 
 TEST_CASE("bad tables and places are errors") {
@@ -288,7 +289,8 @@ TEST_CASE("bad tables and places are errors") {
     CHECK_THROWS_AS(table.at({0.0, 0.0, 0.1}, box, -2.0 * box, {.strain = true}), InputError);
     CHECK_THROWS_WITH(table.at({0.0, 0.0, nan}, 1.0, 1.0, {.strain = true}), Catch::Contains("finite"));
     CHECK_THROWS_WITH(table.at({}, nan, 1.0, {.strain = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(table.at_own_place(nan, {.strain = true}), Catch::Contains("finite"));
-    CHECK_THROWS_WITH(table.by_heading({}, 0.1, 0.1, {.gradients = true}), Catch::Contains("gradients"));
+    CHECK_THROWS_WITH(table.self_image_field(nan, {.strain = true}), Catch::Contains("finite"));
+    CHECK_THROWS_WITH(table.heading_derivative({}, 0.1, 0.1, {.gradients = true}),
+                      Catch::Contains("gradients"));
     CHECK_THROWS_WITH(table.own_place_by_heading(0.1, {.gradients = true}), Catch::Contains("gradients"));
 }

@@ -138,7 +138,7 @@ TEST_CASE("a request for nothing gives no zeros to take for a field") {
         CHECK(numbers(elastic::PeriodicField({}, 100.0).medium_derivatives(x, 0.2, {}).by_xi) == 0);
         CHECK(numbers(elastic::Field({}).at(x, 0.2, everything)) == 25);
     }
-    CHECK(numbers(elastic::PeriodicField({}, 100.0).at_own_place({})) == 0);
+    CHECK(numbers(elastic::PeriodicField({}, 100.0).self_image_field({})) == 0);
 }
 
 // --- Conversions between the ways a medium is given

@@ -34,7 +34,7 @@ struct Batch {
     std::vector<Source> sources;
     std::vector<double> x, y;
 
-    Places places() const { return {x, y}; }
+    FieldPoints places() const { return {x, y}; }
     Sums sums(const Medium& medium, Accuracy accuracy = Accuracy::full) const {
         Sums sums(x.size());
         WakeKernel(medium, accuracy).strain_and_polar(sources, places(), sums.strain(), sums.polar());

@@ -44,8 +44,8 @@ Map map_with_moments(std::size_t n, double sigma) { return made_by(map_of(n, sig
 const std::vector<std::string> linear = {"amplitude", "p_xx", "p_yy", "q_xxx", "q_xyy", "offset"};
 const MapMask beyond{.strip = 8.0, .radius = 15.0}; // five widths of the source
 
-Estimate estimate_of(const Report& r, const std::string& name) {
-    return *std::ranges::find(r.estimates, name, &Estimate::name);
+ParameterEstimate estimate_of(const Report& r, const std::string& name) {
+    return *std::ranges::find(r.estimates, name, &ParameterEstimate::name);
 }
 
 } // namespace
@@ -71,7 +71,7 @@ TEST_CASE("second moments come back within their errors, and chi2 needs them") {
     const Problem problem = map_problem(model, {map}, beyond, parameters);
     const Report r = report(problem, fit(problem, {}));
     for (const std::string name : {"amplitude", "p_xx", "p_yy", "q_xxx", "q_xyy"}) {
-        const Estimate e = estimate_of(r, name);
+        const ParameterEstimate e = estimate_of(r, name);
         const double true_value = std::ranges::find(parameters, name, &Parameter::name)->start;
         CAPTURE(name, e.value, e.standard_error);
         CHECK(std::abs(e.value - true_value) < 4.0 * e.standard_error); // by chance once in 16 000

@@ -70,7 +70,7 @@ std::pair<double, double> pull(const Trajectory& data, double held_noise = -1.0)
     const Fit found = fit(problem, {});
     const Report told = report(problem, found);
     const auto at = [&](const char* name) {
-        return *std::ranges::find(told.estimates, name, &fitting::Estimate::name);
+        return *std::ranges::find(told.estimates, name, &fitting::ParameterEstimate::name);
     };
     return {(at("kappa").value - kappa) / at("kappa").standard_error, std::log(at("D_r").value / D_r)};
 }

@@ -83,7 +83,7 @@ TEST_CASE("the scale of the search changes no error") {
 
 TEST_CASE("errors of a logarithmic parameter are symmetric in the logarithm") {
     const Report r = reported(toy::decay(40, 3));
-    const Estimate& b = r.estimates[1];
+    const ParameterEstimate& b = r.estimates[1];
     CHECK(b.value / b.low == Approx(b.high / b.value).epsilon(1e-12));
     CHECK(std::log(b.high / b.value) == Approx(1.959964 * b.standard_error / b.value).epsilon(1e-12));
     Problem linear = toy::decay(40, 3);
@@ -96,7 +96,7 @@ TEST_CASE("tied parameters follow, with their errors") {
     problem.parameters[2].tied_to = "a";
     problem.parameters[2].tie_factor = -0.25;
     const Report r = reported(problem);
-    const Estimate &a = r.estimates[0], &c = r.estimates[2];
+    const ParameterEstimate &a = r.estimates[0], &c = r.estimates[2];
     CHECK(r.free == std::vector<std::size_t>{0, 1});
     CHECK(c.value == -0.25 * a.value);
     CHECK(c.standard_error == 0.25 * a.standard_error);
@@ -147,7 +147,7 @@ TEST_CASE("a parameter on a bound has a one-sided interval, up to where chi2 has
         problem.parameters[0] =
             toy::bounded("a", 0.2, 1e-9, 0.5); // far below what is allowed in the logarithm
         problem.parameters[0].transform = log ? Transform::log : Transform::linear;
-        const Estimate upper = reported(problem).estimates[0];
+        const ParameterEstimate upper = reported(problem).estimates[0];
         CHECK(upper.high == 0.5);
         CHECK(upper.low == 1e-9);
     }

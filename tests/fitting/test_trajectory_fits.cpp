@@ -183,7 +183,7 @@ int held(bool free_start) {
         Method method;
         method.algorithm = Algorithm::lbfgs;
         const Report said = report(problem, fit(problem, method));
-        const auto kappa = std::ranges::find(said.estimates, "kappa", &fitting::Estimate::name);
+        const auto kappa = std::ranges::find(said.estimates, "kappa", &fitting::ParameterEstimate::name);
         count += kappa->low <= 0.5 && 0.5 <= kappa->high ? 1 : 0;
     }
     return count;

@@ -32,7 +32,7 @@ bool any_nan(const Fit& fit, const Report& report) {
     bool found = std::isnan(fit.objective) || std::isnan(fit.chi2) || std::isnan(fit.distance) ||
                  report.covariance.hasNaN() || report.correlation.hasNaN() || report.root.hasNaN() ||
                  std::isnan(report.probability) || std::isnan(report.error_factor);
-    for (const Estimate& e : report.estimates)
+    for (const ParameterEstimate& e : report.estimates)
         found = found || std::isnan(e.value) || std::isnan(e.standard_error) || std::isnan(e.low) ||
                 std::isnan(e.high);
     for (const FlatDirection& flat : report.flat)

@@ -271,7 +271,7 @@ TEST_CASE("a bed of two sizes finds all overlaps, and goes on from its state to 
     problem.steps = 3000;
     Simulation simulation(problem, make_start(problem, 0));
     // Overlaps of each step are those of a run whose lists are new, and new lists find all that there are.
-    Team team(1);
+    ThreadPool team(1);
     const std::vector<double> still{0.0};
     std::int64_t overlaps = 0;
     for (int k = 0; k < 150; ++k) {

@@ -54,7 +54,7 @@ struct Flown {
 };
 
 Flown fly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
-    Range range = Range::empty();
+    BodyRange range = BodyRange::empty();
     std::vector<std::uint32_t> out;
     drift(position.data(), velocity.data(), begin, end, {2e-5, 9.81, -5e-4, 5e-4}, range, out);
     return {bits(position), bits(velocity), bits(std::vector<double>(range.low, range.low + 3)),
@@ -63,7 +63,7 @@ Flown fly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
 
 /// What drift has to do, one bead after the other.
 Flown fly_plainly(Rows position, Rows velocity, std::size_t begin, std::size_t end) {
-    Range range = Range::empty();
+    BodyRange range = BodyRange::empty();
     std::vector<std::uint32_t> out;
     for (std::size_t i = begin; i < end; ++i) {
         double *x = &position[4 * i], *v = &velocity[4 * i];
@@ -200,7 +200,7 @@ TEST_CASE("cells find all near pairs") {
             std::fill(rod_of.begin() + 10, rod_of.end(), 1);
             PairList list;
             const double skin = 0.5 * a;
-            Team team(1);
+            ThreadPool team(1);
             near_pairs(bodies, box, skin, team, list);
             std::vector<std::pair<std::uint32_t, std::uint32_t>> wanted, found;
             for (std::uint32_t i = 0; i < count; ++i)

@@ -203,7 +203,7 @@ TEST_CASE("a free rod keeps what the plates give it and the beads do not take") 
     Record record(3.0 * a, 1);
     Written rows;
     go_on(run, record, rows, 100); // held until t = 0
-    const Tallies before = run.tallies();
+    const Counters before = run.tallies();
     const Eigen::Vector3d velocity = run.rod(0).velocity;
     go_on(run, record, rows, 1100);
     const Eigen::Vector3d plates = run.tallies().impulse_from_plates[0] - before.impulse_from_plates[0],

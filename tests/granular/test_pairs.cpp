@@ -106,7 +106,7 @@ PairSetting setting(const GranularProblem& p) { return {p.contacts, p.box, p.tim
 
 struct Outcome {
     Motion before, after;
-    Tallies tallies;
+    Counters tallies;
 };
 
 Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
@@ -116,13 +116,13 @@ Outcome collide(const Scene& s, const std::vector<Pair>& pairs) {
     o.tallies.impulse_on_beads.resize(2, Vector3::Zero());
     const Vector3 point = (row(b.position, pairs[0].first) + row(b.position, pairs[0].second)) / 2.0;
     o.before = motion(b, point);
-    Team team(1);
+    ThreadPool team(1);
     contacts.resolve(b, pairs, o.tallies, team);
     o.after = motion(b, point);
     return o;
 }
 
-std::int64_t impulses(const Tallies& t) { return t.bead_bead + t.bead_rod + t.rod_rod; }
+std::int64_t impulses(const Counters& t) { return t.bead_bead + t.bead_rod + t.rod_rod; }
 
 } // namespace
 
@@ -176,10 +176,10 @@ TEST_CASE("what a rod gave to the beads is told") {
         Scene scene = random_scene(random, {0.1, 0.5});
         const Pair pair = bring_together(scene, Kind::bead_rod, random);
         Bodies b = make_bodies(scene.problem, scene.state);
-        Tallies tallies;
+        Counters tallies;
         tallies.impulse_on_beads.resize(2, Vector3::Zero());
         const Vector3 before = row(b.velocity, 0);
-        Team team(1);
+        ThreadPool team(1);
         PairContacts(setting(scene.problem)).resolve(b, std::vector{pair}, tallies, team);
         REQUIRE((b.bead_mass * (row(b.velocity, 0) - before) - tallies.impulse_on_beads[0]).norm() <=
                 1e-14 * b.bead_mass * 0.3);
@@ -243,8 +243,8 @@ TEST_CASE("the worst overlap is told in radii, across the edge of the box too") 
     scene.state.beads.resize(2);
     scene.state.beads.x = {0.5 * a, 7.0 * box - a}; // 1.5 a apart, seven boxes on
     Bodies b = make_bodies(scene.problem, scene.state);
-    Tallies tallies;
-    Team team(1);
+    Counters tallies;
+    ThreadPool team(1);
     const WorstOverlap worst =
         PairContacts(setting(scene.problem)).resolve(b, std::vector<Pair>{{0, 1}}, tallies, team);
     CHECK(worst.radii == Approx(0.5).epsilon(1e-11)); // 7 boxes of 0.05 m: rounding 6e-17 m of 4e-4 m
@@ -275,7 +275,7 @@ std::vector<RodSpec> three_rods(double side) {
 int missed_steps(const GranularProblem& problem, State start, int steps, std::int64_t& overlaps,
                  SimulationCost& cost) {
     Simulation run(problem, start);
-    Team team(1);
+    ThreadPool team(1);
     int missed = 0;
     for (int n = 0; n < steps && !run.failure(); ++n) {
         const State state = run.state();
@@ -361,7 +361,7 @@ TEST_CASE("a part of the list names the blocks of all its beads, also behind a r
     put(2048, 187.0 * a, 100.0 * a);
     const Bodies bodies = make_bodies(problem, state);
     PairFinder finder(bodies, problem.box);
-    Team team(1);
+    ThreadPool team(1);
     finder.find(bodies, still, problem.time_step, team);
     REQUIRE(finder.inner_size() >= 2);
     CHECK(std::ranges::count(finder.blocks_of(0), 1U) == 1);
@@ -372,7 +372,7 @@ TEST_CASE("the search notices a list that is too old") {
     const State start = make_start(problem, 0);
     Bodies b = make_bodies(problem, start);
     PairFinder finder(b, problem.box);
-    Team team(1);
+    ThreadPool team(1);
     int missed = 0;
     for (int n = 0; n < 300; ++n) {
         for (std::size_t i = 0; i < b.beads; ++i)

@@ -141,9 +141,9 @@ TEST_CASE("rods take part in the pressure") {
     double last = 0.0;
     std::int64_t seen = 0;
     for (int k = 0; k < 2000 && seen < 5; ++k) { // steps in which the rod is hit and no two beads meet
-        const Tallies before = with.tallies();
+        const Counters before = with.tallies();
         with.advance(1);
-        const Tallies& now = with.tallies();
+        const Counters& now = with.tallies();
         if (now.bead_rod == before.bead_rod || now.bead_bead != before.bead_bead)
             continue;
         ++seen;

@@ -28,7 +28,7 @@ std::uint64_t hash_with(const GranularProblem& problem, const State& start, std:
     return state_hash(run.state());
 }
 
-bool same(const Tallies& x, const Tallies& y) {
+bool same(const Counters& x, const Counters& y) {
     return x.floor_impulse == y.floor_impulse && x.lid_impulse == y.lid_impulse &&
            x.bead_bead == y.bead_bead && x.bead_plate == y.bead_plate && x.bead_rod == y.bead_rod &&
            x.rod_plate == y.rod_plate && x.rod_rod == y.rod_rod && x.overlaps == y.overlaps &&

@@ -1,6 +1,6 @@
 // States that must stay on a manifold, by projection, and constraints that are part of the system (IDAS).
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // What a failed solve says, and what it keeps.
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include "rodwake/core/error.hpp"
 

@@ -1,6 +1,6 @@
 // Output times: exactly those asked for, wherever they fall.
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <catch2/catch.hpp>
 

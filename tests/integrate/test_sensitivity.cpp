@@ -1,6 +1,6 @@
 // Sensitivities against closed forms, for both multistep methods.
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/sensitivity.hpp"

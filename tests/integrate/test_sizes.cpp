@@ -1,6 +1,6 @@
 // ERK takes steps of its own for few components and ARKODE's for many: the same promises on both sides.
 
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // Stiff problems by BDF, and the use it makes of the Jacobian.
 
 #include "convergence.hpp"
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -30,7 +30,7 @@ inline double wrapped(double free, double box) {
 
 /// The frame of beads at these unwrapped places, at rest.
 inline Frame frame_of(const Layout& layout, double time, std::vector<double> x, std::vector<double> y,
-                      std::vector<RodPlace> rods = {}) {
+                      std::vector<RodPosition> rods = {}) {
     Frame frame;
     frame.time = time;
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -13,7 +13,7 @@ namespace {
 using rodwake::RandomStream;
 using rodwake::elastic::Vector;
 using rodwake::measure::Frame;
-using rodwake::measure::RodPlace;
+using rodwake::measure::RodPosition;
 
 Vector gaussian(RandomStream& random, double deviation) {
     const double size = deviation * std::sqrt(-2.0 * std::log(random.uniform()));
@@ -51,7 +51,7 @@ Vector SyntheticWake::truth(double x, double y) const {
 }
 
 /// How far along the heading a site has slipped: a spacing for each time the rod has passed.
-double SyntheticWake::slipped(const Eigen::Vector2d& site, const RodPlace& rod) const {
+double SyntheticWake::slipped(const Eigen::Vector2d& site, const RodPosition& rod) const {
     const double c = std::cos(setup_.heading), s = std::sin(setup_.heading);
     const double across = std::remainder(-s * (site.x() - rod.x) + c * (site.y() - rod.y), setup_.box);
     if (std::abs(across) > setup_.slip_within)
@@ -66,7 +66,7 @@ Frame SyntheticWake::frame(std::size_t number) const {
     RandomStream random(setup_.seed, static_cast<std::uint32_t>(number));
     const double c = std::cos(setup_.heading), s = std::sin(setup_.heading);
     const double way = setup_.speed * frame.time;
-    const RodPlace rod{10.3 + c * way, 30.7 + s * way, setup_.heading};
+    const RodPosition rod{10.3 + c * way, 30.7 + s * way, setup_.heading};
     frame.rods = {rod};
     for (const auto& site : sites_) {
         const double slip = slipped(site, rod);

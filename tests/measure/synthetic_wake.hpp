@@ -38,7 +38,7 @@ public:
     double row_angle() const { return row_angle_; } ///< that it really has
 
 private:
-    double slipped(const Eigen::Vector2d& site, const rodwake::measure::RodPlace& rod) const;
+    double slipped(const Eigen::Vector2d& site, const rodwake::measure::RodPosition& rod) const;
 
     WakeSetup setup_;
     rodwake::elastic::PeriodicField field_;

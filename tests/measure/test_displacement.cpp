@@ -121,7 +121,7 @@ TEST_CASE("what a rod sees, a force that moves alike sees too", "[displacement]"
     WakeSetup setup;
     setup.heading = M_PI / 2.0;
     const SyntheticWake wake(setup);
-    const RodPlace first = wake.frame(0).rods[0], later = wake.frame(10).rods[0];
+    const RodPosition first = wake.frame(0).rods[0], later = wake.frame(10).rods[0];
     const double time = wake.frame(10).time - wake.frame(0).time;
     Layout layout = wake.layout();
     layout.rods = 0;

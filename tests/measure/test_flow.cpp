@@ -21,11 +21,11 @@ using Row = std::vector<double>;
 const double a = 4e-4, speed = 2.5 * a, step = 0.1;
 
 /// Velocity in the rod's frame of a bead seen at (x, y) there.
-using Field = std::function<Seen(double, double)>;
+using Field = std::function<RelativePosition(double, double)>;
 
 struct Motion {
     double turn_rate = 0.0, drift = 0.0;
-    RodPlace rod = {70 * a, 75 * a, 0.4}; ///< so that it crosses both edges of the box
+    RodPosition rod = {70 * a, 75 * a, 0.4}; ///< so that it crosses both edges of the box
 };
 
 /// Beads that step as the field says where they are halfway. Those farther than 30 a move against it, evenly,
@@ -45,12 +45,12 @@ struct FlowBed {
         }
     }
     Frame frame() const {
-        RodPlace rod = motion.rod;
+        RodPosition rod = motion.rod;
         rod.heading = std::remainder(rod.heading, 2.0 * std::numbers::pi);
         return frame_of(layout, time, x, y, {rod});
     }
     void advance() {
-        RodPlace half = motion.rod, after = motion.rod;
+        RodPosition half = motion.rod, after = motion.rod;
         half.heading += motion.turn_rate * step / 2.0;
         after.heading += motion.turn_rate * step;
         after.x += speed * step * std::cos(half.heading) + motion.drift * step;
@@ -62,14 +62,15 @@ struct FlowBed {
         std::vector<std::size_t> far;
         double sum_x = 0.0, sum_y = 0.0;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            if (const Seen now = seen_from(half, x[i], y[i], layout.box); std::hypot(now.x, now.y) > 30 * a) {
+            if (const RelativePosition now = relative_position(half, x[i], y[i], layout.box);
+                std::hypot(now.x, now.y) > 30 * a) {
                 far.push_back(i);
                 continue;
             }
-            Seen v = {};
+            RelativePosition v = {};
             for (int iteration = 0; iteration < 12; ++iteration) { // halfway depends on the step
-                const Seen at = seen_from(half, x[i] + sx[i] / 2.0 + motion.drift * step / 2.0,
-                                          y[i] + sy[i] / 2.0, layout.box);
+                const RelativePosition at = relative_position(
+                    half, x[i] + sx[i] / 2.0 + motion.drift * step / 2.0, y[i] + sy[i] / 2.0, layout.box);
                 v = field(at.x, at.y);
                 sx[i] = step * (c * v.x - s * v.y);
                 sy[i] = step * (s * v.x + c * v.y);
@@ -101,9 +102,9 @@ FlowAccumulator run_of(FlowBed bed, const FlowOptions& k, int frames) {
     return accumulator;
 }
 
-Seen uniform(double, double) { return {0.3 * speed, -0.1 * speed}; }
-Seen rest(double, double) { return {}; }
-Seen smooth(double x, double y) {
+RelativePosition uniform(double, double) { return {0.3 * speed, -0.1 * speed}; }
+RelativePosition rest(double, double) { return {}; }
+RelativePosition smooth(double x, double y) {
     const double g = std::exp(-(x * x + y * y) / (2.0 * 64.0 * a * a));
     return {0.5 * speed * g, -0.2 * speed * g * y / (8.0 * a)};
 }
@@ -117,7 +118,7 @@ double worst(const FlowField& flow, const Field& field, double within, double sc
             const std::size_t bin = j * flow.grid.columns + i;
             if (std::hypot(x, y) > within || flow.count[bin] == 0.0)
                 continue;
-            const Seen v = field(x, y);
+            const RelativePosition v = field(x, y);
             most = std::max(most, std::hypot(flow.vx[bin] - v.x, flow.vy[bin] - v.y) / scale);
         }
     return most;
@@ -185,7 +186,7 @@ TEST_CASE("errors are those of the scatter over blocks and runs", "[flow]") {
         k.block = 1e3;
         runs.push_back(run_of(FlowBed({},
                                       [p](double, double) {
-                                          return Seen{p * 0.1 * speed, 0.0};
+                                          return RelativePosition{p * 0.1 * speed, 0.0};
                                       }),
                               k, 40));
     }
@@ -230,7 +231,7 @@ TEST_CASE("marked beads are dragged along or left behind", "[flow]") {
     FlowOptions marking = options;
     marking.marked_within = 6.0 * a;
     const Field dragged = [](double x, double y) {
-        return std::hypot(x, y) < 15 * a ? Seen{speed, 0.0} : Seen{};
+        return std::hypot(x, y) < 15 * a ? RelativePosition{speed, 0.0} : RelativePosition{};
     };
     for (const double drift : {0.0, 2.0 * a}) {
         const std::vector<FlowAccumulator> along = {
@@ -258,7 +259,7 @@ TEST_CASE("marked beads are those near the rod at first, and are followed as far
     const FlowAccumulator accumulator = run_of(bed, marking, 60);
     std::size_t within = 0;
     for (std::size_t i = 0; i < bed.x.size(); ++i) {
-        const Seen seen = seen_from(bed.motion.rod, bed.x[i], bed.y[i], bed.layout.box);
+        const RelativePosition seen = relative_position(bed.motion.rod, bed.x[i], bed.y[i], bed.layout.box);
         within += std::hypot(seen.x, seen.y) < 6.0 * a;
     }
     const std::vector<MarkedBead> beads = accumulator.marked();

@@ -57,10 +57,10 @@ std::vector<Frame> walk(Layout& layout, const Places& first, bool turned) {
     layout.headings = {turned ? 0.5 * std::numbers::pi : 0.0};
     std::vector<Frame> frames;
     Places at = first;
-    RodPlace rod{0.3 * first.box.x, 0.9 * first.box.y, 0.0};
+    RodPosition rod{0.3 * first.box.x, 0.9 * first.box.y, 0.0};
     for (int k = 0; k < 12; ++k) {
         Row x = at.x, y = at.y;
-        RodPlace seen = rod;
+        RodPosition seen = rod;
         if (turned) {
             for (std::size_t i = 0; i < x.size(); ++i) {
                 x[i] = -at.y[i];
@@ -71,7 +71,7 @@ std::vector<Frame> walk(Layout& layout, const Places& first, bool turned) {
         frames.push_back(frame_of(layout, 0.1 * k, x, y, {seen}));
         rod.x += 0.4 * a;
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const Seen from = seen_from(rod, at.x[i], at.y[i], first.box);
+            const RelativePosition from = relative_position(rod, at.x[i], at.y[i], first.box);
             const double g = std::exp(-(from.x * from.x + from.y * from.y) / (72.0 * a * a));
             at.x[i] += 0.2 * a * g;
             at.y[i] += 0.02 * a * g * from.y / a;

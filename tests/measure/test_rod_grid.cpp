@@ -60,20 +60,22 @@ TEST_CASE("middles are in their bins, far edges belong to the image, and outside
 TEST_CASE("what a rod sees comes back to where it is", "[rod_grid]") {
     RandomStream random(4);
     for (int k = 0; k < 1000; ++k) {
-        const RodPlace rod = {random.uniform(-3.0 * box, 3.0 * box), random.uniform(-3.0 * box, 3.0 * box),
-                              random.uniform(-3.14, 3.14)};
+        const RodPosition rod = {random.uniform(-3.0 * box, 3.0 * box), random.uniform(-3.0 * box, 3.0 * box),
+                                 random.uniform(-3.14, 3.14)};
         const double x = random.uniform(0.0, box), y = random.uniform(0.0, box);
-        const Seen seen = seen_from(rod, x, y, box);
+        const RelativePosition seen = relative_position(rod, x, y, box);
         const double c = std::cos(rod.heading), s = std::sin(rod.heading);
         // places of 1e-1 m: round-off 1e-16
         CHECK(nearest_image(rod.x + c * seen.x - s * seen.y - x, box) == Approx(0.0).margin(1e-15));
         CHECK(nearest_image(rod.y + s * seen.x + c * seen.y - y, box) == Approx(0.0).margin(1e-15));
         CHECK(std::hypot(seen.x, seen.y) <= box / std::sqrt(2.0) * (1.0 + 1e-12));
     }
-    const Seen ahead = seen_from({1.0 * a, 2.0 * a, std::numbers::pi / 2.0}, 1.0 * a, 5.0 * a, box);
+    const RelativePosition ahead =
+        relative_position({1.0 * a, 2.0 * a, std::numbers::pi / 2.0}, 1.0 * a, 5.0 * a, box);
     CHECK(ahead.x == Approx(3.0 * a).epsilon(1e-12)); // above a rod that heads up: ahead
     CHECK(ahead.y == Approx(0.0).margin(1e-15));
-    const Seen left = seen_from({1.0 * a, 2.0 * a, std::numbers::pi / 2.0}, 77.0 * a, 2.0 * a, box);
+    const RelativePosition left =
+        relative_position({1.0 * a, 2.0 * a, std::numbers::pi / 2.0}, 77.0 * a, 2.0 * a, box);
     CHECK(left.y == Approx(2.0 * a).epsilon(1e-12)); // across the boundary, to its left
 }
 

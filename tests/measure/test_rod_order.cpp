@@ -19,9 +19,9 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-std::vector<RodPlace> random_places(std::size_t rods, double side, std::uint64_t seed) {
+std::vector<RodPosition> random_places(std::size_t rods, double side, std::uint64_t seed) {
     RandomStream random(seed);
-    std::vector<RodPlace> places;
+    std::vector<RodPosition> places;
     for (std::size_t a = 0; a < rods; ++a) {
         const double x = random.uniform(-side, 2.0 * side), y = random.uniform(0.0, side);
         places.push_back({x, y, random.uniform(-pi, pi)});
@@ -30,11 +30,11 @@ std::vector<RodPlace> random_places(std::size_t rods, double side, std::uint64_t
 }
 
 /// By spreading a label until nothing changes.
-std::vector<std::size_t> sizes_of_all(const std::vector<RodPlace>& rods, double link,
+std::vector<std::size_t> sizes_of_all(const std::vector<RodPosition>& rods, double link,
                                       std::optional<double> box) {
     std::vector<std::size_t> label(rods.size());
     std::iota(label.begin(), label.end(), std::size_t{0});
-    const auto linked = [&](const RodPlace& a, const RodPlace& b) {
+    const auto linked = [&](const RodPosition& a, const RodPosition& b) {
         return (box ? nearest_distance(a.x - b.x, a.y - b.y, *box) : std::hypot(a.x - b.x, a.y - b.y)) < link;
     };
     for (bool changed = true; changed;) {
@@ -57,7 +57,7 @@ std::vector<std::size_t> sizes_of_all(const std::vector<RodPlace>& rods, double 
 } // namespace
 
 TEST_CASE("order of headings that are known") {
-    std::vector<RodPlace> rods;
+    std::vector<RodPosition> rods;
     for (int k = 0; k < 12; ++k)
         rods.push_back({10.0 * k, 0.0, 0.3});
     CHECK(rod_order(rods, 1.0).polar == Approx(1.0).epsilon(1e-14));
@@ -110,7 +110,8 @@ TEST_CASE("clusters are those of looking at all pairs") {
 
 TEST_CASE("sizes of clusters that are known") {
     // three in a chain, two, one; the ends of the chain are not near each other
-    const std::vector<RodPlace> rods{{0, 0, 0}, {0.9, 0, 0}, {1.8, 0, 0}, {9, 9, 0}, {9, 9.5, 0}, {-5, 2, 0}};
+    const std::vector<RodPosition> rods{{0, 0, 0}, {0.9, 0, 0}, {1.8, 0, 0},
+                                        {9, 9, 0}, {9, 9.5, 0}, {-5, 2, 0}};
     const RodOrder order = rod_order(rods, 1.0);
     CHECK(order.clusters == std::vector<std::size_t>{3, 2, 1});
     CHECK(order.mean_size() == Approx(2.0));

@@ -49,7 +49,7 @@ Frame frame_of(const Crystal& crystal, const Layout& layout, std::size_t number)
     frame.time = static_cast<double>(number) * interval;
     const double c = std::cos(crystal.heading), s = std::sin(crystal.heading);
     const double way = crystal.speed * frame.time - 30.0;
-    const RodPlace rod{0.5 * width + c * way, 0.5 * height + s * way, crystal.heading};
+    const RodPosition rod{0.5 * width + c * way, 0.5 * height + s * way, crystal.heading};
     frame.rods = {rod};
     const double angle = crystal.angle + crystal.turning * frame.time, e = crystal.straining * frame.time,
                  ca = std::cos(angle), sa = std::sin(angle);

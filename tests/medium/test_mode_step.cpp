@@ -37,7 +37,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
     for (const rods::Couplings& c :
          {couplings, rods::Couplings{4.0, 0.0, 0.0}, rods::Couplings{0.0, 0.0, 2.0}}) {
         const ModalField modes(solid, medium);
-        Team team(1);
+        ThreadPool team(1);
         ModeMesh mesh(modes, medium.box, team);
         const std::vector<double> poses = tests::crowd(30, 12.0);
         std::vector<double> field(4 * modes.size()), forces(field.size()), sums(field.size()), rates(30),
@@ -45,7 +45,7 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
         for (std::size_t a = 0; a < 30; ++a) {
             const rods::Pose rod = rods::pose(poses, a);
             modes.add_steady(rod, field);
-            const Phases x = phases(modes.qx(), -rod.x), y = phases(modes.qy(), -rod.y);
+            const PhaseFactors x = phases(modes.qx(), -rod.x), y = phases(modes.qy(), -rod.y);
             const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
             for (std::size_t i = 0; i < modes.size(); ++i) {
                 const Complex phase = Complex{x.re[i / modes.columns()], x.im[i / modes.columns()]} *

@@ -122,7 +122,7 @@ TEST_CASE("the start of many rods is the sum of their steady fields") {
             const elastic::Medium elastic{eta, xi};
             const DynamicMedium medium{.box = 12.0, .force_width = 0.5, .modes = 47};
             const ModalField modes(elastic, medium);
-            Team team(1);
+            ThreadPool team(1);
             ModeMesh mesh(modes, medium.box, team);
             std::vector<double> field(modes.numbers());
             mesh.add_steady(poses, field);
@@ -138,7 +138,7 @@ TEST_CASE("modes whose force underflows carry nothing of the transform before") 
     const DynamicMedium medium{.box = 12.0, .force_width = 3.0, .modes = 96, .self_field = true};
     const ModalField modes(elastic, medium);
     REQUIRE(modes.force().back() == 0.0);
-    Team team(1);
+    ThreadPool team(1);
     ModeMesh mesh(modes, medium.box, team);
     const std::vector<double> poses = tests::crowd(5, 12.0), field = summed_start(modes, poses);
     std::vector<double> forces(field.size()), rates(5), exact(5);

@@ -34,7 +34,7 @@ double response(const elastic::Medium& elastic, const DynamicMedium& medium, dou
         weights.push_back(decay_weights(i < modes.size() ? modes.decay_longitudinal()[i]
                                                          : modes.decay_transverse()[i - modes.size()],
                                         h));
-    Team team(1);
+    ThreadPool team(1);
     ModeMesh mesh(modes, medium.box, team);
     std::array<std::vector<double>, 4> forces;
     for (auto& f : forces)

@@ -25,7 +25,7 @@ public:
 
     std::int64_t total() const { return count_[0] * count_[1] * count_[2]; }
     std::int64_t count(std::size_t axis) const { return count_[axis]; }
-    std::size_t number(const Lattice::Place& cell) const {
+    std::size_t number(const Lattice::LatticePoint& cell) const {
         return static_cast<std::size_t>((cell[0] * count_[1] + cell[1]) * count_[2] + cell[2]);
     }
     /// Calls `each` with every finest cell of a leaf; corners too: with every finest place in it.
@@ -37,9 +37,9 @@ public:
         for (std::int64_t i = leaf.low[0] / side_; i < end(0); ++i)
             for (std::int64_t j = leaf.low[1] / side_; j < end(1); ++j)
                 for (std::int64_t k = leaf.low[2] / side_; k < end(2); ++k)
-                    each(Lattice::Place{i, j, k});
+                    each(Lattice::LatticePoint{i, j, k});
     }
-    Lattice::Place place(const Lattice::Place& cell) const {
+    Lattice::LatticePoint place(const Lattice::LatticePoint& cell) const {
         return {cell[0] * side_, cell[1] * side_, cell[2] * side_};
     }
 
@@ -59,7 +59,7 @@ inline std::int64_t wrong_places(const Lattice& lattice, const std::vector<Leaf>
             wrong += leaf.side != lattice.stride(lattice.levels());
             continue;
         }
-        cells.in(leaf, true, [&](const Lattice::Place& cell) {
+        cells.in(leaf, true, [&](const Lattice::LatticePoint& cell) {
             wrong += std::max(map(lattice.point(cells.place(cell)).at), -1) != leaf.outcome;
         });
     }
@@ -72,7 +72,7 @@ inline std::vector<std::int64_t> tiling(const Lattice& lattice, const std::vecto
     std::vector<std::int64_t> side(static_cast<std::size_t>(cells.total()), 0);
     bool once = true;
     for (const Leaf& leaf : leaves)
-        cells.in(leaf, false, [&](const Lattice::Place& cell) {
+        cells.in(leaf, false, [&](const Lattice::LatticePoint& cell) {
             once = once && side[cells.number(cell)] == 0;
             side[cells.number(cell)] = leaf.side;
         });
@@ -87,9 +87,9 @@ inline bool is_balanced(const Lattice& lattice, const std::vector<Leaf>& leaves)
     const std::vector<std::int64_t> side = tiling(lattice, leaves);
     bool balanced = !side.empty();
     for (const Leaf& leaf : leaves)
-        cells.in(leaf, false, [&](const Lattice::Place& cell) {
+        cells.in(leaf, false, [&](const Lattice::LatticePoint& cell) {
             for (std::size_t k = 0; k < lattice.axes(); ++k) {
-                Lattice::Place next = cell;
+                Lattice::LatticePoint next = cell;
                 if (++next[k] >= cells.count(k))
                     continue;
                 const std::int64_t a = side[cells.number(cell)], b = side[cells.number(next)];

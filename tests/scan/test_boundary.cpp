@@ -59,7 +59,7 @@ std::size_t crossed_in_lattice(const Design& design, const Map& map) {
     for (std::int64_t i = 0; i <= design.resolution; ++i)
         for (std::int64_t j = 0; j <= design.resolution; ++j)
             for (const std::size_t axis : {0, 1}) {
-                Lattice::Place high{i * fine, j * fine, 0};
+                Lattice::LatticePoint high{i * fine, j * fine, 0};
                 const int a = map(lattice.point(high).at);
                 if ((high[axis] += fine) > lattice.steps(axis))
                     continue;
@@ -243,7 +243,7 @@ TEST_CASE("The measures of curves can fail") {
 
 TEST_CASE("Bisection keeps the half whose ends differ, of a third outcome the lower") {
     const auto halved = [](int at_middle) {
-        Crossing crossing{1, 0, 1, 0.25, 0.5};
+        OutcomeChange crossing{1, 0, 1, 0.25, 0.5};
         Result result;
         result.outcome = at_middle;
         result.status = at_middle < 0 ? Status::failed : Status::ok;

@@ -99,7 +99,7 @@ TEST_CASE("Adaptive scans get over faults; forgotten and run again they are as w
     Ledger ledger(scratch / "l", head_of(design)), clean(scratch / "clean", head_of(design));
     CHECK(ledger.counts().failed == 0);
     std::set<std::int64_t> edges;
-    for (const Crossing& crossing : clean.crossings())
+    for (const OutcomeChange& crossing : clean.crossings())
         edges.insert(crossing.id);
     CHECK(again.curves[0].points.size() == edges.size() + 1);
 }

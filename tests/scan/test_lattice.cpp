@@ -11,7 +11,7 @@ TEST_CASE("Places and their numbers are one to one, to the last corner") {
     for (const std::size_t axes : {1, 2, 3}) {
         const Lattice lattice(adaptive(axes, 4, 16));
         std::set<std::int64_t> seen;
-        Lattice::Place place{};
+        Lattice::LatticePoint place{};
         for (const std::int64_t x : {std::int64_t{0}, std::int64_t{1}, lattice.steps(0)})
             for (const std::int64_t y : {std::int64_t{0}, lattice.steps(axes > 1 ? 1 : 2)})
                 for (const std::int64_t z : {std::int64_t{0}, lattice.steps(2)}) {
@@ -43,7 +43,7 @@ TEST_CASE("A finer resolution has the places of the coarser under the same numbe
     CHECK(fine.levels() == 6);
     CHECK(coarse.steps(0) == fine.steps(0));
     CHECK(coarse.stride(0) == fine.stride(0));
-    const Lattice::Place place{3 * coarse.stride(2), 5 * coarse.stride(2), 0};
+    const Lattice::LatticePoint place{3 * coarse.stride(2), 5 * coarse.stride(2), 0};
     CHECK(coarse.id(place) == fine.id(place));
     CHECK(coarse.point(place).at == fine.point(place).at);
 }

@@ -176,8 +176,8 @@ TEST_CASE("Points are found together, in their order") {
 TEST_CASE("Crossings come back to the bit, in order, the newest") {
     const Scratch scratch;
     Ledger ledger(scratch / "l", ledger_head());
-    ledger.add(std::vector<Crossing>{{9, 0, 1, 0.1, 0.2}, {4, 1, -1, 1.0 / 3.0, 0.5}});
-    ledger.add(std::vector<Crossing>{{9, 0, 1, 0.1, 0.15}});
+    ledger.add(std::vector<OutcomeChange>{{9, 0, 1, 0.1, 0.2}, {4, 1, -1, 1.0 / 3.0, 0.5}});
+    ledger.add(std::vector<OutcomeChange>{{9, 0, 1, 0.1, 0.15}});
     const auto found = ledger.crossings();
     REQUIRE(found.size() == 2);
     CHECK(found[0].id == 4);
@@ -192,7 +192,7 @@ TEST_CASE("Failed points are forgotten, and brackets that end at a failure") {
     const Scratch scratch;
     Ledger ledger(scratch / "l", ledger_head());
     ledger.add(std::vector{succeeded(1, 0.1), failed(2), failed(3, Status::time_limit)});
-    ledger.add(std::vector<Crossing>{{1, 0, 1, 0.1, 0.2}, {2, 0, -1, 0.3, 0.4}, {3, -1, 1, 0.5, 0.6}});
+    ledger.add(std::vector<OutcomeChange>{{1, 0, 1, 0.1, 0.2}, {2, 0, -1, 0.3, 0.4}, {3, -1, 1, 0.5, 0.6}});
     CHECK(ledger.forget_failed() == 2);
     CHECK(ledger.counts().points == 1);
     CHECK(ledger.counts().failed == 0);

@@ -82,7 +82,7 @@ TEST_CASE("The checks of cells can fail") {
     auto coarse = refined(adaptive(2, 16, 16), circle(0.6)).leaves();
     CHECK(wrong_places(lattice, coarse, circle(0.6)) > 0); // mixed, and not of the finest size
     // one cell of the start, divided to the finest
-    std::erase_if(coarse, [](const Leaf& leaf) { return leaf.low == Lattice::Place{}; });
+    std::erase_if(coarse, [](const Leaf& leaf) { return leaf.low == Lattice::LatticePoint{}; });
     const std::int64_t side = lattice.stride(lattice.levels());
     for (std::int64_t i = 0; i < 16; ++i)
         for (std::int64_t j = 0; j < 16; ++j)
@@ -187,7 +187,7 @@ TEST_CASE("The leaf at a place holds it") {
     const std::int64_t fine = lattice.stride(lattice.levels());
     for (std::int64_t i = 0; i <= 256; i += 3)
         for (std::int64_t j = 0; j <= 256; j += 5) {
-            const Lattice::Place place{i * fine, j * fine, 0};
+            const Lattice::LatticePoint place{i * fine, j * fine, 0};
             const Leaf leaf = refinement.leaf_at(place);
             for (const std::size_t k : {0, 1}) {
                 CHECK(leaf.low[k] <= place[k]);
@@ -203,7 +203,7 @@ TEST_CASE("A place where something was found is divided to the finest, with what
     const Lattice& lattice = refinement.lattice();
     const std::int64_t fine = lattice.stride(lattice.levels());
     // 0.53 = -1 + 2 u: cell 391.7 of 512, and 151.04
-    const Lattice::Place found{392 * fine, 151 * fine, 0};
+    const Lattice::LatticePoint found{392 * fine, 151 * fine, 0};
     REQUIRE(island(lattice.point(found).at) == 0);
     refinement.learn(result_of(island, lattice.point(found)));
     refinement.divide_at(found);

@@ -131,7 +131,7 @@ TEST_CASE("Rows of ledgers that differ in a bit differ") {
         ledger.add(std::vector{one});
     }
     CHECK(rows_of(grid(3, 3), scratch / "a") != rows_of(grid(3, 3), scratch / "b"));
-    Ledger(scratch / "a", head_of(grid(3, 3))).add(std::vector<Crossing>{{1, 0, 1, 0.0, 1.0}});
+    Ledger(scratch / "a", head_of(grid(3, 3))).add(std::vector<OutcomeChange>{{1, 0, 1, 0.0, 1.0}});
     CHECK(rows_of(grid(3, 3), scratch / "a").size() == 10);
 }
 

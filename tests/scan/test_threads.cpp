@@ -4,7 +4,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/proportion.hpp"
-#include "scan/dispenser.hpp"
+#include "scan/work_queue.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -246,13 +246,13 @@ bool is_refused(const KeyInfo& info, const Refused& refused) {
     const Placed scene = placed(info, refused.value);
     const std::string place =
         fmt::format("x.toml:{}:{}: {}", scene.line, scene.column + refused.at, message_path(info));
-    return std::ranges::any_of(problems_of(scene.text), [&](const Problem& problem) {
+    return std::ranges::any_of(problems_of(scene.text), [&](const Diagnostic& problem) {
         return problem.key == message_path(info) + refused.item && problem.text().starts_with(place) &&
                has_whole(problem.message, refused.said);
     });
 }
 
-bool is_told(const KeyInfo& info, const Problem& problem) {
+bool is_told(const KeyInfo& info, const Diagnostic& problem) {
     const auto tells = [&](const Refused& refused) { return has_whole(problem.message, refused.said); };
     return problem.key.starts_with(message_path(info)) && (std::ranges::any_of(refused_values(info), tells) ||
                                                            std::ranges::any_of(wrong_types(info), tells));

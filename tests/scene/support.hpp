@@ -12,8 +12,8 @@
 
 namespace scene_test {
 
+using rodwake::scene::Diagnostic;
 using rodwake::scene::KeyInfo;
-using rodwake::scene::Problem;
 using rodwake::scene::Scene;
 
 inline const std::string complete = R"(schema = 1
@@ -182,12 +182,12 @@ inline Scene parse(const std::string& text, const std::vector<std::string>& over
 }
 
 /// What is wrong with the scene; empty if it is right.
-inline std::vector<Problem> problems_of(const std::string& text,
-                                        const std::vector<std::string>& overrides = {}) {
+inline std::vector<Diagnostic> problems_of(const std::string& text,
+                                           const std::vector<std::string>& overrides = {}) {
     try {
         parse(text, overrides);
     } catch (const rodwake::scene::SceneError& error) {
-        return error.problems();
+        return error.diagnostics();
     }
     return {};
 }
@@ -218,8 +218,9 @@ inline void check_round_trip(const Scene& scene) {
 }
 
 /// Some problem at this key has this in its text.
-inline bool mentions(const std::vector<Problem>& problems, const std::string& key, const std::string& part) {
-    return std::any_of(problems.begin(), problems.end(), [&](const Problem& p) {
+inline bool mentions(const std::vector<Diagnostic>& problems, const std::string& key,
+                     const std::string& part) {
+    return std::any_of(problems.begin(), problems.end(), [&](const Diagnostic& p) {
         return p.key == key && p.text().find(part) != std::string::npos;
     });
 }

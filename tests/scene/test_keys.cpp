@@ -37,7 +37,7 @@ KeyInfo key_named(const std::string& name) {
 }
 
 /// What is wrong with the complete scene if the key has the rule's value.
-std::vector<Problem> problems_by(const SpecialRule& rule) {
+std::vector<Diagnostic> problems_by(const SpecialRule& rule) {
     return scene_test::problems_of(placed(key_named(rule.key), rule.value).text);
 }
 
@@ -45,7 +45,7 @@ std::vector<Problem> problems_by(const SpecialRule& rule) {
 bool told_by_description(const SpecialRule& rule) {
     const KeyInfo info = key_named(rule.key);
     return std::ranges::any_of(problems_by(rule),
-                               [&](const Problem& p) { return scene_test::is_told(info, p); });
+                               [&](const Diagnostic& p) { return scene_test::is_told(info, p); });
 }
 
 bool are_refused(const KeyInfo& info, const std::vector<Refused>& values) {
@@ -131,7 +131,7 @@ TEST_CASE("special rules are refused, and only what no description tells is list
         INFO(rule.key << ": " << rule.why);
         const auto problems = problems_by(rule);
         CAPTURE(problems.empty() ? "no problem" : problems.front().text());
-        CHECK(std::ranges::any_of(problems, [&](const Problem& p) {
+        CHECK(std::ranges::any_of(problems, [&](const Diagnostic& p) {
             return p.key.starts_with(message_path(key_named(rule.key))) && p.text().starts_with("x.toml:") &&
                    p.message.find(rule.said) != std::string::npos;
         }));

@@ -3,7 +3,7 @@
 #include "support.hpp"
 
 #include "rodwake/scene/read.hpp"
-#include "scene/problems.hpp"
+#include "scene/diagnostics.hpp"
 #include "store/scratch.hpp"
 
 #include <catch2/catch.hpp>
@@ -129,7 +129,7 @@ TEST_CASE("the complete scene is right and a wrong one is not") {
 }
 
 TEST_CASE("mentions needs the key and the text") {
-    const std::vector<Problem> problems{{"x.toml", 2, 3, "medium.eta", "must be > -1"}};
+    const std::vector<Diagnostic> problems{{"x.toml", 2, 3, "medium.eta", "must be > -1"}};
     CHECK(mentions(problems, "medium.eta", "must be"));
     CHECK(mentions(problems, "medium.eta", "x.toml:2:3"));
     CHECK_FALSE(mentions(problems, "medium.xi", "must be"));
@@ -283,7 +283,7 @@ TEST_CASE("random changes never crash, and what is accepted can be written and r
             ++accepted;
             CHECK(rodwake::scene::parse_scene(rodwake::scene::to_toml(scene), "x.toml") == scene);
         } catch (const rodwake::scene::SceneError& error) {
-            CHECK_FALSE(error.problems().empty());
+            CHECK_FALSE(error.diagnostics().empty());
         }
     }
     CHECK(accepted > 50); // else the changes are too rough to test anything but the parser
@@ -300,7 +300,7 @@ TEST_CASE("random overrides never crash") {
         try {
             parse(complete, {text});
         } catch (const rodwake::scene::SceneError& error) {
-            CHECK_FALSE(error.problems().empty());
+            CHECK_FALSE(error.diagnostics().empty());
         }
     }
 }

@@ -30,7 +30,7 @@ void include(const Scene& scene, MeasurePlan& plan) {
                                           options_of(*scene.measure, scene::measured_radius(scene)));
 }
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     const Measure unset;
     m.profile_offset = unset.profile_offset;
     m.reference = unset.reference;
@@ -54,7 +54,7 @@ struct ProfileFound {
     const measure::Profile& p;
     double a; ///< m
 };
-constexpr ToldColumn<ProfileFound> profile_columns[] = {
+constexpr ResultColumn<ProfileFound> profile_columns[] = {
     {{"x", "a", "place along the line"}, [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
     {{"value", "a", "displacement"}, [](const ProfileFound& f) { return scaled(f.p.value, 1.0 / f.a); }},
     {{"sigma", "a", "standard error; empty: unknown, as with one block of time"},
@@ -110,13 +110,13 @@ Value lattice_spacing(const DisplacementField& u, double a) {
     return spacing > 0.0 ? Value(spacing / a) : Value();
 }
 
-struct Found {
+struct DisplacementValues {
     const DisplacementField& r;
     double a; ///< m
 };
-using F = const Found&;
+using F = const DisplacementValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<DisplacementValues> values[] = {
     {{.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
      [](F f) { return measure::to_string(f.r.method); }},
     {{.key = "reference",
@@ -159,7 +159,7 @@ MeasureReport report(const MeasuredCase& data) {
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
     const auto runs = measure::take<DisplacementAccumulator>(data.sums, "displacement");
     const DisplacementField u = measure::reduce(runs);
-    return {.values = values_of(values, Found{u, a}),
+    return {.values = values_of(values, DisplacementValues{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),
@@ -177,7 +177,7 @@ MeasureKind displacement() {
             .wanted = [](const Measure& m) { return m.displacement.has_value(); },
             .describe = describe,
             .include = include,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files};

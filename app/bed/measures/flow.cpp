@@ -78,13 +78,13 @@ MeasureImage image_of(const FlowField& f, double to_a) {
              {"count", 1, f.count}}};
 }
 
-struct Found {
+struct FlowValues {
     const FlowField& r;
     double a; ///< m
 };
-using F = const Found&;
+using F = const FlowValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<FlowValues> values[] = {
     {{"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
      [](F f) { return f.r.drag.scaled(1.0 / f.a); }},
     {{"drag_share", "Share dragged", "", "the same over the rod's own way"},
@@ -100,7 +100,7 @@ constexpr auto value_infos = infos_of(values);
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const FlowField f = measure::reduce(measure::take<FlowAccumulator>(data.sums, "flow"));
-    return {.values = values_of(values, Found{f, a}),
+    return {.values = values_of(values, FlowValues{f, a}),
             .tables = {marked_table(f.marked, a)},
             .grids = {grid_of(f, to_a)},
             .images = {image_of(f, to_a)},

@@ -24,12 +24,12 @@ Estimate of_rod(const MeasuredCase& data, const char* name) {
         of_summaries(data, fmt::format("rods.{}.{}", data.scene.measure->rod, name), "rod with its force"));
 }
 
-struct Found {
+struct ForceValues {
     Estimate force, thrust, speed;
 };
-using F = const Found&;
+using F = const ForceValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<ForceValues> values[] = {
     {{"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
      [](F f) { return f.force; }},
     {{"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
@@ -39,8 +39,8 @@ constexpr ToldValue<Found> values[] = {
 constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
-    const Found f = {of_rod(data, "force"), of_rod(data, "thrust"),
-                     of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius())};
+    const ForceValues f = {of_rod(data, "force"), of_rod(data, "thrust"),
+                           of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius())};
     return {.values = values_of(values, f),
             .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s",
                                 text(f.force.scaled(1e6)), text(f.thrust.scaled(1e6)), text(f.speed))};
@@ -88,7 +88,7 @@ MeasureKind force() {
                 [](const Scene& scene) {
                     return fmt::format("momentum that rod {} hands to the beads", scene.measure->rod);
                 },
-            .reset_late_keys = [](Measure& m) { m.force = false; },
+            .reset_postprocessing_keys = [](Measure& m) { m.force = false; },
             .report = report,
             .compare = force_lines,
             .values = value_infos,

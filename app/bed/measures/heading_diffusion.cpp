@@ -22,7 +22,7 @@ constexpr double papers_f_over_mu = 2.2; // a; arXiv 2007.04860, its fit of the 
 constexpr SeriesInfo series[] = {{{"D_r", "rad^2/s", "heading diffusion of the rod"}},
                                  {{"diffusion_per_length", "rad^2/a", "heading diffusion over the speed"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.heading_diffusion = false;
     m.heading_lag_low = m.heading_lag_high = std::nullopt;
 }
@@ -66,15 +66,15 @@ std::string line_of(const HeadingDiffusion& r, double a, double unit) {
                        noise.empty() ? "" : "; [noise] " + noise);
 }
 
-struct Found {
+struct HeadingDiffusionValues {
     const HeadingDiffusion& r;
     double a;                                               ///< m
     double unit;                                            ///< f/mu, a
     Estimate per_length = r.diffusion_per_length.scaled(a); ///< rad^2/a
 };
-using F = const Found&;
+using F = const HeadingDiffusionValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<HeadingDiffusionValues> values[] = {
     {{"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
      [](F f) { return f.r.diffusion; }},
     {{"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"}, [](F f) { return f.r.low; }},
@@ -110,7 +110,7 @@ constexpr ToldValue<Found> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ToldColumn<Found> columns[] = {
+constexpr ResultColumn<HeadingDiffusionValues> columns[] = {
     {{"lag", "s", "time between two headings"}, [](F f) { return f.r.lag; }},
     {{"square", "rad^2", "mean-square heading change"}, [](F f) { return f.r.square; }},
     {{"square_error", "rad^2", "standard error; empty: unknown"}, [](F f) { return f.r.square_error; }},
@@ -126,7 +126,7 @@ MeasureReport report(const MeasuredCase& data) {
     for (const RunTables& run : data.tables)
         tracks.push_back(track_of(*data.scene.measure, run));
     const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene, data.film));
-    const Found f = {r, a, unit};
+    const HeadingDiffusionValues f = {r, a, unit};
     return {.values = values_of(values, f),
             .tables = {{"heading.csv",
                         "mean-square heading change in rad^2 and mean cosine of it against the lag in s",
@@ -147,7 +147,7 @@ MeasureKind heading_diffusion() {
             .order = 90,
             .wanted = [](const Measure& m) { return m.heading_diffusion; },
             .describe = describe,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

@@ -156,7 +156,7 @@ std::string verdict_of(const MechanicsResult& r, double box, double a) {
                        box / a);
 }
 
-struct Found {
+struct MechanicsValues {
     const MechanicsResult& r;
     const Estimate& shear_speed;
     const Inertia& used;
@@ -164,14 +164,14 @@ struct Found {
     double to_a = 1.0 / a;
     const measure::DriftDecay& decay = r.decay;
 };
-using F = const Found&;
+using F = const MechanicsValues&;
 
 Value only_if(bool known, double value) { return known ? Value(value) : Value(); }
 
 /// Null without a rod.
 Value of_rod(F f, double value) { return only_if(f.r.speed.count > 0, value); }
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<MechanicsValues> values[] = {
     {{"force", "Force on the bed", "\u00b5N", "momentum handed over by all rods or the body force, a second",
       1e6},
      [](F f) { return f.r.force; }},
@@ -230,7 +230,8 @@ MeasureReport report(const MeasuredCase& data) {
     const Estimate shear_speed = shear_speed_of(data);
     const MechanicsResult r = measure::reduce(runs, pushes_of(data, runs.front().layout()), shear_speed,
                                               given_inertia(*data.scene.measure));
-    return {.values = values_of(values, Found{r, shear_speed, used, box, a}), .line = line_of(r, box, a)};
+    return {.values = values_of(values, MechanicsValues{r, shear_speed, used, box, a}),
+            .line = line_of(r, box, a)};
 }
 
 } // namespace
@@ -243,7 +244,7 @@ MeasureKind mechanics() {
                 return "drift of the bed, drag rate, inertia, screening length beside the box";
             },
             .include = include,
-            .reset_late_keys =
+            .reset_postprocessing_keys =
                 [](Measure& m) { m.shear_speed = m.inertia_factor = m.inertia_error = std::nullopt; },
             .report = report,
             .values = value_infos,

@@ -21,7 +21,7 @@ using scene::Measure, scene::Scene;
 
 constexpr SeriesInfo series[] = {{{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.s_low = m.s_high = std::nullopt;
     m.bead_drag = m.bead_drag_error = std::nullopt;
 }
@@ -64,16 +64,16 @@ MicrorheologyResult reduced(const MeasuredCase& data, std::span<const Microrheol
     return r;
 }
 
-struct Found {
+struct MicrorheologyValues {
     const MicrorheologyResult& r;
     const MemoryKernel& kernel;
     std::optional<Estimate> drag;
     double a; ///< m
     double area = 1.0 / (a * a);
 };
-using F = const Found&;
+using F = const MicrorheologyValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<MicrorheologyValues> values[] = {
     {{"stiffness", "Stiffness", "a^-2", R"($1/(s \tilde{\Delta}(s))$ for $s \to 0$)"},
      [](F f) { return f.r.stiffness_zero.scaled(f.a * f.a); }},
     {{"scatter", "", "a^-2", "part of the error of the stiffness: from noise"},
@@ -100,17 +100,17 @@ constexpr ToldValue<Found> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ToldColumn<Found> msd_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> msd_columns[] = {
     {{"lag", "s", "time between two places of a bead"}, [](F f) { return f.r.lag; }},
     {{"msd", "a^2", "mean-square displacement, drift removed"}, [](F f) { return scaled(f.r.msd, f.area); }},
     {{"sigma", "a^2", "standard error; empty: unknown"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
     {{"origins", "1", "starting times behind the value"}, [](F f) { return f.r.origins; }}};
-constexpr ToldColumn<Found> stiffness_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> stiffness_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.r.s; }},
     {{"value", "1/a^2", "1/(s MSD~(s))"}, [](F f) { return scaled(f.r.stiffness, f.a * f.a); }},
     {{"sigma", "1/a^2", "standard error; empty: unknown"},
      [](F f) { return scaled(f.r.stiffness_error, f.a * f.a); }}};
-constexpr ToldColumn<Found> kernel_columns[] = {
+constexpr ResultColumn<MicrorheologyValues> kernel_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.kernel.s; }},
     {{"total", "N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}, [](F f) { return f.kernel.total; }},
     {{"total_error", "N/m", "standard error, also that of with_drag; empty: unknown"},
@@ -128,27 +128,28 @@ constexpr FileInfo files[] = {{"msd.csv", "mean-square displacement of the beads
                               {"stiffness.csv", "stiffness from microrheology", stiffness_infos},
                               {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos}};
 
-/// Of tracks alone, and told of by the stage.
-void tell_camera(const MicrorheologyResult& r, const Localisation& asked, double a, MeasureReport& told) {
+/// Only tracks have these; the stage logs them.
+void add_camera(const MicrorheologyResult& r, const Localisation& asked, double a, MeasureReport& report) {
     const bool is_known = r.localisation.has_value();
     const Estimate found = r.localisation.value_or(Estimate{}).scaled(1.0 / a);
-    told.values.push_back({"localisation", is_known ? Value(found) : Value()});
-    told.values.push_back({"taken_off", r.taken_off / (a * a)});
+    report.values.push_back({"localisation", is_known ? Value(found) : Value()});
+    report.values.push_back({"taken_off", r.taken_off / (a * a)});
     if (!r.no_stiffness.empty()) {
-        told.values.push_back({"no_stiffness", r.no_stiffness});
-        told.line = "mean-square displacement; no stiffness: " + r.no_stiffness;
+        report.values.push_back({"no_stiffness", r.no_stiffness});
+        report.line = "mean-square displacement; no stiffness: " + r.no_stiffness;
     }
     if (r.taken_off != 0.0)
-        told.line +=
+        report.line +=
             fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);
     if (asked.find && !is_known)
-        told.line += "; no correction for localisation: frames are too far apart to distinguish it from the "
-                     "beads' motion";
+        report.line +=
+            "; no correction for localisation: frames are too far apart to distinguish it from the "
+            "beads' motion";
     if (!asked.find && asked.given == 0.0 && is_known && found.value > 3.0 * found.error)
-        told.line += fmt::format(
+        report.line += fmt::format(
             "; localisation seems to be {} a: tracks.localisation = \"auto\" takes it off", text(found));
     if (asked.find && r.taken_off != 0.0 && !(r.scatter < 0.5 * r.stiffness_zero.value))
-        told.line += "; the camera's noise may hide the stiffness";
+        report.line += "; the camera's noise may hide the stiffness";
 }
 
 MeasureReport report(const MeasuredCase& data) {
@@ -161,8 +162,8 @@ MeasureReport report(const MeasuredCase& data) {
     const MemoryKernel kernel =
         warm ? measure::memory_kernel(r.spectrum, runs[0].layout().bead_mass, r.temperature, drag)
              : MemoryKernel{};
-    const Found f = {r, kernel, drag, a};
-    MeasureReport told = {
+    const MicrorheologyValues f = {r, kernel, drag, a};
+    MeasureReport report = {
         .values = values_of(values, f),
         .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2", msd_infos,
                     columns_of(msd_columns, f)},
@@ -172,10 +173,10 @@ MeasureReport report(const MeasuredCase& data) {
                     kernel_infos, columns_of(kernel_columns, f)}},
         .line = line_of(r, stiffness, drag.has_value())};
     if (!warm) {
-        told.tables.pop_back();
-        tell_camera(r, runs[0].options().localisation, a, told);
+        report.tables.pop_back();
+        add_camera(r, runs[0].options().localisation, a, report);
     }
-    return told;
+    return report;
 }
 
 } // namespace
@@ -188,7 +189,7 @@ MeasureKind microrheology() {
                 return "mean-square displacement, stiffness and memory kernel of the beads";
             },
             .include = include,
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

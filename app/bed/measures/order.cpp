@@ -53,13 +53,13 @@ std::string describe(const Scene& scene) {
     return fmt::format("g(r), psi6 and g_B(r), {}, every {:g} s", rule, every);
 }
 
-struct Found {
+struct OrderValues {
     const OrderResult& r;
     double a; ///< m
 };
-using F = const Found&;
+using F = const OrderValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<OrderValues> values[] = {
     {{"psi6", R"($\psi_6$, measured frames)", "",
       R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
      [](F f) { return f.r.psi6; }},
@@ -99,11 +99,11 @@ constexpr ToldValue<Found> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-constexpr ToldColumn<Found> gr_columns[] = {
+constexpr ResultColumn<OrderValues> gr_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.r, 1.0 / f.a); }},
     {{"g", "1", "pair correlation g(r)"}, [](F f) { return f.r.g; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_error; }}};
-constexpr ToldColumn<Found> gB_columns[] = {
+constexpr ResultColumn<OrderValues> gB_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.order_r, 1.0 / f.a); }},
     {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_B_error; }},
@@ -147,13 +147,13 @@ MeasureReport report(const MeasuredCase& data) {
                         still, data.tables.size());
         border = "; " + r.decay.reason;
     }
-    const Found f = {r, a};
-    Values told = values_of(values, f);
-    if (r.at_border) { // of tracks alone, and told of by the stage
-        told.push_back({"at_border", *r.at_border});
+    const OrderValues f = {r, a};
+    Values listed = values_of(values, f);
+    if (r.at_border) { // only tracks have it; the stage logs it
+        listed.push_back({"at_border", *r.at_border});
         border += fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
     }
-    return {.values = std::move(told),
+    return {.values = std::move(listed),
             .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,
                         columns_of(gr_columns, f)},
                        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",

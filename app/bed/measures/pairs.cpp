@@ -23,7 +23,7 @@ constexpr SeriesInfo series[] = {
     {{"delta_y", "a", "change of the separation over half a box"}, true, "half_box_change"},
     {{"non_reciprocity", "1", "mean over the runs"}}};
 
-void reset_late_keys(Measure& m) {
+void reset_postprocessing_keys(Measure& m) {
     m.pairs = false;
     m.contact_distance = std::nullopt;
 }
@@ -82,13 +82,13 @@ PairNumbers numbers_of(const measure::PairRun& p, double a) {
 }
 
 /// Of pairs.csv.
-struct Row {
+struct PairRow {
     PairNumbers p;
     std::size_t number = 0; ///< of the run, from 1
     bool perpendicular = false;
 };
-using R = const Row&;
-constexpr RowColumn<Row> pairs_columns[] = {
+using R = const PairRow&;
+constexpr RowColumn<PairRow> pairs_columns[] = {
     {{"run", "1", "number of the run, from 1"}, [](R r) { return r.number; }},
     {{"separation", "a", "at the start, across the mean first heading"}, [](R r) { return r.p.separation; }},
     {{"half_box_change", "a", "of the separation when the rods had come half a box; empty: they have not"},
@@ -110,7 +110,7 @@ constexpr auto pairs_infos = infos_of(pairs_columns);
 constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_infos}};
 
 MeasureTable table_of(const PairResult& pairs, double a) {
-    std::vector<Row> rows;
+    std::vector<PairRow> rows;
     for (const measure::PairRun& run : pairs.runs)
         rows.push_back({numbers_of(run, a), rows.size() + 1, run.perpendicular});
     return {"pairs.csv",
@@ -119,14 +119,14 @@ MeasureTable table_of(const PairResult& pairs, double a) {
             pairs_infos, columns_of(pairs_columns, rows)};
 }
 
-struct Found {
+struct PairValues {
     const PairResult& r;
     double a; ///< m
     double to_a = 1.0 / a;
 };
-using F = const Found&;
+using F = const PairValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<PairValues> values[] = {
     {{"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
      [](F f) { return f.r.half_box_change.scaled(f.to_a); }},
     {{"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},
@@ -148,7 +148,7 @@ MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const PairResult p = pairs_of(data);
     const Estimate change = p.half_box_change.scaled(to_a);
-    return {.values = values_of(values, Found{p, a}),
+    return {.values = values_of(values, PairValues{p, a}),
             .tables = {table_of(p, a)},
             .line = fmt::format(
                 "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
@@ -166,7 +166,7 @@ MeasureKind pairs() {
             .describe = [](const Scene&) -> std::string {
                 return "separation over half the box, who turned, outcome";
             },
-            .reset_late_keys = reset_late_keys,
+            .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = value_infos,
             .files = files,

@@ -152,15 +152,15 @@ std::string line_of(const PhononResult& r, const Inertia& inertia) {
                        text(r.C66.scaled(1e3)), factor, text(r.eta), text(r.drag));
 }
 
-struct Found {
+struct PhononValues {
     const PhononResult &bare, &r; ///< with the bare mass of the beads, and with the inertia
     const Inertia& inertia;
     double a; ///< m
     double to_a = 1.0 / a;
 };
-using F = const Found&;
+using F = const PhononValues&;
 
-constexpr ToldValue<Found> values[] = {
+constexpr ResultValue<PhononValues> values[] = {
     {{"c_Lx", "Longitudinal sound along $x$", "a/s", "from $\\omega = cq$ of the first two waves"},
      [](F f) { return f.r.c_Lx.scaled(f.to_a); }},
     {{"c_Ly", "Longitudinal sound along $y$", "a/s", "the same"},
@@ -226,7 +226,7 @@ MeasureReport report(const MeasuredCase& data) {
     const Inertia inertia = inertia_of(data);
     const PhononResult bare = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons")),
                        r = with_inertia(bare, inertia);
-    return {.values = values_of(values, Found{bare, r, inertia, a}),
+    return {.values = values_of(values, PhononValues{bare, r, inertia, a}),
             .tables = tables_of(bare, a),
             .line = line_of(r, inertia)};
 }
@@ -234,16 +234,17 @@ MeasureReport report(const MeasuredCase& data) {
 } // namespace
 
 MeasureKind phonons() {
-    return {.name = "phonons",
-            .order = 70,
-            .wanted = [](const Measure& m) { return m.phonons; },
-            .describe = describe,
-            .include = include,
-            .reset_late_keys = [](Measure& m) { m.inertia_factor = m.inertia_error = std::nullopt; },
-            .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+    return {
+        .name = "phonons",
+        .order = 70,
+        .wanted = [](const Measure& m) { return m.phonons; },
+        .describe = describe,
+        .include = include,
+        .reset_postprocessing_keys = [](Measure& m) { m.inertia_factor = m.inertia_error = std::nullopt; },
+        .report = report,
+        .values = value_infos,
+        .files = files,
+        .series = series};
 }
 
 } // namespace rodwake::app::measures

@@ -5,6 +5,7 @@
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/fitting/map.hpp"
 #include "rodwake/fitting/method.hpp"
+#include "rodwake/fitting/posterior.hpp"
 #include "rodwake/fitting/trajectory.hpp"
 #include "rodwake/fitting/wake.hpp"
 #include "rodwake/scene/scene.hpp"
@@ -90,6 +91,9 @@ std::vector<std::string> data_remarks(const FitPlan& plan);
 /// Of the free parameters: uniform between the bounds unless fit.posterior says otherwise. Poses at the start
 /// are data, and their prior is wide: ten standard errors either way.
 std::vector<fitting::Prior> fit_priors(const FitPlan& plan);
+
+/// How fit.posterior asks to sample.
+fitting::PosteriorMethod posterior_method(const FitPlan& plan);
 
 /// Of inputs that are complete. Throws InputError for data that cannot be fitted, and where the residuals at
 /// the start are not finite.

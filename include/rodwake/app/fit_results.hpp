@@ -38,7 +38,7 @@ struct FitSystematics {
         double error = 0.0;         ///< of the constant
         std::vector<double> change; ///< of the parameters for one such error
     };
-    struct Choice {
+    struct MaskFit {
         fitting::MapMask mask;
         std::size_t residuals = 0;
         fitting::Report report;
@@ -48,8 +48,8 @@ struct FitSystematics {
         std::vector<double> values;
     };
     std::vector<Held> held;
-    std::vector<Choice> masks; ///< the first is that of the fit
-    std::vector<LeftOut> runs; ///< of the jackknife
+    std::vector<MaskFit> masks; ///< the first is that of the fit
+    std::vector<LeftOut> runs;  ///< of the jackknife
     /// Empty: not asked for. `total`: the larger of the jackknife's error and the curvature's, with the other
     /// two.
     std::vector<double> held_error, mask_spread, jackknife, total;
@@ -81,16 +81,6 @@ struct FitResults {
 
 /// Everything but likelihood and systematics, which take searches of their own.
 FitResults fit_results(const FitPlan& plan, fitting::Fit fit);
-
-/// What the report of the fit does not know of, in sentences: intervals by the profile likelihood, and the
-/// factors by which data exceed predictions.
-std::vector<std::string> findings(const FitPlan& plan, const FitResults& results);
-
-/// Point forces fitted to one line, a line of text for each.
-std::vector<std::string> comparisons(const FitPlan& plan, const FitResults& results);
-
-/// "; the model does not describe the data: ...", or empty.
-std::string misfit_text(const FitResults& results);
 
 /// Standard error of a parameter or a derived quantity with all its causes; of the curvature alone where no
 /// others were asked for.

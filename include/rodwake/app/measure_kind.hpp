@@ -84,7 +84,7 @@ struct MeasureKind {
     void (*include)(const scene::Scene&, MeasurePlan&) = nullptr;
     /// Resets the keys that its sums do not depend on, so that they may change without new frames; null:
     /// none.
-    void (*reset_late_keys)(scene::Measure&) = nullptr;
+    void (*reset_postprocessing_keys)(scene::Measure&) = nullptr;
     /// Throws InputError or RunError if it cannot be had.
     MeasureReport (*report)(const MeasuredCase&) = nullptr;
     /// What it tells of several cases together, for series.json; null: nothing.

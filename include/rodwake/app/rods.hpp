@@ -36,7 +36,7 @@ std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodPr
 /// however they were done. What stopping by the interval does to it: docs/noise.md.
 std::uint32_t wanted_runs(const rods::NoiseSums& sums, std::size_t rods, const NoisePlan& plan);
 
-/// Adds runs until there are as many as are wanted. False if options.ode.stop_requested told it to stop: the
+/// Adds runs until there are as many as are wanted. False if options.ode.stop_requested stopped it: the
 /// same call goes on, to the same runs.
 bool run_wanted(const rods::RodProblem& problem, const rods::RodOptions& options, const NoisePlan& plan,
                 std::size_t threads, rods::NoiseSums& sums,

@@ -78,8 +78,8 @@ void write_manifest(const std::filesystem::path& folder);
 /// for a damaged one.
 std::string describe_checkpoint(const std::filesystem::path& file);
 
-/// A table of scenes ("scan", "[scan]"), a key ("coupling.kappa", "rods.0.position", "kappa"), a file
-/// ("scan.csv"), a column of a CSV file or a key of a JSON file ("mean_speed0", "psi6"): all that is known of
+/// A table of scenes ("scan", "[scan]"), a key ("coupling.kappa", "rods.0.position", "eta"), a file
+/// ("scan.csv"), a column of a CSV file or a key of a JSON file ("mean_speed0", "drift"): all that is known of
 /// it, in lines. Nothing for a name that is none of these.
 std::optional<std::string> explain(const std::string& name);
 

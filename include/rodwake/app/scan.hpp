@@ -46,7 +46,7 @@ struct ScanPlan {
     std::vector<std::string> labels;  ///< of each axis, for figures; empty: that of the key
     std::optional<double> time_limit; ///< seconds a point
     bool decide = false;              ///< undecided points go on until they are decided
-    bool certificates = false;        ///< points of rods are told how well they are known
+    bool certificates = false;        ///< points of rods get a certificate of their outcome
     std::optional<CriticalPlan> critical = {};
 };
 

@@ -43,14 +43,14 @@ private:
 /// The bed of a point. Throws InputError for one that cannot be modelled.
 BedPlan scanned_bed(const ScanPlan& plan, const scan::Point& point);
 
-struct BedYield {
+struct BedObservables {
     std::int32_t outcome = 0;   ///< index into Columns::outcomes
     std::vector<double> values; ///< as Columns::observables
 };
 
 /// From what the run wrote: lengths in a, the rest SI. Throws InputError for files that are not of such a
 /// run.
-BedYield yield_of(const scene::Scene& scene, const RunTables& run);
+BedObservables observables_of(const scene::Scene& scene, const RunTables& run);
 
 // Points of a scan evaluated by whoever a program hands them to: processes of a pool, nodes of a cluster.
 // There each makes the plan anew from the scene and evaluates the points that it is sent; in the process that

@@ -22,7 +22,7 @@
 //              one by felt_turn in the whole run
 //   orbit      two rods in each other's steady wakes on the plane, none of the above, in the basin of a
 //   stable
-//              orbit (rods/settled_orbit.hpp); not told of tracks
+//              orbit (rods/settled_orbit.hpp); never of tracks
 //   escape     r' > 0, and in the time r/|v_a - v_b| in which the separation doubles at these velocities
 //              neither heading turns by more than residual_turn of the angle between the headings, at the
 //              rate of the last part of the run: rods that part at a small angle are turned back by little
@@ -100,10 +100,10 @@ double angle_between(double heading, double other);
 Ending classify(const PairEnd& pair, const EndingCriteria& criteria);
 
 /// The frame of the mean first heading of two rods. Headings that are opposite have none.
-class PairCourse {
+class PairFrame {
 public:
     /// (x, y): first place of rod 0 seen from rod 1, of the nearest images.
-    PairCourse(double heading0, double heading1, double x, double y);
+    PairFrame(double heading0, double heading1, double x, double y);
 
     bool common() const { return common_; }
     /// Along the mean first heading and to its left; 0 without one.
@@ -123,5 +123,6 @@ private:
     double ahead_x_ = 0.0, ahead_y_ = 0.0; ///< unit vector
     double first_ = 0.0;                   ///< across
 };
+using PairCourse [[deprecated("it is PairFrame")]] = PairFrame;
 
 } // namespace rodwake

@@ -18,15 +18,15 @@ std::size_t threads_for(std::size_t work, std::size_t least, std::size_t threads
 /// Between loops they wait awake for a while that is about the price of a sleep, and asleep after that. A
 /// loop ends when its tasks are done: nobody waits for a thread that has not begun by then, which beside
 /// other programs may be long.
-class Team {
+class ThreadPool {
 public:
     /// `threads` in all, the caller among them, or as many as the system starts; 1: no thread is started.
-    explicit Team(std::size_t threads) : threads_(threads) {}
-    ~Team();
-    Team(const Team&) = delete;
-    Team& operator=(const Team&) = delete;
-    Team(Team&&) = delete;
-    Team& operator=(Team&&) = delete;
+    explicit ThreadPool(std::size_t threads) : threads_(threads) {}
+    ~ThreadPool();
+    ThreadPool(const ThreadPool&) = delete;
+    ThreadPool& operator=(const ThreadPool&) = delete;
+    ThreadPool(ThreadPool&&) = delete;
+    ThreadPool& operator=(ThreadPool&&) = delete;
 
     /// Starts the threads now and says how many there are, the caller among them.
     std::size_t started();
@@ -67,10 +67,11 @@ private:
     std::atomic<std::uint32_t> all_left_{0};
     std::atomic<bool> ending_{false};
 };
+using Team [[deprecated("it is ThreadPool")]] = ThreadPool;
 
 /// Calls task(i) once for each i in [0, count) by the team, or on up to `threads` threads. If tasks throw,
 /// the exception of the lowest index is rethrown after all have ended.
-void parallel_for(std::size_t count, Team& team, const std::function<void(std::size_t)>& task);
+void parallel_for(std::size_t count, ThreadPool& team, const std::function<void(std::size_t)>& task);
 void parallel_for(std::size_t count, std::size_t threads, const std::function<void(std::size_t)>& task);
 
 } // namespace rodwake

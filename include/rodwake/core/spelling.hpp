@@ -15,7 +15,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// The known name nearest to `name`, or empty if none is close (a third of its length, at most 3 edits).
 std::string_view nearest_word(std::string_view name, std::span<const std::string_view> known);
 
-/// ` (did you mean "kappa"?)`, or empty.
+/// ` (did you mean "eta"?)`, or empty.
 std::string did_you_mean(std::string_view name, std::span<const std::string_view> known);
 
 /// Place of the first byte that is part of no character of UTF-8, or npos.

@@ -63,7 +63,7 @@ struct Localisation {
 /// How far a particle may go from one frame to the next, or over a gap, without being another one.
 struct StepLimit {
     std::optional<double> length =
-        {}; ///< m; infinite: unlimited; absent: by the spacing, and who told the ids
+        {}; ///< m; infinite: unlimited; absent: by the spacing, and the tracker's ids
 
     bool operator==(const StepLimit&) const = default;
 };

@@ -58,7 +58,7 @@ public:
 private:
     WakeKernel kernel_;
     MutualWakesOptions options_;
-    std::shared_ptr<Team> team_; ///< of all copies; calls at one time share it as Team::run says
+    std::shared_ptr<ThreadPool> team_; ///< of all copies; calls at one time share it as Team::run says
     std::shared_ptr<Far> far_;
 };
 

@@ -50,12 +50,12 @@ public:
     FieldValues at(double x, double y, FieldRequest request) const;
 
     /// What the images alone make at the rod's own place: a rod in a box is in its own images' wakes.
-    FieldValues at_own_place(FieldRequest request) const;
+    FieldValues self_image_field(FieldRequest request) const;
 
-    /// d/d heading of at(x, y) and at_own_place, per rad: place and components fixed in the rod's frame, so
-    /// that it is the box that turns about the rod, clockwise. 0 in the infinite plane. Of displacement,
+    /// d/d heading of at(x, y) and self_image_field, per rad: place and components fixed in the rod's frame,
+    /// so that it is the box that turns about the rod, clockwise. 0 in the infinite plane. Of displacement,
     /// strain, polar and dipole as asked for; gradients are not available: InputError.
-    FieldValues by_heading(double x, double y, FieldRequest request) const;
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const;
     FieldValues own_place_by_heading(FieldRequest request) const;
 
     /// d/d eta and d/d xi at fixed place and box, of what is asked for (not gradients).

@@ -67,11 +67,11 @@ public:
     FieldValues at(const Source& source, double x, double y, FieldRequest request) const;
 
     /// What the images alone make at the source's own place.
-    FieldValues at_own_place(double heading, FieldRequest request) const;
+    FieldValues self_image_field(double heading, FieldRequest request) const;
 
     /// d/d heading of both, per rad, at a place and in components fixed in the lab frame (PeriodicField's are
     /// fixed in the rod's). Gradients are not available: InputError.
-    FieldValues by_heading(const Source& source, double x, double y, FieldRequest request) const;
+    FieldValues heading_derivative(const Source& source, double x, double y, FieldRequest request) const;
     FieldValues own_place_by_heading(double heading, FieldRequest request) const;
 
     const Medium& medium() const;

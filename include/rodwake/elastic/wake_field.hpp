@@ -20,8 +20,8 @@ namespace rodwake::elastic {
 /// What a field can be asked for besides strain and polar vectors; the rest throws InputError.
 struct FieldCapabilities {
     bool displacement = true, dipole = true;
-    bool gradients = true;          ///< FieldRequest::gradients, Wake::by_heading
-    bool medium_derivatives = true; ///< Wake::by_medium
+    bool gradients = true;          ///< FieldRequest::gradients, Wake::heading_derivative
+    bool medium_derivatives = true; ///< Wake::medium_derivatives
 };
 
 class Wake {
@@ -33,12 +33,12 @@ public:
     /// What turning the medium's surroundings (a box) against the rod changes: the derivative by the rod's
     /// heading at a fixed place in the rod's frame, components in that frame, of strain and polar vectors.
     /// Zero on the plane.
-    virtual FieldValues by_heading(double x, double y, FieldRequest request) const;
+    virtual FieldValues heading_derivative(double x, double y, FieldRequest request) const;
     /// d/d eta and d/d xi at a fixed place.
-    virtual MediumDerivatives by_medium(double x, double y, FieldRequest request) const = 0;
+    virtual MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const = 0;
 
     /// What the rod's own images make where it is, and its derivatives as above. Zero on the plane.
-    virtual FieldValues at_own_place(FieldRequest request) const;
+    virtual FieldValues self_image_field(FieldRequest request) const;
     virtual FieldValues own_place_by_heading(FieldRequest request) const;
     virtual MediumDerivatives own_place_by_medium(FieldRequest request) const;
 };

@@ -33,9 +33,10 @@
 namespace rodwake::elastic {
 
 /// Places in the lab frame; x and y of the same length.
-struct Places {
+struct FieldPoints {
     std::span<const double> x, y;
 };
+using Places [[deprecated("it is FieldPoints")]] = FieldPoints;
 
 /// Where sums over the sources go, one number a target, lab components; each as long as the targets.
 struct StrainSums {
@@ -53,8 +54,8 @@ public:
 
     /// Overwrites the sums. Throws InputError if a target is at a source or not finite, and for spans of
     /// unlike lengths.
-    void strain(std::span<const Source> sources, Places targets, const StrainSums& sums) const;
-    void strain_and_polar(std::span<const Source> sources, Places targets, const StrainSums& strain,
+    void strain(std::span<const Source> sources, FieldPoints targets, const StrainSums& sums) const;
+    void strain_and_polar(std::span<const Source> sources, FieldPoints targets, const StrainSums& strain,
                           const PolarSums& polar) const;
 
     /// One point: the same bits as in a batch.
@@ -66,12 +67,12 @@ public:
 private:
     friend struct KernelInternals; ///< models/elastic/wake_kernel.hpp
 
-    struct Constants {
+    struct KernelConstants {
         double c_shear, nu, delta, inverse_nu; ///< 1/(2 xi), 1/(1 + eta), 1 - nu, 1 + eta
     };
 
     Field field_;
-    Constants constants_;
+    KernelConstants constants_;
     Accuracy accuracy_;
 };
 

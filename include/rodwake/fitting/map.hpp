@@ -91,7 +91,7 @@ elastic::DisplacementMap predict(const MapModel& model, const Map& map,
 /// The model at places along a line of the rod's frame, in the box and at the speed of the map, with
 /// derivatives by all parameters.
 Prediction predict_line(const MapModel& model, const Map& map, const Profile& line,
-                        std::span<const double> places, const std::vector<Parameter>& parameters,
+                        std::span<const double> positions, const std::vector<Parameter>& parameters,
                         std::span<const double> values);
 
 } // namespace rodwake::fitting

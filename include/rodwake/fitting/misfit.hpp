@@ -37,7 +37,7 @@ struct Misfit {
     std::vector<MisfitTest>
         tests; ///< of neighbours that share noise (Problem::independent < 1) chi2 and regions
     std::vector<MisfitRegion> regions; ///< of two or more
-    std::optional<double> probability; ///< absent where nothing can be told: no degree of freedom is left
+    std::optional<double> probability; ///< absent if no degree of freedom is left
     std::string worst;                 ///< text of the test that speaks loudest
 
     bool describes() const { return !probability || *probability >= least_probability; }

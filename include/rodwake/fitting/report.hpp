@@ -15,7 +15,7 @@
 
 namespace rodwake::fitting {
 
-struct Estimate {
+struct ParameterEstimate {
     std::string name;
     double value = 0.0;
     double standard_error = 0.0; ///< standard error of the value; infinite: not fixed by the data, or not
@@ -26,6 +26,7 @@ struct Estimate {
     std::string tied_to;
     double tie_factor = 1.0;
 };
+using Estimate [[deprecated("it is ParameterEstimate")]] = ParameterEstimate;
 
 /// A combination of parameters that changes the residuals hardly or not at all.
 struct FlatDirection {
@@ -35,8 +36,8 @@ struct FlatDirection {
 };
 
 struct Report {
-    std::vector<Estimate> estimates; ///< of all parameters
-    std::vector<std::size_t> free;   ///< parameters the matrices below are about
+    std::vector<ParameterEstimate> estimates; ///< of all parameters
+    std::vector<std::size_t> free;            ///< parameters the matrices below are about
     Eigen::MatrixXd covariance; ///< of the values, linearised; flat: infinite on the diagonal, 0 beside it
     Eigen::MatrixXd root,
         null_space; ///< covariance without its infinite part = root root^T; flat directions (columns)
@@ -67,9 +68,9 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
 Eigen::VectorXd propagated(const Report& report, const Eigen::MatrixXd& gradients);
 
 /// Whether the estimate, or the one it is tied to, is held by a bound.
-bool at_bound(const Report& report, const Estimate& estimate);
+bool at_bound(const Report& report, const ParameterEstimate& estimate);
 /// Whether it has a standard error, if an infinite or unknown one: neither fixed nor held by a bound.
-bool has_error(const Report& report, const Estimate& estimate);
+bool has_error(const Report& report, const ParameterEstimate& estimate);
 
 /// Value of a parameter, if the fit has it.
 std::optional<double> fitted_value(const Report& report, const std::string& name);

@@ -52,7 +52,7 @@ struct WakeModel {
 /// the step h are worth n h/spacing, a row that is farther than `spacing` from all others 1, rows in the same
 /// place 1 together. A run ends where the places turn back, so that runs written one after the other count
 /// each; rows in no order are one run.
-std::vector<double> independent_worth(std::span<const double> places, double spacing);
+std::vector<double> independent_worth(std::span<const double> positions, double spacing);
 
 /// Independent values a row is worth on average.
 double mean_worth(std::span<const double> worth);
@@ -86,7 +86,7 @@ struct Prediction {
     std::vector<double> value;
     Eigen::MatrixXd by_parameter; ///< places x parameters
 };
-Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> places,
+Prediction predict(const WakeModel& model, const Profile& line, std::span<const double> positions,
                    const std::vector<Parameter>& parameters, std::span<const double> values);
 
 /// By what the data exceed a prediction: value = scale * model, by weighted least squares on points outside

@@ -77,7 +77,7 @@ struct RodProgress {
     double x0, y0, heading0;                   ///< at t = 0
     double x, y, heading;                      ///< at the last sample; heading without jumps
     double travelled;                          ///< integral of velocity along the heading, m
-    std::array<double, 2> impulse_on_beads_at; ///< in-plane Tallies::impulse_on_beads at the last sample
+    std::array<double, 2> impulse_on_beads_at; ///< in-plane Counters::impulse_on_beads at the last sample
     double
         impulse_on_beads; ///< momentum given to the beads along the heading of each moment since t = 0, N s
     double row_travelled; ///< at the last row
@@ -87,7 +87,7 @@ struct RodProgress {
 /// is its thrust: of a rod that walks freely and steadily as much as its force on the beads, of a lone one
 /// zero.
 struct RodThrust {
-    std::array<double, 2> impulse_at; ///< in-plane Tallies::impulse_from_plates at the last sample
+    std::array<double, 2> impulse_at; ///< in-plane Counters::impulse_from_plates at the last sample
     double impulse;                   ///< N s
 };
 
@@ -102,7 +102,7 @@ struct SampleSums {
     std::int64_t count;
 };
 
-/// Two rods: the change of their separation across their mean first heading (PairCourse), outwards positive.
+/// Two rods: the change of their separation across their mean first heading (PairFrame), outwards positive.
 struct PairProgress {
     double change;          ///< at the last sample, m
     double half_box_time;   ///< when they had come half the side along which they head; negative: not yet

@@ -22,7 +22,7 @@
 namespace rodwake::granular {
 
 /// Sums over a run. All of them grow from zero at the start of the equilibration.
-struct Tallies {
+struct Counters {
     double floor_impulse = 0.0, lid_impulse = 0.0; ///< upward momentum the plates gave, N s (lid: negative)
     std::int64_t bead_bead = 0, bead_plate = 0, bead_rod = 0, rod_plate = 0, rod_rod = 0; ///< impulses given
     double wall_impulse = 0.0; ///< towards the inside, from the wall of a container to all bodies, N s
@@ -33,6 +33,7 @@ struct Tallies {
     std::vector<Eigen::Vector3d> impulse_on_beads;    ///< momentum each rod gave to the beads, N s
     std::vector<Eigen::Vector3d> impulse_from_plates; ///< momentum each rod got from the plates, N s
 };
+using Tallies [[deprecated("it is Counters")]] = Counters;
 
 /// Why a run cannot go on.
 struct Failure {
@@ -66,7 +67,7 @@ const char* vector_target();
 class Simulation {
 public:
     /// From a start or a stored state. Throws InputError if the state does not fit the problem.
-    Simulation(const GranularProblem& problem, const State& state, const Tallies& tallies = {},
+    Simulation(const GranularProblem& problem, const State& state, const Counters& tallies = {},
                std::size_t threads = 1);
     ~Simulation();
     Simulation(Simulation&&) noexcept;
@@ -84,7 +85,7 @@ public:
     const std::optional<Failure>& failure() const;
 
     const GranularProblem& problem() const;
-    const Tallies& tallies() const;
+    const Counters& tallies() const;
     State state() const;
     const RodBody& rod(std::size_t i) const;
     Agitation agitation() const;

@@ -45,14 +45,14 @@ public:
     void save(StateWriter& out) const;
     void load(StateReader& in);
 
-    struct Block {
+    struct FlowBlock {
         std::vector<double> vx, vy, ux, uy; ///< [bins] sums of the velocity and of its unit vector
         std::vector<double> count;
     };
     const Layout& layout() const { return layout_; }
     const FlowOptions& options() const { return options_; }
     const RodGrid& grid() const { return grid_; }
-    const std::vector<Block>& blocks() const { return blocks_; }
+    const std::vector<FlowBlock>& blocks() const { return blocks_; }
     std::vector<MarkedBead> marked() const;
     /// Path of the rod along its heading since the first frame, while marked beads were followed, the drift
     /// of all beads removed, m.
@@ -65,27 +65,27 @@ private:
         double time = 0.0;
         std::size_t tick = 0;
         std::vector<double> x, y; ///< unwrapped
-        RodPlace rod;
+        RodPosition rod;
         std::vector<std::uint32_t> bead; ///< as Frame::bead, without those in no track
     };
     void start(const Past& now);
     void follow_marked(const Past& now);
     void travel(const Past& now);
     void take(const Past& before, const Past& now);
-    Block& block_at(double time);
+    FlowBlock& block_at(double time);
 
     Layout layout_;
     FlowOptions options_;
     RodGrid grid_;
     FrameTimes times_;
     std::vector<Past> past_; ///< oldest first; as many as the lag needs
-    std::vector<Block> blocks_;
+    std::vector<FlowBlock> blocks_;
     double block_number_ = 0.0; ///< of the last block
     std::vector<std::size_t> marked_;
     std::vector<double> first_x_, first_y_, last_x_, last_y_; ///< of the marked; last: drift removed
     double first_heading_ = 0.0, travel_ = 0.0;
     double drift_x_ = 0.0, drift_y_ = 0.0; ///< mean displacement of all beads since the first frame
-    RodPlace last_rod_;                    ///< where it was seen last
+    RodPosition last_rod_;                 ///< where it was seen last
     double since_x_ = 0.0, since_y_ = 0.0; ///< mean displacement of all beads since then
     bool started_ = false;                 ///< the rod has been seen
 };

@@ -65,7 +65,7 @@ PeriodicBox box_seen_by(std::size_t rod, const Layout& layout);
 void validate(const Layout& layout);
 
 /// Centre of mass of a rod. In tracks NaN says what is not known: of a rod that is not seen, all three.
-struct RodPlace {
+struct RodPosition {
     double x = 0.0, y = 0.0; ///< unwrapped, m
     double heading = 0.0;    ///< of the thin end from +x, rad, in (-pi, pi]
 
@@ -73,13 +73,14 @@ struct RodPlace {
     /// Seen, and its heading is known.
     bool known() const { return !std::isnan(heading); }
 };
+using RodPlace [[deprecated("it is RodPosition")]] = RodPosition;
 
 struct Frame {
     double time = 0.0;                            ///< s, from the end of the equilibration
     std::vector<double> x, y;                     ///< [beads], m, in the box
     std::vector<double> unwrapped_x, unwrapped_y; ///< [beads], m, unwrapped: x + L_x * image index
     std::vector<double> vx, vy;                   ///< [beads], m/s
-    std::vector<RodPlace> rods;                   ///< [rods]
+    std::vector<RodPosition> rods;                ///< [rods]
     /// [beads], rising: which of all beads they are; `untracked` of those seen once only. Empty: all of the
     /// layout.
     std::vector<std::uint32_t> bead = {};
@@ -89,7 +90,7 @@ struct Frame {
 inline constexpr std::uint32_t untracked = 0xFFFFFFFF;
 
 /// Of rod `rod`, or of the force.
-RodPlace place_of(std::size_t rod, const Layout& layout, const Frame& frame);
+RodPosition place_of(std::size_t rod, const Layout& layout, const Frame& frame);
 
 /// Throws RunError for a frame that does not belong to the layout: counts, values that are not finite, places
 /// outside the box.

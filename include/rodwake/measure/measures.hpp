@@ -93,7 +93,7 @@ public:
     std::size_t stride(std::string_view name) const;
 
 private:
-    struct Part {
+    struct MeasurePart {
         std::string name;
         std::size_t every;
         Accumulator sums;
@@ -107,7 +107,7 @@ private:
     bool seen_ = false, travelled_ = false; ///< with a distance: any frame; one from that distance on
     double first_x_ = 0.0, first_y_ = 0.0;  ///< of the rod, m
     std::size_t frames_ = 0;
-    std::vector<Part> parts_;
+    std::vector<MeasurePart> parts_;
 };
 
 /// The sums of all runs under one name, taken out of them.

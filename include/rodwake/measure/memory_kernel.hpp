@@ -8,7 +8,7 @@
 //
 //   total(s) = 4 m T_xy/(s Delta~(s)) = m s^2 + Gamma s + k~(s),   N/m, s > 0 in 1/s.
 //
-// What can be told apart. One curve is measured, the total, and the split is a choice.
+// Identifiability. One curve is measured, the total, and the split is a choice.
 //   m s^2    The bare mass m, whatever the bead does besides. T_xy is the mean square of the bead's velocity,
 //            so s -> inf gives Delta~ -> 4 T_xy/s^3 and the total m s^2 as an identity. Rolling does not
 //            change that. The floor spins up a bead only after some impacts; the inertia of its spin is part

@@ -96,7 +96,7 @@ public:
 
 private:
     /// A frame of an octave; beads in the order of their groups, or of their names, rising.
-    struct Past {
+    struct OctaveFrame {
         std::size_t tick = 0;
         double time = 0.0;
         std::vector<double> x, y;
@@ -109,9 +109,9 @@ private:
     void start(const Frame& frame);
     bool on_grid() const { return layout_.grid != 0.0; }
     bool within_longest(double seconds) const;
-    void push(std::size_t level, const Past& now);
-    void correlate(const Past& before, const Past& now, LagSums& sums);
-    void correlate_named(const Past& before, const Past& now, LagSums& sums);
+    void push(std::size_t level, const OctaveFrame& now);
+    void correlate(const OctaveFrame& before, const OctaveFrame& now, LagSums& sums);
+    void correlate_named(const OctaveFrame& before, const OctaveFrame& now, LagSums& sums);
     void add_halves(LagSums& sums, std::span<const Moved, groups> moved);
     void follow_drift(const std::vector<double>& x, const std::vector<double>& y,
                       const std::vector<std::uint32_t>& bead);
@@ -125,18 +125,18 @@ private:
     std::vector<std::size_t> order_;        ///< the beads by group
     std::vector<double> group_sizes_;
     /// The last 16 frames (64 on no grid) of every 2^level-th frame, newest last.
-    std::vector<std::vector<Past>> levels_;
+    std::vector<std::vector<OctaveFrame>> levels_;
     std::map<long, LagSums> lags_;
 
     /// Of beads that come and go, [all beads]: first place without the drift until then, and group.
-    struct Named {
+    struct NamedBeads {
         std::vector<double> start_x, start_y; ///< m; NaN: not seen yet
         std::vector<std::uint8_t> group;
         double drift_x = 0.0, drift_y = 0.0;  ///< m
         std::vector<std::uint32_t> last_bead; ///< of the last frame that has beads
         std::vector<double> last_x, last_y;   ///< unwrapped, m
     };
-    Named named_;
+    NamedBeads named_;
 };
 
 struct MicrorheologyResult {
@@ -157,7 +157,7 @@ struct MicrorheologyResult {
     bool window_narrowed = false; ///< too few lags for the wanted window: the one used is given
     std::size_t frames = 0;
     // Of tracks:
-    std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: not to be told
+    std::optional<Estimate> localisation; ///< sigma_0 as the first lags have it, m; nothing: unknown
     double taken_off = 0.0;     ///< b, m^2; how well it is known is in the errors of all curves and values
     std::vector<double> hidden; ///< [lag], m^2: what the drift may have taken along, part of all errors
 

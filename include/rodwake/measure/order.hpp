@@ -73,7 +73,7 @@ public:
     void save(StateWriter& out) const;
     void load(StateReader& in);
 
-    struct Block {
+    struct OrderBlock {
         std::vector<double> pairs;       ///< per bin of g(r)
         std::vector<double> order_pairs; ///< per bin of g_B(r)
         std::vector<double> order;       ///< sum of Re psi_i* psi_j
@@ -89,7 +89,7 @@ public:
     const Layout& layout() const { return layout_; }
     const OrderOptions& options() const { return options_; }
     /// The blocks; frames that still wait for a cut-off are counted in with that of their own g(r).
-    std::vector<Block> blocks() const;
+    std::vector<OrderBlock> blocks() const;
     /// In use, m; 0 with Delaunay neighbours or before it is known.
     double cutoff() const { return cutoff_.value; }
     /// The same, but if frames still wait, that of their own g(r).
@@ -104,13 +104,13 @@ private:
     void count_waiting();
     void count(double time, const std::vector<double>& x, const std::vector<double>& y);
     std::vector<double> pairs_for_g(const std::vector<double>& x, const std::vector<double>& y) const;
-    Block& block_at(double time);
+    OrderBlock& block_at(double time);
 
     Layout layout_;
     OrderOptions options_;
     Cutoff cutoff_;
     std::vector<Waiting> waiting_;
-    std::vector<Block> blocks_;
+    std::vector<OrderBlock> blocks_;
     std::vector<double> block_number_; ///< floor(time/block) of each block
 };
 

@@ -59,7 +59,7 @@ public:
         int m = 0, n = 0; ///< m > 0, or m = 0 and n > 0
     };
     /// Sums over the frames of a block of time.
-    struct Block {
+    struct PhononBlock {
         double number = 0.0, frames = 0.0;
         double temperature = 0.0;      ///< of single beads, (var vx + var vy)/2
         std::vector<double> origins;   ///< [lag]
@@ -74,14 +74,14 @@ public:
     std::size_t frames() const { return times_.frames; }
     double interval() const { return times_.interval; }
     std::span<const Mode> modes() const { return modes_; }
-    std::span<const Block> blocks() const { return blocks_; }
+    std::span<const PhononBlock> blocks() const { return blocks_; }
     std::size_t lags() const { return lags_; } ///< lag 0 included; 0 before the second frame
 
 private:
     void take(double time, const std::vector<double>& currents, double temperature);
     void take_displacements(const Frame& frame);
-    void correlate(Block& block, double temperature) const;
-    Block& block_at(double time);
+    void correlate(PhononBlock& block, double temperature) const;
+    PhononBlock& block_at(double time);
 
     Layout layout_;
     PhononOptions options_;
@@ -91,7 +91,7 @@ private:
     double first_time_ = 0.0, first_temperature_ = 0.0; ///< s, m^2/s^2
     std::vector<double> first_x_, first_y_;             ///< unwrapped, m
     std::deque<std::vector<double>> history_; ///< [frame, newest last][L re, L im, T re, T im][mode]
-    std::vector<Block> blocks_;
+    std::vector<PhononBlock> blocks_;
 };
 
 /// A branch of the modes (m, n) and (m, -n).

@@ -47,9 +47,10 @@ private:
 RodGrid grid_seen_by(std::size_t rod, const Layout& layout, double wanted);
 
 /// Where a bead is as seen from a rod: nearest image, turned by minus the heading.
-struct Seen {
+struct RelativePosition {
     double x = 0.0, y = 0.0;
 };
-Seen seen_from(const RodPlace& rod, double x, double y, const PeriodicBox& box);
+using Seen [[deprecated("it is RelativePosition")]] = RelativePosition;
+RelativePosition relative_position(const RodPosition& rod, double x, double y, const PeriodicBox& box);
 
 } // namespace rodwake::measure

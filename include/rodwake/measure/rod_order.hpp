@@ -36,10 +36,10 @@ struct RodOrder {
 /// `box`: the periodic one, distances are those of the nearest images; absent: infinite plane. At
 /// least one rod, finite places, link > 0 and at most half the box's shorter side. Cost: N, and the pairs in
 /// neighbouring cells of the size of link.
-RodOrder rod_order(std::span<const RodPlace> rods, double link, std::optional<PeriodicBox> box = {});
+RodOrder rod_order(std::span<const RodPosition> rods, double link, std::optional<PeriodicBox> box = {});
 
 /// Linked are pairs nearer than `reach` for which `linked(a, b)` holds. The links are kept.
-RodOrder rod_order(std::span<const RodPlace> rods, double reach, std::optional<PeriodicBox> box,
+RodOrder rod_order(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box,
                    const std::function<bool(std::size_t a, std::size_t b)>& linked);
 
 /// Mean time that a link lasts: the time of all links over the number of them that are gone at the next time.

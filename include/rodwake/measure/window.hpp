@@ -51,15 +51,16 @@ private:
         double length, tx, ty, normal;
     };
     /// A corner, from the point.
-    struct Seen {
+    struct RelativeCorner {
         double x, y, distance, angle;
     };
-    void take(const Edge& edge, const Seen& from, const Seen& to, double bin, std::span<double> share);
+    void take(const Edge& edge, const RelativeCorner& from, const RelativeCorner& to, double bin,
+              std::span<double> share);
 
     Window window_;
     std::vector<Edge> edges_;
-    std::vector<Seen> seen_;   ///< scratch
-    std::vector<double> rest_; ///< scratch
+    std::vector<RelativeCorner> seen_; ///< scratch
+    std::vector<double> rest_;         ///< scratch
 };
 
 } // namespace rodwake::measure

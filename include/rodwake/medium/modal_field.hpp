@@ -25,10 +25,11 @@
 namespace rodwake::medium {
 
 /// e^(i q c) of each q.
-struct Phases {
+struct PhaseFactors {
     std::vector<double> re, im;
 };
-Phases phases(std::span<const double> q, double c);
+using Phases [[deprecated("it is PhaseFactors")]] = PhaseFactors;
+PhaseFactors phases(std::span<const double> q, double c);
 
 class ModalField {
 public:
@@ -58,7 +59,7 @@ public:
     void add_steady(const rods::Pose& rod, std::span<double> field) const;
     /// One row of it, columns first to last - 1; px and py are phases(qx(), -rod.x) and phases(qy(), -rod.y).
     void add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
-                        const Phases& px, const Phases& py, std::span<double> field) const;
+                        const PhaseFactors& px, const PhaseFactors& py, std::span<double> field) const;
 
     /// Displacement, strain and polar vectors as asked for (units of elastic/field.hpp), lab frame, of a
     /// field, or of its difference to another. No dipole, no gradients: InputError.

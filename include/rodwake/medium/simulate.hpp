@@ -55,7 +55,7 @@ std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, st
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods,
                     std::optional<double> contact_distance = {});
 
-/// Numbers in a checkpoint's state: poses, the next step, own turns if they are told apart, fields; with a
+/// Numbers in a checkpoint's state: poses, the next step, own turns if they are kept apart, fields; with a
 /// closure poses.
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods);
 

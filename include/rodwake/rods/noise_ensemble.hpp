@@ -54,7 +54,7 @@ struct CaptureCount {
 CaptureCount count_captures(std::span<const NoisyEnd> ends, std::size_t rods);
 
 /// Adds runs until there are `runs`, on `threads` threads; the bits do not depend on their number. `added` is
-/// called after every few runs. False if options.ode.stop_requested told it to stop: the sums are then those
+/// called after every few runs. False if options.ode.stop_requested stopped it: the sums are then those
 /// of the runs done so far, and the same call goes on with them.
 bool run_ensemble(const RodProblem& problem, const RodOptions& options, const Noise& noise,
                   std::uint32_t runs, std::size_t threads, NoiseSums& sums,

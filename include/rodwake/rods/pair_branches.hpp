@@ -6,7 +6,7 @@
 // through the predicted point normal to the tangent (Keller 1977), which passes folds, where dp/ds = 0. p
 // counts in the range asked for; a step is at most 0.05, and is halved where the tangent turns by more than
 // 0.1 rad in it. A fold is bracketed by the sign of dp/ds and located by it to rounding in s, so p, of which
-// it is an extremum, to 1e-12 of itself, and r to 1e-7. Two more kinds of end are told: a branch of
+// it is an extremum, to 1e-12 of itself, and r to 1e-7. Two more kinds of end are reported: a branch of
 // asymmetric orbits can be born from opposite rods, b = pi/2 (a pitchfork: its other half is the mirror image
 // with the rods exchanged), and from rods in line, b = 0.
 //

@@ -33,6 +33,6 @@ double value(const RodProblem& problem, Parameter parameter);
 integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
                                                      std::span<const Parameter> parameters,
                                                      std::span<const std::size_t> headings,
-                                                     std::span<const std::size_t> places = {});
+                                                     std::span<const std::size_t> indices = {});
 
 } // namespace rodwake::rods

@@ -57,7 +57,7 @@ inline constexpr double bound_share = 0.9, bound_part = 0.25; ///< bound_part: t
 // How an encounter of two rods of the theory ends; core/encounter.hpp has the endings and their criteria.
 //
 // Of several pairs: contact wins over pursuit, pursuit over undecided; escape means that every pair escapes.
-// Of more than most_followed_rods rods (separation_record.hpp) only contact is told.
+// Of more than most_followed_rods rods (separation_record.hpp) only contact is decided.
 
 /// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.
 /// `late` as separation_record.hpp keeps it. In a periodic box of the nearest images (separation.hpp).

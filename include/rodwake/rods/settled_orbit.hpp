@@ -1,5 +1,5 @@
 #pragma once
-// Whether two rods end in a stable orbit about each other, told from where they are.
+// Whether two rods end in a stable orbit about each other, decided from their positions.
 //
 // With q the pose of one rod in the frame of the other and f the pair's flow (pair_equilibria.hpp):
 //   1. Newton's method from q converges to an orbit q* (omega != 0), in the image that the rods are in.
@@ -11,9 +11,9 @@
 //      sooner.
 //   4. No pose of the ellipsoid is within the contact distance.
 //
-// So it is told before the rods have settled, and separation and omega are those of the orbit itself, solved
+// So it is decided before the rods have settled, and separation and omega are those of the orbit itself, solved
 // to rounding, not those of the last pose. Errors: the criterion is sufficient, not necessary. Rods farther
-// out than 1 to 5 % of r* and of a radian (five orbits tried) are told later or not at all; so are those next
+// out than 1 to 5 % of r* and of a radian (five orbits tried) are found later or not at all; so are those next
 // to a fold, where m vanishes, and where eigenvectors become parallel. Condition 3 is sampled, 0.2 rad apart,
 // not proved; V'/V would have to change by m in between. Nothing is said of rods in a periodic box, in
 // another field, or with noise or rows.

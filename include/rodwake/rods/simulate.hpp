@@ -118,7 +118,7 @@ struct RodOutcome {
 struct RodResult {
     integrate::Solution solution; ///< states as in model.hpp, whatever the form
     RodOutcome outcome;
-    SeparationRecord record = {}; ///< what the outcome was told from
+    SeparationRecord record = {}; ///< separations from which the outcome was decided
 };
 
 /// Runs to t_end or to contact; rods that start within the contact distance are in contact at 0. Throws

@@ -30,20 +30,21 @@ enum class Kind { grid, list, lhs, sobol, adaptive };
 const char* to_string(Kind kind);
 
 /// A continuous observable that drives refinement beside the outcome.
-struct Driver {
+struct RefinementCriterion {
     std::size_t observable = 0; ///< index into Columns::observables
     double step = 0.0;          ///< largest change over a cell
 };
+using Driver [[deprecated("it is RefinementCriterion")]] = RefinementCriterion;
 
 struct Design {
     Kind kind = Kind::grid;
     std::vector<Axis> axes;
-    long samples = 0;                      ///< lhs, sobol
-    std::vector<std::vector<double>> rows; ///< list: the values of each point
-    std::uint64_t seed = 1;                ///< of lhs and of the audit
-    long resolution = 0;                   ///< adaptive: cells a side at the finest
-    long audit = 0;                        ///< adaptive: points tried at random where nothing was refined
-    std::vector<Driver> drivers;           ///< adaptive
+    long samples = 0;                         ///< lhs, sobol
+    std::vector<std::vector<double>> rows;    ///< list: the values of each point
+    std::uint64_t seed = 1;                   ///< of lhs and of the audit
+    long resolution = 0;                      ///< adaptive: cells a side at the finest
+    long audit = 0;                           ///< adaptive: points tried at random where nothing was refined
+    std::vector<RefinementCriterion> drivers; ///< adaptive
     /// Adaptive, beside the outcome: where a result stands to a thin region that may lie alone, by sign; NaN:
     /// far from any. Cells over which it changes sign are halved. Empty: no such region is known.
     std::function<double(const Result&)> side;
@@ -84,7 +85,7 @@ public:
     /// The number of the point of this id; nothing if the design has none.
     std::optional<std::int64_t> number_of(std::int64_t id) const;
     /// The point of a place, whose id is the place.
-    Point at_place(std::int64_t place) const;
+    Point at_place(std::int64_t index) const;
 
 private:
     const Design& design_;

@@ -34,11 +34,12 @@ struct Counts {
 };
 
 /// An edge of the refinement whose ends have different outcomes, and where along it the outcome changes.
-struct Crossing {
+struct OutcomeChange {
     std::int64_t id = 0; ///< of the edge: that of its lower end times the axes, plus its axis
     std::int32_t outcome_low = -1, outcome_high = -1;
     double u_low = 0.0, u_high = 1.0; ///< the bracket, as fractions of the edge's axis
 };
+using Crossing [[deprecated("it is OutcomeChange")]] = OutcomeChange;
 
 class Ledger {
 public:
@@ -55,7 +56,7 @@ public:
 
     /// A point that is there already is replaced. Throws RunError (disk full).
     void add(std::span<const Result> results);
-    void add(std::span<const Crossing> crossings);
+    void add(std::span<const OutcomeChange> crossings);
     /// All that another ledger of the same scan holds and this one does not. Throws InputError.
     void merge(const std::filesystem::path& other);
     /// Removes points that failed, so that they are evaluated again, and brackets with such an end; how many
@@ -70,7 +71,7 @@ public:
     /// The results of these points that are there, in the order of all.
     std::vector<Result> find(std::span<const Point> points) const;
     std::optional<Result> find(std::int64_t id) const;
-    std::vector<Crossing> crossings() const;
+    std::vector<OutcomeChange> crossings() const;
     std::int64_t points() const;
     Counts counts() const;
     /// Records that were damaged when the file was opened; their points are not there.

@@ -25,7 +25,7 @@ struct Point {
 /// run does not depend on how many there are, so that more of them go on with those that are known.
 inline constexpr int run_bits = 20;
 inline constexpr long max_runs = 1L << run_bits;
-constexpr std::int64_t id_of_run(std::int64_t place, std::int64_t run) { return (place << run_bits) + run; }
+constexpr std::int64_t id_of_run(std::int64_t index, std::int64_t run) { return (index << run_bits) + run; }
 /// Both from 0.
 constexpr std::int64_t place_of_run(std::int64_t id) { return id >> run_bits; }
 constexpr std::int64_t run_of(std::int64_t id) { return id & (max_runs - 1); }

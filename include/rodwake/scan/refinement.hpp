@@ -17,7 +17,7 @@ namespace rodwake::scan {
 
 /// A cell that was not divided.
 struct Leaf {
-    Lattice::Place low; ///< its corner of the smallest places
+    Lattice::LatticePoint low; ///< its corner of the smallest places
     std::int64_t side = 0;
     std::int32_t outcome = -1; ///< of all corners, if they agree
     bool mixed = false;        ///< outcomes of corners differ
@@ -25,7 +25,7 @@ struct Leaf {
 
 class Refinement {
 public:
-    using Place = Lattice::Place;
+    using LatticePoint = Lattice::LatticePoint;
 
     explicit Refinement(const Design& design);
 
@@ -34,14 +34,14 @@ public:
     void learn(const Result& result);
 
     /// Divides the cells that hold this place down to the finest: something is there.
-    void divide_at(const Place& place);
+    void divide_at(const LatticePoint& position);
 
     const Lattice& lattice() const { return lattice_; }
     bool knows(std::int64_t id) const { return known_.contains(id); }
     /// -1: failed or unknown.
-    std::int32_t outcome(const Place& place) const;
+    std::int32_t outcome(const LatticePoint& place) const;
     /// The cell that holds the finest cell at this place.
-    Leaf leaf_at(const Place& place) const;
+    Leaf leaf_at(const LatticePoint& place) const;
     std::vector<Leaf> leaves() const;
 
 private:
@@ -54,26 +54,26 @@ private:
     };
 
     std::size_t corners() const { return std::size_t{1} << lattice_.axes(); }
-    Place corner(const Place& low, std::int64_t side, std::size_t which) const;
-    bool holds(const Place& low, std::int64_t side) const;
-    Place low_of(const Place& place, int level) const;
-    bool is_mixed(const Place& low, std::int64_t side) const;
+    LatticePoint corner(const LatticePoint& low, std::int64_t side, std::size_t which) const;
+    bool holds(const LatticePoint& low, std::int64_t side) const;
+    LatticePoint low_of(const LatticePoint& place, int level) const;
+    bool is_mixed(const LatticePoint& low, std::int64_t side) const;
     bool differ(const Known& a, const Known& b) const;
-    void add(const Place& low, int level);
-    void ensure(const Place& low, int level);
-    void divide(const Place& low, int level);
-    void follow(const Place& low, int level);
-    Leaf leaf(const Place& low, int level) const;
+    void add(const LatticePoint& low, int level);
+    void ensure(const LatticePoint& low, int level);
+    void divide(const LatticePoint& low, int level);
+    void follow(const LatticePoint& low, int level);
+    Leaf leaf(const LatticePoint& low, int level) const;
     template<class Each>
-    void around(const Place& low, int level, Each each);
+    void around(const LatticePoint& low, int level, Each each);
 
     Lattice lattice_;
-    std::vector<Driver> drivers_;
+    std::vector<RefinementCriterion> drivers_;
     std::function<double(const Result&)> side_;
     std::unordered_map<std::int64_t, Known> known_;
     std::vector<double> rows_;
-    std::vector<Cells> cells_, divided_;       ///< of each level
-    std::vector<std::pair<Place, int>> fresh_; ///< cells that were not looked at yet
+    std::vector<Cells> cells_, divided_;              ///< of each level
+    std::vector<std::pair<LatticePoint, int>> fresh_; ///< cells that were not looked at yet
 };
 
 } // namespace rodwake::scan

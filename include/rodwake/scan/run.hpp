@@ -13,12 +13,12 @@ namespace rodwake::scan {
 
 /// Edges of finest cells between two outcomes, each once, in the order of their numbers, as brackets one edge
 /// long. Ends that failed have no boundary.
-std::vector<Crossing> crossed_edges(const Refinement& refinement);
+std::vector<OutcomeChange> crossed_edges(const Refinement& refinement);
 
 /// The middle of the bracket; its id is that of the edge.
-Point middle(const Refinement& refinement, const Crossing& crossing);
+Point middle(const Refinement& refinement, const OutcomeChange& crossing);
 /// The half of the bracket whose ends differ: of two, where a third outcome lies between, the lower.
-void bisect(Crossing& crossing, const Result& at_middle);
+void bisect(OutcomeChange& crossing, const Result& at_middle);
 
 struct BoundaryPoint {
     std::array<double, max_axes> at{};
@@ -32,7 +32,7 @@ struct Curve {
     std::vector<BoundaryPoint> points;
 };
 
-std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const Crossing> crossings);
+std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const OutcomeChange> crossings);
 
 // What an adaptive scan may have missed: random places in cells that were not divided are tried. The share of
 // them that have another outcome than their cell estimates how much of that area is wrong.

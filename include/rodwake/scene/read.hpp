@@ -21,7 +21,7 @@ namespace rodwake::scene {
 
 // What is wrong with a scene: every problem of a file is collected and reported at once.
 
-struct Problem {
+struct Diagnostic {
     std::string file; ///< path of the scene, or "-s table.key=value" for a command-line override
     long line = 0;    ///< from 1; 0: the problem is not at one place (override, unreadable file)
     long column = 0;  ///< from 1, in characters
@@ -30,8 +30,9 @@ struct Problem {
 
     /// "file:line:column: message", the form that editors and terminals jump to.
     std::string text() const;
-    bool operator==(const Problem&) const = default;
+    bool operator==(const Diagnostic&) const = default;
 };
+using Problem [[deprecated("it is Diagnostic")]] = Diagnostic;
 
 /// The scene cannot be used. what() lists the problems, one a line in order of place, at most
 /// `listed_at_most`.
@@ -40,11 +41,14 @@ public:
     static constexpr std::size_t listed_at_most = 50;
 
     /// `unstored` problems were found beyond those given; they are counted in the text.
-    explicit SceneError(std::vector<Problem> problems, std::size_t unstored = 0);
-    const std::vector<Problem>& problems() const { return problems_; }
+    explicit SceneError(std::vector<Diagnostic> diagnostics, std::size_t unstored = 0);
+    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+    [[deprecated("it is diagnostics()")]] const std::vector<Diagnostic>& problems() const {
+        return diagnostics_;
+    }
 
 private:
-    std::vector<Problem> problems_;
+    std::vector<Diagnostic> diagnostics_;
 };
 
 /// Largest scene that is read, bytes.

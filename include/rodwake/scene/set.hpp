@@ -65,6 +65,6 @@ ValueSetter compile_setter(const Scene& scene, std::string_view key);
 
 /// What does not fit together in a scene whose values have been set; empty: nothing. As reading reports it,
 /// without lines.
-std::vector<Problem> validate(const Scene& scene);
+std::vector<Diagnostic> validate(const Scene& scene);
 
 } // namespace rodwake::scene

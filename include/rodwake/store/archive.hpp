@@ -67,8 +67,8 @@ struct Kept<T> {
     /// call(Kept of the part, its value) for each.
     template<class Value, class Call>
     static void each(Value& value, const Call& call) {
-        const auto one = [&](auto& part) { call(Kept<std::remove_cvref_t<decltype(part)>>{}, part); };
-        std::apply([&](const auto... members) { (one(value.*members), ...); }, parts<T>.members);
+        const auto item = [&](auto& part) { call(Kept<std::remove_cvref_t<decltype(part)>>{}, part); };
+        std::apply([&](const auto... members) { (item(value.*members), ...); }, parts<T>.members);
     }
     static void put(ByteWriter& out, const T& value) {
         each(value, [&](auto kept, const auto& part) { kept.put(out, part); });

@@ -11,7 +11,7 @@
 namespace rodwake::store {
 
 /// How a species is called: its place in FrameLayout::kinds is its number.
-struct Kind {
+struct Species {
     std::string name;   ///< "bead"; no blanks
     std::string symbol; ///< chemical symbol, for readers that know only those
 };
@@ -20,7 +20,7 @@ struct Kind {
 struct FrameLayout {
     std::array<double, 3> box{}; ///< from 0 to box in x, y, z
     std::array<bool, 3> periodic{true, true, false};
-    std::vector<Kind> kinds = {{"bead", "Al"}, {"rod", "Cu"}};
+    std::vector<Species> kinds = {{"bead", "Al"}, {"rod", "Cu"}};
     std::vector<std::int32_t>
         species;                      ///< [N], < kinds.size(); 0 is a loose sphere, all others belong to rods
     std::vector<std::int32_t> id;     ///< [N], distinct
@@ -59,13 +59,14 @@ void check_frame(const FrameLayout& layout, const Frame& frame, std::int64_t aft
 
 /// A coordinate as the place in a periodic box of side L and the number of the box: x = place + L image with
 /// 0 <= place < L, exact but for half a unit in the last place of L; exact for 0 <= x < L (image 0).
-struct Wrapped {
+struct PeriodicCoordinate {
     double place = 0.0;
     std::int32_t image = 0;
 };
+using Wrapped [[deprecated("it is PeriodicCoordinate")]] = PeriodicCoordinate;
 
 /// Throws RunError if x is not finite or more than 2^30 boxes away.
-Wrapped wrap(double x, double side);
+PeriodicCoordinate wrap(double x, double side);
 
 /// All coordinates [n][3]; x and image 0 in directions that are not periodic.
 struct WrappedVectors {

@@ -98,7 +98,7 @@ public:
     }
 
 private:
-    struct Record {
+    struct RecordSpan {
         std::uint64_t offset, length;
         std::uint32_t layout;
     };
@@ -112,7 +112,7 @@ private:
     int descriptor_ = -1;
     std::string key_;
     bool replaced_ = false;
-    std::vector<Record> records_;
+    std::vector<RecordSpan> records_;
     std::uint64_t end_ = 0; ///< offset of the next record
     std::string buffer_;    ///< the last whole records, not yet in the file
 };

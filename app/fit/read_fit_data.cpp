@@ -30,19 +30,6 @@ std::string name_or_stem(const std::string& name, const fs::path& file) {
     return name.empty() ? file.stem().string() : name;
 }
 
-/// Nothing if no sigma is known.
-const std::vector<double>* known_sigmas(const store::Table& table) {
-    const auto* sigma = table.find("sigma");
-    const bool any = sigma && !std::ranges::all_of(*sigma, [](double s) { return std::isnan(s); });
-    return any ? sigma : nullptr;
-}
-
-std::vector<double> times(std::vector<double> values, double factor) {
-    for (double& value : values)
-        value *= factor;
-    return values;
-}
-
 using RodColumns = std::vector<const std::vector<double>*>;
 
 /// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
@@ -58,15 +45,7 @@ RodColumns rod_columns(const store::Table& table) {
     return columns;
 }
 
-std::vector<std::string> rod_names() {
-    std::vector<std::string> names;
-    for (std::size_t rod = 0; rod < most_rods; ++rod)
-        for (const char* name : {"x", "y", "theta"})
-            names.push_back(name + std::to_string(rod));
-    return names;
-}
-
-/// Those that the keys name, of all.
+/// The columns of the rods that the keys name.
 RodColumns chosen(const RodColumns& all, const std::vector<long>& rods, const fs::path& file) {
     if (rods.empty())
         return all;
@@ -83,15 +62,14 @@ RodColumns chosen(const RodColumns& all, const std::vector<long>& rods, const fs
     return columns;
 }
 
-bool all_known(const RodColumns& columns, std::size_t row) {
-    return std::ranges::none_of(columns, [&](const auto* column) { return std::isnan((*column)[row]); });
-}
-
-/// Of rods that may be missing in some rows, as those of a film.
+/// Reads a table of rods, which may be missing in some rows, as in a film.
 store::Table read_rods(const fs::path& file) {
-    static const std::vector<std::string> time = {"t"}, needed = {"t", "x0", "y0", "theta0"},
-                                          rods = rod_names();
-    store::Table table = store::read_csv(file, time, rods);
+    static const std::vector<std::string> time = {"t"}, needed = {"t", "x0", "y0", "theta0"};
+    std::vector<std::string> names;
+    for (std::size_t rod = 0; rod < most_rods; ++rod)
+        for (const char* name : {"x", "y", "theta"})
+            names.push_back(name + std::to_string(rod));
+    store::Table table = store::read_csv(file, time, names);
     if (!table.find("x0") || !table.find("y0") || !table.find("theta0"))
         throw InputError(fmt::format("{}:1:1: no column \"{}\"; the header must have at least {}",
                                      file.string(),
@@ -100,13 +78,6 @@ store::Table read_rods(const fs::path& file) {
                                                          : "theta0",
                                      fmt::join(needed, ",")));
     return table;
-}
-
-std::vector<double> state(const RodColumns& columns, std::size_t row, double length) {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < columns.size(); ++k)
-        values.push_back((*columns[k])[row] / (k % 3 == 2 ? 1.0 : length));
-    return values;
 }
 
 /// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
@@ -120,47 +91,33 @@ std::size_t held_rows(const std::vector<double>& t, const RodColumns& columns) {
     return held ? static_cast<std::size_t>(first) : 0;
 }
 
-void take_keys(const scene::FitTrajectory& keys, FitTrackData& out) {
-    out.sigma_known = keys.sigma_position.has_value();
-    out.data.name = out.name;
-    out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
-    out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
-    out.data.free_headings = keys.free_headings;
-    out.data.free_start = scene::fits_start(keys);
-    if (keys.contact_distance)
-        out.data.contact_distance = *keys.contact_distance / out.length;
-    if (keys.contact_time)
-        out.data.contact_time = *keys.contact_time / out.time;
-    out.data.sigma_contact = keys.sigma_contact ? *keys.sigma_contact / out.time : 1.0;
-}
-
 } // namespace
 
 std::vector<fs::path> data_file_places(const std::string& file, const scene::Scene& scene,
                                        const fs::path& run_directory) {
     if (fs::path(file).is_absolute())
         return {file};
-    std::vector<fs::path> places;
+    std::vector<fs::path> candidates;
     if ((scene.measure || scene.granular) && !run_directory.empty())
-        places.push_back(run_directory / file);
+        candidates.push_back(run_directory / file);
     const fs::path beside = (fs::path(scene.path).parent_path() / file).lexically_normal();
-    places.push_back(beside);
+    candidates.push_back(beside);
     if (beside != fs::path(file).lexically_normal())
-        places.emplace_back(file);
-    return places;
+        candidates.emplace_back(file);
+    return candidates;
 }
 
 fs::path find_fit_file(const std::string& file, const scene::Scene& scene, const fs::path& run_directory) {
-    const auto places = data_file_places(file, scene, run_directory);
+    const auto candidates = data_file_places(file, scene, run_directory);
     std::string looked;
-    for (const fs::path& place : places) {
-        if (fs::is_regular_file(place))
-            return place;
-        if (std::error_code none; fs::exists(place, none))
+    for (const fs::path& candidate : candidates) {
+        if (fs::is_regular_file(candidate))
+            return candidate;
+        if (std::error_code none; fs::exists(candidate, none))
             throw InputError(
-                fmt::format("{}: is not a regular file; [fit] names files with data", place.string()));
-        looked +=
-            fmt::format("{}{}", looked.empty() ? "" : ", ", fs::absolute(place).lexically_normal().string());
+                fmt::format("{}: is not a regular file; [fit] names files with data", candidate.string()));
+        looked += fmt::format("{}{}", looked.empty() ? "" : ", ",
+                              fs::absolute(candidate).lexically_normal().string());
     }
     const char* hint =
         made_by_run(file, scene) ? "; rodwake run makes what this scene measures before it is fitted" : "";
@@ -184,9 +141,13 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
                                 std::optional<double> independent_spacing) {
     static const std::vector<std::string> required = {"x", "value"}, optional = {"sigma"};
     const store::Table table = store::read_csv(file, required, optional);
-    const std::vector<double> x = times(*table.find("x"), keys.columns.place_factor);
+    std::vector<double> x = *table.find("x");
+    for (double& position : x)
+        position *= keys.columns.place_factor;
     const auto& value = *table.find("value");
-    const auto* sigma = known_sigmas(table);
+    const auto* sigma = table.find("sigma");
+    if (sigma && std::ranges::all_of(*sigma, [](double s) { return std::isnan(s); }))
+        sigma = nullptr; // none is known
     FitProfileData out{name_or_stem(keys.name, file), file, {}, 0};
     fitting::Profile& data = out.data;
     data.name = out.name;
@@ -235,15 +196,29 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
                      false,
                      false,
                      {}};
-    take_keys(keys, out);
+    out.sigma_known = keys.sigma_position.has_value();
+    out.data.name = out.name;
+    out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
+    out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
+    out.data.free_headings = keys.free_headings;
+    out.data.free_start = scene::fits_start(keys);
+    if (keys.contact_distance)
+        out.data.contact_distance = *keys.contact_distance / out.length;
+    if (keys.contact_time)
+        out.data.contact_time = *keys.contact_time / out.time;
+    out.data.sigma_contact = keys.sigma_contact ? *keys.sigma_contact / out.time : 1.0;
+
+    // Rows in which a rod is unknown are left out.
     const auto& t = *table.find("t");
     for (std::size_t i = held_rows(t, columns); i < table.rows(); ++i) {
-        if (!all_known(columns, i)) {
+        if (std::ranges::any_of(columns, [&](const auto* column) { return std::isnan((*column)[i]); })) {
             ++out.left_out;
             continue;
         }
         out.data.times.push_back(t[i] / out.time);
-        out.data.states.push_back(state(columns, i, out.length));
+        std::vector<double>& state = out.data.states.emplace_back();
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            state.push_back((*columns[k])[i] / (k % 3 == 2 ? 1.0 : out.length));
         out.data.where.push_back(where(file, table.lines[i]));
     }
     if (out.data.times.size() < 2)
@@ -260,16 +235,16 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
 Estimate read_drag_area(const fs::path& run_directory, const fitting::Map& map) {
     const fs::path file = run_directory / "measure.json";
     std::ifstream in(file);
-    const auto told = nlohmann::json::parse(in, nullptr, false);
+    const auto json = nlohmann::json::parse(in, nullptr, false);
     const auto mechanics = [&](const char* name) {
         const auto at = nlohmann::json::json_pointer(fmt::format("/mechanics/{}", name));
-        if (told.is_discarded() || !told.contains(at) || !told[at].is_object() ||
-            !told[at]["value"].is_number())
+        if (json.is_discarded() || !json.contains(at) || !json[at].is_object() ||
+            !json[at]["value"].is_number())
             throw InputError(
                 fmt::format("{}: has no mechanics.{}, which fit.measured_drag needs", file.string(), name));
-        const auto& one = told[at];
-        return Estimate{one["value"].get<double>(),
-                        one["error"].is_number() ? one["error"].get<double>() : 0.0, 1};
+        const auto& estimate = json[at];
+        return Estimate{estimate["value"].get<double>(),
+                        estimate["error"].is_number() ? estimate["error"].get<double>() : 0.0, 1};
     };
     const Estimate drift = mechanics("drift"), speed = mechanics("speed");
     const double area = map.lx * map.ly * drift.value / speed.value;
@@ -286,19 +261,20 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
     const auto absent = [&](const std::string& file) {
         if (own == OwnFiles::required || !made_by_run(file, scene))
             return false;
-        const auto places = data_file_places(file, scene, run_directory);
+        const auto candidates = data_file_places(file, scene, run_directory);
         return own == OwnFiles::left_out ||
-               std::ranges::none_of(places, [](const fs::path& p) { return fs::is_regular_file(p); });
+               std::ranges::none_of(candidates, [](const fs::path& p) { return fs::is_regular_file(p); });
     };
     FitInputs inputs{std::vector<std::optional<FitProfileData>>(keys.profiles.size()),
                      std::vector<std::optional<FitTrackData>>(keys.trajectories.size())};
     for (std::size_t i = 0; i < keys.profiles.size(); ++i)
-        if (const scene::FitProfile& one = keys.profiles[i]; !absent(one.file))
-            inputs.profiles[i] = read_fit_profile(one, find_fit_file(one.file, scene, run_directory),
-                                                  keys.independent_spacing);
+        if (const scene::FitProfile& p = keys.profiles[i]; !absent(p.file))
+            inputs.profiles[i] =
+                read_fit_profile(p, find_fit_file(p.file, scene, run_directory), keys.independent_spacing);
     for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
-        if (const scene::FitTrajectory& one = keys.trajectories[i]; !absent(one.file))
-            inputs.tracks[i] = read_fit_track(one, find_fit_file(one.file, scene, run_directory), keys.box);
+        if (const scene::FitTrajectory& track = keys.trajectories[i]; !absent(track.file))
+            inputs.tracks[i] =
+                read_fit_track(track, find_fit_file(track.file, scene, run_directory), keys.box);
     for (std::size_t table = 0; table < keys.maps.size(); ++table)
         for (const std::string& name : keys.maps[table].files) {
             if (absent(name)) {

@@ -1,4 +1,4 @@
-#include "problems.hpp"
+#include "diagnostics.hpp"
 
 #include "node.hpp"
 #include "rodwake/scene/document.hpp"
@@ -12,42 +12,43 @@ namespace rodwake::scene {
 
 namespace {
 
-std::vector<Problem> in_order(std::vector<Problem> problems) {
-    const auto before = [](const Problem& a, const Problem& b) {
+std::vector<Diagnostic> in_order(std::vector<Diagnostic> diagnostics) {
+    const auto before = [](const Diagnostic& a, const Diagnostic& b) {
         return std::tie(a.line, a.column) < std::tie(b.line, b.column);
     };
-    std::stable_sort(problems.begin(), problems.end(), before);
-    return problems;
+    std::stable_sort(diagnostics.begin(), diagnostics.end(), before);
+    return diagnostics;
 }
 
-std::string listing(const std::vector<Problem>& problems, std::size_t unstored) {
+std::string listing(const std::vector<Diagnostic>& diagnostics, std::size_t unstored) {
     std::string text;
-    const std::size_t listed = std::min(problems.size(), SceneError::listed_at_most);
+    const std::size_t listed = std::min(diagnostics.size(), SceneError::listed_at_most);
     for (std::size_t i = 0; i < listed; ++i)
-        text += fmt::format("{}{}", i == 0 ? "" : "\n", problems[i].text());
-    if (const std::size_t more = problems.size() - listed + unstored; more > 0)
+        text += fmt::format("{}{}", i == 0 ? "" : "\n", diagnostics[i].text());
+    if (const std::size_t more = diagnostics.size() - listed + unstored; more > 0)
         text += fmt::format("\n... and {} more", more);
     return text;
 }
 
 } // namespace
 
-std::string Problem::text() const {
+std::string Diagnostic::text() const {
     return line > 0 ? fmt::format("{}:{}:{}: {}", file, line, column, message)
                     : fmt::format("{}: {}", file, message);
 }
 
-SceneError::SceneError(std::vector<Problem> problems, std::size_t unstored)
-    : InputError(listing(in_order(problems), unstored)), problems_(in_order(std::move(problems))) {}
+SceneError::SceneError(std::vector<Diagnostic> diagnostics, std::size_t unstored)
+    : InputError(listing(in_order(diagnostics), unstored)), diagnostics_(in_order(std::move(diagnostics))) {}
 
-void Problems::add(const Place& place, std::string key, std::string message) {
-    add(Problem{place.source ? *place.source : "", place.line, place.column, std::move(key),
-                std::move(message)});
+void Diagnostics::add(const SourcePosition& position, std::string key, std::string message) {
+    add(Diagnostic{position.source ? *position.source : "", position.line, position.column, std::move(key),
+                   std::move(message)});
 }
 
-void Problems::add(Problem problem) {
-    const auto same = [&](const Problem& one) {
-        return one.line == problem.line && one.column == problem.column && one.message == problem.message;
+void Diagnostics::add(Diagnostic problem) {
+    const auto same = [&](const Diagnostic& diagnostic) {
+        return diagnostic.line == problem.line && diagnostic.column == problem.column &&
+               diagnostic.message == problem.message;
     };
     if (std::ranges::any_of(list_, same)) // of a key that is read twice
         return;
@@ -57,7 +58,7 @@ void Problems::add(Problem problem) {
         ++unstored_;
 }
 
-void Problems::throw_if_any() const {
+void Diagnostics::throw_if_any() const {
     if (!list_.empty())
         throw SceneError(list_, unstored_);
 }

@@ -14,20 +14,20 @@
 namespace rodwake::scene {
 
 /// Collects problems while a scene is read; storage is capped so that a hopeless file costs little.
-class Problems {
+class Diagnostics {
 public:
     static constexpr std::size_t stored_at_most = 1000;
 
-    void add(const Place& place, std::string key, std::string message);
-    void add(Problem problem);
+    void add(const SourcePosition& position, std::string key, std::string message);
+    void add(Diagnostic problem);
     bool empty() const { return list_.empty(); }
-    const std::vector<Problem>& list() const { return list_; }
+    const std::vector<Diagnostic>& list() const { return list_; }
 
     /// Throws SceneError with all problems if there are any.
     void throw_if_any() const;
 
 private:
-    std::vector<Problem> list_;
+    std::vector<Diagnostic> list_;
     std::size_t unstored_ = 0;
 };
 
@@ -36,7 +36,7 @@ using Names = std::span<const std::string_view>;
 /// `must be one of x, y (did you mean "x"?)`
 std::string one_of_text(Names legal, std::string_view found);
 
-/// `[coupling] unknown key "kapa" (did you mean "kappa"?). Known keys: kappa, gamma1`; for the top level the
+/// `[coupling] unknown key "gama1" (did you mean "gamma1"?). Known keys: kappa, gamma1`; for the top level the
 /// title is empty.
 std::string unknown_key_text(const std::string& title, const std::string& name, Names known);
 
@@ -57,11 +57,11 @@ std::string comma_list(const Strings& names) {
 // TOML as a tree of nodes that know their places.
 
 /// The document as a tree with places in `name`; nothing, and one problem, if it is not TOML.
-std::optional<Node> parse_toml(std::string_view text, const std::string& name, Problems& problems);
+std::optional<Node> parse_toml(std::string_view text, const std::string& name, Diagnostics& diagnostics);
 
 /// One TOML value ("-2.5", "[1, 2]", "{ a = 1 }"), every node of it at `place`. Nothing, and the reason in
 /// `why`, if it is not one.
-std::optional<Node> parse_toml_value(std::string_view text, const Place& place, std::string& why);
+std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition& position, std::string& why);
 
 /// Whether the text is a number beyond the range of a double, such as 1e400.
 bool is_too_large(const std::string& text);

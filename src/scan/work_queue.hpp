@@ -39,9 +39,9 @@ private:
     double points_ = 0.0, seconds_ = 0.0;
 };
 
-class Dispenser {
+class WorkQueue {
 public:
-    Dispenser(std::span<const Point> points, const Take& take, std::size_t workers,
+    WorkQueue(std::span<const Point> points, const Take& take, std::size_t workers,
               const std::function<bool()>& stop)
         : points_(points), take_(take), stop_(stop), size_(workers) {}
 
@@ -59,8 +59,8 @@ public:
     void take(std::vector<Result>& results) {
         const std::lock_guard lock(mutex_);
         double seconds = 0.0;
-        for (const Result& one : results)
-            seconds += one.seconds;
+        for (const Result& result : results)
+            seconds += result.seconds;
         size_.learn(results.size(), seconds);
         if (std::erase_if(results, [](const Result& r) { return r.status == Status::stopped; }) > 0)
             stopped_ = true;
@@ -89,6 +89,6 @@ private:
 };
 
 /// Evaluates chunks until there are none.
-void work(Dispenser& dispenser, const Evaluate& evaluate);
+void work(WorkQueue& queue, const Evaluate& evaluate);
 
 } // namespace rodwake::scan

@@ -27,42 +27,18 @@ struct DataScale {
 
 DataScale data_scale(const FitPlan& plan) {
     constexpr double usual_place = 40.0, usual_value = 0.2, near = 25.0;
-    double place = 0.0, value = 0.0;
+    double position = 0.0, value = 0.0;
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
         if (const fitting::Profile& data = plan.profiles[i].data; is_fitted(plan.keys.profiles[i]))
             for (std::size_t k = 0; k < std::min(data.place.size(), data.value.size()); ++k) {
-                place = std::max(place, std::hypot(data.place[k], data.at));
+                position = std::max(position, std::hypot(data.place[k], data.at));
                 value = std::max(value, std::abs(data.value[k]));
             }
     const auto scale = [](double size, double usual) {
         const bool far = std::isfinite(size) && (size > near * usual || size * near < usual);
         return far && size > 0.0 ? size / usual : 1.0;
     };
-    return {scale(place, usual_place), scale(value, usual_value)};
-}
-
-/// Of a parameter with a length; 1 for others.
-double scale_of(const std::string& name, const DataScale& data) {
-    const std::map<std::string, double> scales = {
-        {"f_over_mu", data.value}, {"xi", data.place},       {"x0", data.place},
-        {"offset", data.value},    {"offset_y", data.value}, {"f2d_over_mu", data.value * data.place}};
-    const auto at = scales.find(name);
-    return at == scales.end() ? 1.0 : at->second;
-}
-
-/// Defaults are for data of the usual size: they go with the data.
-void rescale(fitting::Parameter& p, const scene::Fit& keys, const DataScale& data) {
-    const double scale = scale_of(p.name, data);
-    if (p.fixed || data.usual())
-        return;
-    if (!keys.bounds.contains(p.name)) {
-        p.lower *= scale;
-        p.upper *= scale;
-    }
-    if (!keys.start.contains(p.name))
-        p.start = std::clamp(p.start * scale, p.lower, p.upper);
-    if (p.start == 0.0)
-        p.scale = scale;
+    return {scale(position, usual_place), scale(value, usual_value)};
 }
 
 fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, const DataScale& data) {
@@ -84,16 +60,31 @@ fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, co
         p.tied_to = tie->second.to;
         p.tie_factor = tie->second.factor;
     }
-    rescale(p, keys, data);
+    if (p.fixed || data.usual())
+        return p;
+
+    // Defaults are for data of the usual size: those of parameters with a length are scaled with the data.
+    const std::map<std::string, double> scales = {
+        {"f_over_mu", data.value}, {"xi", data.place},       {"x0", data.place},
+        {"offset", data.value},    {"offset_y", data.value}, {"f2d_over_mu", data.value * data.place}};
+    const double scale = scales.contains(name) ? scales.at(name) : 1.0;
+    if (!keys.bounds.contains(name)) {
+        p.lower *= scale;
+        p.upper *= scale;
+    }
+    if (!keys.start.contains(name))
+        p.start = std::clamp(p.start * scale, p.lower, p.upper);
+    if (p.start == 0.0)
+        p.scale = scale;
     return p;
 }
 
-/// Of those the model knows.
-std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& known) {
+/// The parameters that the scene uses, of those that a model has.
+std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& of_model) {
     std::vector<fitting::Parameter> out;
     const DataScale data = data_scale(plan);
     for (const std::string& name : scene::fit_used(plan.keys))
-        if (std::ranges::find(known, name) != known.end())
+        if (std::ranges::find(of_model, name) != of_model.end())
             out.push_back(parameter(plan.keys, name, data));
     return out;
 }
@@ -106,26 +97,23 @@ Problem profile_problem(const FitPlan& plan) {
     return fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names()));
 }
 
-/// Methods that search all over the bounds need some: the start is within ten standard errors of its datum.
-void bound_starts(Problem& problem, const FitPlan& plan) {
-    double sigma = 0.0;
-    for (const FitTrackData& track : plan.tracks)
-        sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
-    for (fitting::Parameter& p : problem.parameters)
-        if (fitting::is_start_pose(p.name)) {
-            p.lower = p.start - 10.0 * sigma;
-            p.upper = p.start + 10.0 * sigma;
-        }
-}
-
 Problem track_problem(const FitPlan& plan) {
     std::vector<fitting::Trajectory> tracks;
     for (const FitTrackData& track : plan.tracks)
         tracks.push_back(track.data);
     Problem problem = fitting::trajectory_problem(plan.track_model, tracks,
                                                   parameters(plan, fitting::trajectory_parameter_names()));
-    if (fitting::is_global(plan.keys.search.algorithm))
-        bound_starts(problem, plan);
+
+    // Global searches need bounds: a start pose is within ten standard errors of its datum.
+    double sigma = 0.0;
+    for (const FitTrackData& track : plan.tracks)
+        sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
+    for (fitting::Parameter& p : problem.parameters)
+        if (fitting::is_global(plan.keys.search.algorithm) && fitting::is_start_pose(p.name)) {
+            p.lower = p.start - 10.0 * sigma;
+            p.upper = p.start + 10.0 * sigma;
+        }
+
     const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
     if (known != 0 && known != static_cast<long>(plan.tracks.size()))
         throw InputError("some of [[fit.trajectories]] have sigma_position and sigma_heading and some do "
@@ -141,34 +129,9 @@ Problem map_problem(const FitPlan& plan) {
     return fitting::map_problem(plan.map_model, maps, plan.mask, parameters(plan, map_names(plan.keys)));
 }
 
-/// "f_over_mu = 1, eta = 1": what is not fixed.
-std::string start_text(const Problem& problem, std::span<const double> values) {
-    std::string text;
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!problem.parameters[i].fixed)
-            text +=
-                fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
-    return text;
-}
-
-/// Of a residual that is not finite, or so large that its square is not.
-std::optional<std::string> trouble_with(const Problem& problem, const Eigen::VectorXd& r) {
-    Eigen::Index at = 0;
-    for (Eigen::Index i = 0; i < r.size(); ++i) {
-        if (!std::isfinite(r[i])) {
-            at = i;
-            break;
-        }
-        at = std::abs(r[i]) > std::abs(r[at]) ? i : at;
-    }
-    if (std::isfinite(r.squaredNorm()))
-        return std::nullopt;
-    return fmt::format(
-        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
-        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
-}
-
-std::optional<std::string> trouble_at(const Problem& problem, std::span<const double> values) {
+/// The reason why the residuals at these values cannot be computed or squared and summed; nothing if they
+/// can.
+std::optional<std::string> failure_at(const Problem& problem, std::span<const double> values) {
     Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
     try {
         problem.evaluate(values, r, nullptr);
@@ -177,30 +140,43 @@ std::optional<std::string> trouble_at(const Problem& problem, std::span<const do
     } catch (const RunError& error) {
         return fmt::format("the model cannot be computed: {}", error.what());
     }
-    return trouble_with(problem, r);
+    if (std::isfinite(r.squaredNorm()))
+        return std::nullopt;
+
+    // The first residual that is not finite is named, else the largest.
+    Eigen::Index at = 0;
+    for (Eigen::Index i = 0; i < r.size() && std::isfinite(r[at]); ++i)
+        at = !std::isfinite(r[i]) || std::abs(r[i]) > std::abs(r[at]) ? i : at;
+    return fmt::format(
+        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
+        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
 }
 
-/// Neighbours that share data may leave less than there are parameters.
-void require_values(const Problem& problem) {
-    if (fitting::degrees_of_freedom(problem) < 0)
+/// Throws InputError unless the data suffice for the parameters and the residuals at the start are finite: a
+/// search from there would fail, later.
+void require_solvable(const Problem& problem) {
+    const std::vector<std::size_t> free = fitting::free_parameters(problem);
+    if (fitting::degrees_of_freedom(problem) < 0) // neighbours that share data may leave too few
         throw InputError(
             fmt::format("fit: {} data points worth {} independent ones cannot fix {} parameters: give more "
                         "data, a smaller independent_spacing (independent_time of tracks) if neighbours "
                         "share less, or fix some of the parameters",
-                        problem.residuals, fitting::independent_values(problem),
-                        fitting::free_parameters(problem).size()));
-}
-
-/// A search from where nothing can be computed would only end with the same, later.
-void require_start(const Problem& problem) {
-    std::vector<double> free;
-    for (const std::size_t i : fitting::free_parameters(problem))
-        free.push_back(problem.parameters[i].start);
-    const std::vector<double> values = fitting::all_values(problem, free);
-    if (const auto trouble = trouble_at(problem, values))
-        throw InputError(
-            fmt::format("{} (at the start of the fit: {}); change fit.start, or the data if they are wrong",
-                        *trouble, start_text(problem, values)));
+                        problem.residuals, fitting::independent_values(problem), free.size()));
+    std::vector<double> start;
+    start.reserve(free.size());
+    for (const std::size_t i : free)
+        start.push_back(problem.parameters[i].start);
+    const std::vector<double> values = fitting::all_values(problem, start);
+    const auto failure = failure_at(problem, values);
+    if (!failure)
+        return;
+    std::string text;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!problem.parameters[i].fixed)
+            text +=
+                fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
+    throw InputError(fmt::format(
+        "{} (at the start of the fit: {}); change fit.start, or the data if they are wrong", *failure, text));
 }
 
 FitPart part(const Problem& problem, const std::vector<std::string>& known, bool starts) {
@@ -218,7 +194,7 @@ FitPart part(const Problem& problem, const std::vector<std::string>& known, bool
 } // namespace
 
 bool FitInputs::complete() const {
-    const auto there = [](const auto& one) { return one.has_value(); };
+    const auto there = [](const auto& data) { return data.has_value(); };
     return std::ranges::all_of(profiles, there) && std::ranges::all_of(tracks, there) &&
            std::ranges::all_of(maps, there);
 }
@@ -259,36 +235,20 @@ fitting::MapMask map_mask(const scene::FitMask& keys) {
     return mask;
 }
 
-namespace {
-
-/// Held at what the run measured.
-void hold_measured(scene::Fit& keys, const std::optional<Estimate>& drag_area) {
-    if (!std::exchange(keys.measured_drag, false))
-        return;
-    if (!drag_area)
-        throw InputError("fit.measured_drag: a run of the scene measures it; give drag_area in fit.fixed");
-    keys.fixed["drag_area"] = drag_area->value;
-    if (drag_area->error > 0.0)
-        keys.fixed_errors["drag_area"] = drag_area->error;
-}
-
-/// Each mask is used by a fit of its own after the main one: too late to find that it leaves nothing.
-void require_bins(const FitPlan& plan) {
-    for (std::size_t i = 0; i < plan.keys.masks.size(); ++i)
-        for (const FitMapData& map : plan.maps)
-            if (fitting::used_bins(map.data, map_mask(plan.keys.masks[i])).empty())
-                throw InputError(
-                    fmt::format("fit.masks.{} leaves no bin of {}: make strip or radius smaller, "
-                                "or sector wider",
-                                i, map.file.string()));
-}
-
-} // namespace
-
 FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     FitPlan plan;
     plan.keys = keys;
-    hold_measured(plan.keys, inputs.drag_area);
+
+    // drag_area is held at the value that the run measured.
+    if (std::exchange(plan.keys.measured_drag, false)) {
+        if (!inputs.drag_area)
+            throw InputError(
+                "fit.measured_drag: a run of the scene measures it; give drag_area in fit.fixed");
+        plan.keys.fixed["drag_area"] = inputs.drag_area->value;
+        if (inputs.drag_area->error > 0.0)
+            plan.keys.fixed_errors["drag_area"] = inputs.drag_area->error;
+    }
+
     for (auto& profile : inputs.profiles)
         plan.profiles.push_back(std::move(profile.value()));
     for (auto& track : inputs.tracks)
@@ -296,7 +256,15 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     for (auto& map : inputs.maps)
         plan.maps.push_back(std::move(map.value()));
     plan.map_model = {keys.rod_length, keys.source_width};
-    require_bins(plan);
+
+    // Each mask has a fit of its own, so that all must leave some bins.
+    for (std::size_t i = 0; i < keys.masks.size(); ++i)
+        for (const FitMapData& map : plan.maps)
+            if (fitting::used_bins(map.data, map_mask(keys.masks[i])).empty())
+                throw InputError(
+                    fmt::format("fit.masks.{} leaves no bin of {}: make strip or radius smaller, "
+                                "or sector wider",
+                                i, map.file.string()));
     if (!keys.masks.empty())
         plan.mask = map_mask(keys.masks.front());
     plan.wake = {keys.box, keys.heading, keys.core};
@@ -305,12 +273,11 @@ FitPlan fit_plan(const scene::Fit& keys, FitInputs inputs) {
     plan.track_model.ode.rtol = 1e-10;
     plan.track_model.ode.atol = 1e-12;
     plan.problem = fit_problem(plan);
-    require_values(plan.problem);
     if (keys.posterior && !plan.problem.sigma_known)
         throw InputError("fit.posterior needs data whose standard errors are known: give sigma in the files, "
                          "sigma_position and sigma_heading of trajectories");
     plan.problem.remarks = data_remarks(plan);
-    require_start(plan.problem);
+    require_solvable(plan.problem);
     plan.method = {keys.search};
     return plan;
 }
@@ -363,29 +330,24 @@ std::vector<double> compared_values(const FitPlan& plan, const scene::FitCompare
     return out;
 }
 
-namespace {
-
-/// F and T: whatever force and time the scene's constants are given in.
-std::string map_unit(const scene::Fit& keys, const std::string& parameter, const std::string& length) {
+std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
+    // Of maps; F and T are the units of force and time that the scene uses.
     static const std::map<std::string, int> powers = {
         {"drag_area", 2}, {"p_xx", 2},   {"p_yy", 2},   {"q_xxx", 3},   {"q_xyy", 3},
         {"q_yxy", 3},     {"t_xxxx", 4}, {"t_xxyy", 4}, {"h_xxxxx", 5}, {"h_xxxyy", 5}};
-    if (const auto power = powers.find(parameter); scene::fit_is_isotropic(keys) && power != powers.end())
-        return fmt::format("{}^{}", length, power->second);
     static const std::map<std::string, std::string> units = {
         {"amplitude", "1"},     {"force", "F"},         {"p_xx", "F {0}"},      {"p_yy", "F {0}"},
         {"q_xxx", "F {0}^2"},   {"q_xyy", "F {0}^2"},   {"q_yxy", "F {0}^2"},   {"t_xxxx", "F {0}^3"},
         {"t_xxyy", "F {0}^3"},  {"h_xxxxx", "F {0}^4"}, {"h_xxxyy", "F {0}^4"}, {"zeta", "F T/{0}^3"},
         {"rho", "F T^2/{0}^3"}, {"eta_s", "F T/{0}"}};
-    const auto at = units.find(parameter);
-    return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), length);
-}
-
-} // namespace
-
-std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
-    if (scene::is_map_parameter(parameter))
-        return map_unit(keys, parameter, keys.length_unit);
+    if (scene::is_map_parameter(parameter)) {
+        const auto power = powers.find(parameter);
+        if (scene::fit_is_isotropic(keys) && power != powers.end())
+            return fmt::format("{}^{}", keys.length_unit, power->second);
+        const auto at = units.find(parameter);
+        return fmt::format(fmt::runtime(at == units.end() ? "F/{0}" : at->second), keys.length_unit);
+    }
+    // Of profiles and tracks.
     if (fitting::is_start_pose(parameter))
         return parameter.starts_with("heading") ? "rad" : "f/mu";
     if (const rods::Coupling* coupling = rods::find_coupling(parameter))
@@ -400,71 +362,32 @@ std::string fit_unit(const scene::Fit& keys, const std::string& parameter) {
     return parameter == "f2d_over_mu" ? length + "^2" : length;
 }
 
-// What a measured displacement map is worth in a fit, wherever it comes from.
-
-namespace {
-
-double spacing(const std::vector<double>& places) { return places[1] - places[0]; }
-
-/// Sigmas of no bin: equal weights. Of some bins: the others are left out.
-void settle_sigmas(FitMapData& out) {
-    fitting::Map& map = out.data;
-    const auto known = [&](std::size_t bin) {
-        return std::isfinite(map.sigma_x[bin]) && std::isfinite(map.sigma_y[bin]);
-    };
-    bool any = false;
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        any = any || (map.known[bin] && known(bin));
-    if (!any) {
-        map.sigma_x.clear();
-        map.sigma_y.clear();
-        return;
+std::vector<fitting::Prior> fit_priors(const FitPlan& plan) {
+    std::vector<fitting::Prior> priors;
+    for (const std::size_t i : fitting::free_parameters(plan.problem)) {
+        const fitting::Parameter& p = plan.problem.parameters[i];
+        double low = p.lower, high = p.upper;
+        if (fitting::is_start_pose(p.name)) { // "x.<track>.<rod>"
+            const fitting::Trajectory& track =
+                plan.tracks.at(std::stoul(p.name.substr(p.name.find('.') + 1))).data;
+            const double sigma = p.name.starts_with("heading") ? track.sigma_heading : track.sigma_position,
+                         wide = 10.0 * sigma / std::sqrt(track.independent);
+            low = p.start - wide, high = p.start + wide;
+        }
+        const auto& given = plan.keys.posterior->priors;
+        fitting::Prior prior = given.contains(p.name) ? given.at(p.name) : fitting::Prior{};
+        prior.low = prior.low.value_or(low), prior.high = prior.high.value_or(high);
+        priors.push_back(prior);
     }
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        if (map.known[bin] && !known(bin)) {
-            map.known[bin] = false;
-            ++out.left_out;
-        }
+    return priors;
 }
 
-/// measure.mirror puts the same numbers on both sides, which must not count twice.
-bool is_mirrored(const fitting::Map& map) {
-    const std::size_t nx = map.x.size(), ny = map.y.size();
-    std::size_t compared = 0;
-    for (std::size_t j = 0; j < ny; ++j)
-        for (std::size_t k = 0; k < nx; ++k) {
-            const auto other = std::ranges::find_if(
-                map.y, [&](double y) { return std::abs(y + map.y[j]) < 1e-6 * spacing(map.y); });
-            if (map.y[j] >= 0.0 || other == map.y.end())
-                continue;
-            const std::size_t a = j * nx + k, b = static_cast<std::size_t>(other - map.y.begin()) * nx + k;
-            if (!map.known[a] || !map.known[b])
-                continue;
-            ++compared;
-            if (map.Ux[a] != map.Ux[b] || map.Uy[a] != -map.Uy[b])
-                return false;
-        }
-    return compared > 0;
-}
-
-void take_one_half(fitting::Map& map) {
-    for (std::size_t bin = 0; bin < map.bins(); ++bin)
-        map.known[bin] = map.known[bin] && map.place_y(bin) > 0.0; // at y = 0 mirroring makes U_y zero
-}
-
-} // namespace
-
-void settle_map(FitMapData& out, std::optional<double> independent_spacing) {
-    fitting::Map& map = out.data;
-    settle_sigmas(out);
-    out.mirrored = is_mirrored(map);
-    if (out.mirrored)
-        take_one_half(map);
-    if (independent_spacing)
-        map.independent =
-            std::max(std::min(1.0, spacing(map.x) / *independent_spacing) *
-                         std::min(1.0, spacing(map.y) / *independent_spacing),
-                     1.0 / static_cast<double>(map.bins())); // they are worth one value together at least
+fitting::PosteriorMethod posterior_method(const FitPlan& plan) {
+    const scene::FitPosterior& keys = *plan.keys.posterior;
+    fitting::PosteriorMethod method;
+    method.chains = keys.chains, method.samples = keys.samples, method.evidence = keys.evidence;
+    method.seed = plan.method.seed;
+    return method;
 }
 
 } // namespace rodwake::app

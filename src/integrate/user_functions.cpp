@@ -1,4 +1,4 @@
-#include "problem_calls.hpp"
+#include "user_functions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -58,16 +58,16 @@ double strictness(Method method) {
 
 } // namespace
 
-ProblemCalls::ProblemCalls(const OdeProblem& problem, const OdeOptions& options,
-                           const SensitivityProblem* sensitivity)
+UserFunctions::UserFunctions(const OdeProblem& problem, const OdeOptions& options,
+                             const SensitivityProblem* sensitivity)
     : problem_(problem), sensitivity_(sensitivity), rtol_(options.rtol * strictness(options.method)),
       atol_(options.atol * strictness(options.method)) {}
 
-std::string ProblemCalls::component_name(std::size_t index) const {
+std::string UserFunctions::component_name(std::size_t index) const {
     return problem_.component_name ? problem_.component_name(index) : fmt::format("y[{}]", index);
 }
 
-ProblemCalls::Result ProblemCalls::rhs(double t, State y, std::span<double> ydot) noexcept try {
+UserFunctions::CallbackResult UserFunctions::rhs(double t, State y, std::span<double> ydot) noexcept try {
     if (rhs_threw_)
         return give_up;
     ++rhs_evaluations_;
@@ -84,7 +84,7 @@ ProblemCalls::Result ProblemCalls::rhs(double t, State y, std::span<double> ydot
     return give_up;
 }
 
-ProblemCalls::Result ProblemCalls::jacobian(double t, State y, double* column_major) noexcept try {
+UserFunctions::CallbackResult UserFunctions::jacobian(double t, State y, double* column_major) noexcept try {
     const std::size_t n = y.size();
     Eigen::Map<Eigen::MatrixXd> matrix(column_major, static_cast<Eigen::Index>(n),
                                        static_cast<Eigen::Index>(n));
@@ -102,14 +102,14 @@ ProblemCalls::Result ProblemCalls::jacobian(double t, State y, double* column_ma
     return give_up;
 }
 
-ProblemCalls::Result ProblemCalls::linearise(double t, State y) {
+UserFunctions::CallbackResult UserFunctions::linearise(double t, State y) {
     if (t == linear_.time && std::equal(y.begin(), y.end(), linear_.state.begin(), linear_.state.end()))
         return fine;
     linear_.time = std::numeric_limits<double>::quiet_NaN(); // until both are there
     const auto n = static_cast<Eigen::Index>(y.size()),
                parameters = static_cast<Eigen::Index>(sensitivity_->parameters);
     linear_.by_state.resize(n, n);
-    if (const Result result = jacobian(t, y, linear_.by_state.data()); result != fine)
+    if (const CallbackResult result = jacobian(t, y, linear_.by_state.data()); result != fine)
         return result;
     linear_.by_parameter.setZero(n, parameters);
     sensitivity_->by_parameter(t, y, linear_.by_parameter);
@@ -123,11 +123,11 @@ ProblemCalls::Result ProblemCalls::linearise(double t, State y) {
     return fine;
 }
 
-ProblemCalls::Result ProblemCalls::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
-                                                   Eigen::MatrixXd& S_dot) noexcept try {
+UserFunctions::CallbackResult UserFunctions::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
+                                                     Eigen::MatrixXd& S_dot) noexcept try {
     if (rhs_threw_)
         return give_up;
-    const Result result = linearise(t, y);
+    const CallbackResult result = linearise(t, y);
     rhs_threw_ = result == give_up;
     if (result == fine)
         S_dot.noalias() = linear_.by_state * S + linear_.by_parameter;
@@ -140,18 +140,18 @@ ProblemCalls::Result ProblemCalls::sensitivity_rhs(double t, State y, const Eige
 }
 
 /// The share of one component, as in error_weights. Not capped: a sensitivity has an origin.
-double ProblemCalls::sensitivity_rtol() const {
+double UserFunctions::sensitivity_rtol() const {
     return rtol_ / std::sqrt(static_cast<double>(problem_.initial_state.size()));
 }
 
-double ProblemCalls::sensitivity_atol(std::size_t parameter) const {
+double UserFunctions::sensitivity_atol(std::size_t parameter) const {
     return atol_ / std::sqrt(static_cast<double>(problem_.initial_state.size())) /
            sensitivity_->parameter_scale[parameter];
 }
 
 /// SUNDIALS bounds the mean square of the weighted errors, in which one pair among a thousand idle rods would
 /// hardly count. With the root of the size in the weights it bounds their sum.
-void ProblemCalls::error_weights(State y, std::span<double> weights) const noexcept {
+void UserFunctions::error_weights(State y, std::span<double> weights) const noexcept {
     constexpr double round_off =
         4.0 * std::numeric_limits<double>::epsilon(); // below it no step can be accepted
     const double share = 1.0 / std::sqrt(static_cast<double>(y.size()));
@@ -164,7 +164,7 @@ void ProblemCalls::error_weights(State y, std::span<double> weights) const noexc
     }
 }
 
-double ProblemCalls::event(std::size_t index, double t, State y) {
+double UserFunctions::event(std::size_t index, double t, State y) {
     const Event& event = problem_.events[index];
     ++event_evaluations_;
     double value = 0.0;
@@ -179,7 +179,7 @@ double ProblemCalls::event(std::size_t index, double t, State y) {
     return value;
 }
 
-Eigen::VectorXd ProblemCalls::event_gradient(std::size_t index, double t, State y) const {
+Eigen::VectorXd UserFunctions::event_gradient(std::size_t index, double t, State y) const {
     const auto fail = [&](const std::string& what) {
         return StepFailure{"RTFUNC_FAIL", fmt::format("the gradient of event '{}' {} at t={}",
                                                       problem_.events[index].name, what, t)};
@@ -197,7 +197,7 @@ Eigen::VectorXd ProblemCalls::event_gradient(std::size_t index, double t, State 
     return gradient;
 }
 
-std::optional<double> ProblemCalls::candidate_time(std::size_t index, const Step& step) const try {
+std::optional<double> UserFunctions::candidate_time(std::size_t index, const Step& step) const try {
     return problem_.events[index].candidate_time(step);
 } catch (...) {
     throw StepFailure{"RTFUNC_FAIL", fmt::format("event '{}' threw at t={}: {}", problem_.events[index].name,

@@ -15,21 +15,22 @@ struct StepFailure {
     std::string cause; ///< empty: the usual cause of this flag
 };
 
-class ProblemCalls {
+class UserFunctions {
 public:
     /// What a callback returns to SUNDIALS.
-    enum Result : int { fine = 0, try_shorter_step = 1, give_up = -1 };
+    enum CallbackResult : int { fine = 0, try_shorter_step = 1, give_up = -1 };
 
     /// `sensitivity`: of which `problem` is the ode, or null.
-    ProblemCalls(const OdeProblem& problem, const OdeOptions& options,
-                 const SensitivityProblem* sensitivity = nullptr);
+    UserFunctions(const OdeProblem& problem, const OdeOptions& options,
+                  const SensitivityProblem* sensitivity = nullptr);
 
     /// Once it has thrown it is not called again: CVODES' fixed-point iteration takes `give_up` for a failure
     /// to converge and retries.
-    Result rhs(double t, State y, std::span<double> ydot) noexcept;
-    Result jacobian(double t, State y, double* column_major) noexcept;
+    CallbackResult rhs(double t, State y, std::span<double> ydot) noexcept;
+    CallbackResult jacobian(double t, State y, double* column_major) noexcept;
     /// S' = (df/dy) S + df/dp, states x parameters. Like rhs, not called again once it has thrown.
-    Result sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S, Eigen::MatrixXd& S_dot) noexcept;
+    CallbackResult sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
+                                   Eigen::MatrixXd& S_dot) noexcept;
     bool constrained() const { return std::ranges::count(problem_.algebraic, true) > 0; }
     bool projects() const { return static_cast<bool>(problem_.project); }
     /// Puts y back on its manifold and keeps how far off it was.
@@ -65,7 +66,7 @@ public:
     }
 
 private:
-    Result linearise(double t, State y);
+    CallbackResult linearise(double t, State y);
 
     const OdeProblem& problem_;
     const SensitivityProblem* sensitivity_;

@@ -1,4 +1,4 @@
-// Tracks of rods as data of a fit, wherever they come from, and whether data look like what they should be.
+// Data of a fit, read or given, are brought into shape, and checked for units and headings that look wrong.
 
 #include "rodwake/app/fit.hpp"
 
@@ -22,27 +22,6 @@ double unwrapped(double heading, double before) {
     return std::abs(heading - before) <= std::numbers::pi
                ? heading
                : heading - turn * std::nearbyint((heading - before) / turn);
-}
-
-/// Of each rod along the rows; whether anything changed.
-bool unwrap(States& states) {
-    bool changed = false;
-    for (std::size_t row = 1; row < states.size(); ++row)
-        for (std::size_t k = 2; k < states[row].size(); k += 3) {
-            const double heading = unwrapped(states[row][k], states[row - 1][k]);
-            changed = changed || heading != states[row][k];
-            states[row][k] = heading;
-        }
-    return changed;
-}
-
-/// Rods that came in again at the other side go on where they were.
-void unwrap_places(States& states, const PeriodicBox& box) {
-    for (std::size_t row = 1; row < states.size(); ++row)
-        for (std::size_t k = 0; k < states[row].size(); ++k)
-            if (k % 3 != 2)
-                states[row][k] = states[row - 1][k] +
-                                 nearest_image(states[row][k] - states[row - 1][k], k % 3 ? box.y : box.x);
 }
 
 /// How all rods move: path lengths, the part along the heading between two rows, and the time it took.
@@ -81,16 +60,13 @@ Motion motion_of(const fitting::Trajectory& track, double unit) {
 void refuse_degrees(const FitTrackData& track) {
     const Motion motion = motion_of(track.data, turn / 360.0);
     const double in_rad = motion_of(track.data, 1.0).cosine(), in_deg = motion.cosine();
-    const bool told = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
-    if (told && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
+    const bool distinct = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
+    if (distinct && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
         throw InputError(fmt::format("{}: the headings look like degrees: the rods move along them if they "
                                      "are (mean cosine {:.2f}), not if they "
                                      "are radians ({:.2f}); multiply theta by pi/180",
                                      track.file.string(), in_deg, in_rad));
 }
-
-constexpr const char* scales_text = "f_over_mu and speed of [[fit.trajectories]] convert the units of a "
-                                    "file, and a track in Python is in reduced units already";
 
 void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
     const Motion motion = motion_of(track.data, 1.0);
@@ -99,9 +75,11 @@ void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
         return;
     const auto text = [&](double v) {
         return fmt::format(
-            "{}: the rods move at {:.3g} in reduced units, where the model has 1: {}; speed = {:.3g} would "
-            "do",
-            track.file.string(), v, scales_text, v * track.length / track.time);
+            "{}: the rods move at {:.3g} in reduced units, where the model has 1: f_over_mu and speed of "
+            "[[fit.trajectories]] convert the units of a file, and a track in Python is in reduced units "
+            "already; "
+            "speed = {:.3g} would do",
+            track.file.string(), v, v * track.length / track.time);
     };
     if (path_speed < 0.1 || (speed > 10.0 && path_speed > 10.0))
         throw InputError(text(path_speed));
@@ -132,27 +110,41 @@ void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
 
 /// Displacements against the distances at which they are: strains of above 1, or of nothing.
 void add_sizes(const FitProfileData& profile, std::vector<std::string>& remarks) {
-    double place = 0.0, value = 0.0;
+    double position = 0.0, value = 0.0;
     const fitting::Profile& data = profile.data;
     for (std::size_t i = 0; i < data.place.size(); ++i) {
-        place = std::max(place, std::hypot(data.place[i], data.at));
+        position = std::max(position, std::hypot(data.place[i], data.at));
         value = std::max(value, std::abs(data.value[i]));
     }
-    if (value > place || (value > 0.0 && value < 1e-5 * place))
+    if (value > position || (value > 0.0 && value < 1e-5 * position))
         remarks.push_back(
             fmt::format("{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
                         "unit than the places, give place_unit or value_unit",
-                        profile.file.string(), value, place));
+                        profile.file.string(), value, position));
 }
 
 } // namespace
 
 void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
+    States& states = track.data.states;
     track.data.box = box;
+
+    // Rods that left through a side of the box and came in again at the other continue where they were.
     if (box)
-        unwrap_places(track.data.states, *box);
+        for (std::size_t row = 1; row < states.size(); ++row)
+            for (std::size_t k = 0; k < states[row].size(); ++k)
+                if (k % 3 != 2)
+                    states[row][k] = states[row - 1][k] + nearest_image(states[row][k] - states[row - 1][k],
+                                                                        k % 3 ? box->y : box->x);
+
     refuse_degrees(track);
-    track.unwrapped = unwrap(track.data.states);
+    track.unwrapped = false;
+    for (std::size_t row = 1; row < states.size(); ++row)
+        for (std::size_t k = 2; k < states[row].size(); k += 3) {
+            const double heading = unwrapped(states[row][k], states[row - 1][k]);
+            track.unwrapped = track.unwrapped || heading != states[row][k];
+            states[row][k] = heading;
+        }
 }
 
 std::vector<std::string> data_remarks(const FitPlan& plan) {
@@ -164,6 +156,63 @@ std::vector<std::string> data_remarks(const FitPlan& plan) {
         add_box(track, remarks);
     }
     return remarks;
+}
+
+namespace {
+
+/// measure.mirror puts the same numbers on both sides, which must not count twice.
+bool is_mirrored(const fitting::Map& map) {
+    const std::size_t nx = map.x.size(), ny = map.y.size();
+    const double spacing = map.y[1] - map.y[0];
+    std::size_t compared = 0;
+    for (std::size_t j = 0; j < ny; ++j)
+        for (std::size_t k = 0; k < nx; ++k) {
+            const auto other = std::ranges::find_if(
+                map.y, [&](double y) { return std::abs(y + map.y[j]) < 1e-6 * spacing; });
+            if (map.y[j] >= 0.0 || other == map.y.end())
+                continue;
+            const std::size_t a = j * nx + k, b = static_cast<std::size_t>(other - map.y.begin()) * nx + k;
+            if (!map.known[a] || !map.known[b])
+                continue;
+            ++compared;
+            if (map.Ux[a] != map.Ux[b] || map.Uy[a] != -map.Uy[b])
+                return false;
+        }
+    return compared > 0;
+}
+
+} // namespace
+
+void settle_map(FitMapData& out, std::optional<double> independent_spacing) {
+    fitting::Map& map = out.data;
+
+    // If no bin has a sigma, weights are equal; if some have, the others are left out.
+    const auto sigma_known = [&](std::size_t bin) {
+        return std::isfinite(map.sigma_x[bin]) && std::isfinite(map.sigma_y[bin]);
+    };
+    bool any = false;
+    for (std::size_t bin = 0; bin < map.bins(); ++bin)
+        any = any || (map.known[bin] && sigma_known(bin));
+    for (std::size_t bin = 0; any && bin < map.bins(); ++bin)
+        if (map.known[bin] && !sigma_known(bin)) {
+            map.known[bin] = false;
+            ++out.left_out;
+        }
+    if (!any) {
+        map.sigma_x.clear();
+        map.sigma_y.clear();
+    }
+
+    // One half of a mirrored map counts, without y = 0, where mirroring makes U_y zero.
+    out.mirrored = is_mirrored(map);
+    for (std::size_t bin = 0; out.mirrored && bin < map.bins(); ++bin)
+        map.known[bin] = map.known[bin] && map.place_y(bin) > 0.0;
+
+    // Bins closer than independent values share their worth; together they are worth one value at least.
+    if (independent_spacing)
+        map.independent = std::max(std::min(1.0, (map.x[1] - map.x[0]) / *independent_spacing) *
+                                       std::min(1.0, (map.y[1] - map.y[0]) / *independent_spacing),
+                                   1.0 / static_cast<double>(map.bins()));
 }
 
 } // namespace rodwake::app

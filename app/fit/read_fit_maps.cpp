@@ -24,7 +24,7 @@ using Column = std::vector<double>;
     throw InputError(fmt::format("{}: fit.maps.files: {}", file.string(), why));
 }
 
-double step_between(const Column& places) { return places[1] - places[0]; }
+double step_between(const Column& positions) { return positions[1] - positions[0]; }
 
 /// Half the last decimal of all places, or the last digit of each, whichever is larger: programs write as
 /// many of the one or of the other. Single precision rounds, too.
@@ -32,15 +32,16 @@ Column roundings(const Column& places) {
     constexpr double single = 6e-8; // 2^-24, of the place
     std::vector<int> exponents;
     int decimals = -400, digits = 1;
-    for (const double place : places) {
+    for (const double position : places) {
         std::array<char, 32> text{}; // "1.2346e-01"
-        std::to_chars(text.data(), text.data() + text.size(), std::abs(place), std::chars_format::scientific);
+        std::to_chars(text.data(), text.data() + text.size(), std::abs(position),
+                      std::chars_format::scientific);
         const std::string_view shown(text.data());
         const auto e = shown.find('e');
-        exponents.push_back(place == 0.0 ? -400 : std::stoi(text.data() + e + 1));
+        exponents.push_back(position == 0.0 ? -400 : std::stoi(text.data() + e + 1));
         const int own = std::max(1, static_cast<int>(e) - 1);
         digits = std::max(digits, own);
-        decimals = place == 0.0 ? decimals : std::max(decimals, own - 1 - exponents.back());
+        decimals = position == 0.0 ? decimals : std::max(decimals, own - 1 - exponents.back());
     }
     Column half(places.size());
     for (std::size_t k = 0; k < half.size(); ++k)
@@ -52,12 +53,12 @@ Column roundings(const Column& places) {
 
 /// From place to place, if there is an even grid of which all of them are roundings; nothing if there is
 /// none, or if the rounding might hide that a place is missing.
-std::optional<double> rounded_step(const Column& places) {
-    const Column half = roundings(places);
+std::optional<double> rounded_step(const Column& positions) {
+    const Column half = roundings(positions);
     double least = 0.0, most = HUGE_VAL;
-    for (std::size_t j = 1; j < places.size(); ++j)
+    for (std::size_t j = 1; j < positions.size(); ++j)
         for (std::size_t i = 0; i < j; ++i) {
-            const double apart = places[j] - places[i], slack = half[i] + half[j];
+            const double apart = positions[j] - positions[i], slack = half[i] + half[j];
             least = std::max(least, (apart - slack) / static_cast<double>(j - i));
             most = std::min(most, (apart + slack) / static_cast<double>(j - i));
             if (least > most)
@@ -68,26 +69,26 @@ std::optional<double> rounded_step(const Column& places) {
 }
 
 /// The places, or the even ones of which they are roundings.
-Column even(const fs::path& file, Column places, const char* axis) {
-    if (places.size() < 2)
-        refuse(file, fmt::format("a map needs two {} or more; it has {}", axis, places.size()));
-    const auto uneven = std::ranges::adjacent_find(places, [&](double a, double b) {
-        return std::abs(b - a - step_between(places)) > 1e-6 * std::abs(step_between(places));
+Column even(const fs::path& file, Column positions, const char* axis) {
+    if (positions.size() < 2)
+        refuse(file, fmt::format("a map needs two {} or more; it has {}", axis, positions.size()));
+    const auto uneven = std::ranges::adjacent_find(positions, [&](double a, double b) {
+        return std::abs(b - a - step_between(positions)) > 1e-6 * std::abs(step_between(positions));
     });
-    if (uneven == places.end())
-        return places;
-    const auto step = rounded_step(places);
+    if (uneven == positions.end())
+        return positions;
+    const auto step = rounded_step(positions);
     if (!step)
         refuse(file, fmt::format(
                          "its {} are not evenly spaced: {:g} follows {:g}, and the first two are {:g} apart; "
                          "are rows of the table missing?",
-                         axis, uneven[1], uneven[0], step_between(places)));
+                         axis, uneven[1], uneven[0], step_between(positions)));
     // a grid that is the same on both sides of 0 stays so
     const double start =
-        0.5 * (places.front() + places.back() - *step * static_cast<double>(places.size() - 1));
-    for (std::size_t k = 0; k < places.size(); ++k)
-        places[k] = start + static_cast<double>(k) * *step;
-    return places;
+        0.5 * (positions.front() + positions.back() - *step * static_cast<double>(positions.size() - 1));
+    for (std::size_t k = 0; k < positions.size(); ++k)
+        positions[k] = start + static_cast<double>(k) * *step;
+    return positions;
 }
 
 Column layer(const store::Hdf5Reader& h5, const fs::path& file, const std::string& path,
@@ -135,28 +136,14 @@ std::vector<fitting::Map> of_measure(const fs::path& file) {
     return maps;
 }
 
-/// A person may give the box that a scene asked for, from which that of box = "fit" differs by up to 1 %.
-bool is_of_box(const fitting::Map& map, std::span<const double> box) {
-    return std::abs(box[0] / map.lx - 1.0) < 1e-2 && std::abs(box[1] / map.ly - 1.0) < 1e-2;
-}
-
-/// Places of one column or row may differ in their last bits.
-double same_place(const Column& sorted) {
-    return sorted.empty() ? 0.0 : 1e-6 * (sorted.back() - sorted.front());
-}
-
-/// The different values, increasing.
+/// The different values, increasing. Places of a column or row may differ in their last bits.
 Column places_of(Column values) {
     std::ranges::sort(values);
-    const double apart = same_place(values);
+    const double apart = values.empty() ? 0.0 : 1e-6 * (values.back() - values.front());
     values.erase(
         std::unique(values.begin(), values.end(), [&](double a, double b) { return b - a <= apart; }),
         values.end());
     return values;
-}
-
-std::size_t slot(const Column& places, double at) {
-    return static_cast<std::size_t>(std::ranges::upper_bound(places, at) - places.begin()) - 1;
 }
 
 fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
@@ -175,6 +162,9 @@ fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
     for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
         values->assign(map.bins(), std::nan(""));
     for (std::size_t i = 0; i < table.rows(); ++i) {
+        const auto slot = [](const Column& positions, double at) {
+            return static_cast<std::size_t>(std::ranges::upper_bound(positions, at) - positions.begin()) - 1;
+        };
         const std::size_t bin = slot(rows, y[i]) * map.x.size() + slot(columns, x[i]);
         if (map.known[bin])
             throw InputError(fmt::format("{}:{}: x = {:g}, y = {:g} appears twice", file.string(),
@@ -186,7 +176,7 @@ fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
         map.sigma_y[bin] = sigma_y ? (*sigma_y)[i] : std::nan("");
     }
     for (Column* places : {&map.x, &map.y})
-        std::ranges::for_each(*places, [&](double& place) { place *= units.place_factor; });
+        std::ranges::for_each(*places, [&](double& position) { position *= units.place_factor; });
     for (Column* values : {&map.Ux, &map.Uy, &map.sigma_x, &map.sigma_y})
         std::ranges::for_each(*values, [&](double& value) { value *= units.value_factor; });
     return map;
@@ -197,27 +187,6 @@ fitting::Map of_table(const fs::path& file, const scene::ColumnUnits& units) {
 bool needs_speed(const scene::Fit& keys) {
     return scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
 }
-
-namespace {
-
-/// Of one map of a file: what the scene says of its box and speed.
-void settle(fitting::Map& map, const scene::FitMap& keys, const fs::path& file, bool table) {
-    map.speed = keys.speed.value_or(map.speed);
-    if (!table && !keys.box.empty() && !is_of_box(map, keys.box))
-        refuse(file,
-               fmt::format("it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
-                           map.lx, map.ly, keys.box[0], keys.box[1]));
-    if (table) {
-        map.lx = keys.box[0];
-        map.ly = keys.box[1];
-    }
-    if (const double across = map.x.back() - map.x.front(), up = map.y.back() - map.y.front();
-        across > map.lx * (1.0 + 1e-6) || up > map.ly * (1.0 + 1e-6))
-        refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across, up,
-                                 map.lx, map.ly));
-}
-
-} // namespace
 
 std::string FitMapData::label() const {
     return run > 0 ? fmt::format("{}, run {}", file.filename().string(), run) : file.filename().string();
@@ -241,16 +210,34 @@ std::vector<FitMapData> read_fit_maps(const scene::FitMap& keys, const fs::path&
         refuse(file, "zeta, rho and eta_s depend on the rod's speed, which a table does not contain: give "
                      "fit.maps.speed");
     const std::string name = keys.name.empty() ? file.filename().string() : keys.name;
-    std::vector<FitMapData> found;
+    std::vector<FitMapData> out;
     for (const fitting::Map& map : maps) {
-        const std::size_t run = maps.size() > 1 ? found.size() + 1 : 0;
-        FitMapData one{run > 0 ? fmt::format("{}, run {}", name, run) : name, file, 0, map, 0, false, run};
-        one.data.name = one.label();
-        settle(one.data, keys, file, table);
-        settle_map(one, independent_spacing);
-        found.push_back(std::move(one));
+        const std::size_t run = maps.size() > 1 ? out.size() + 1 : 0;
+        FitMapData read{run > 0 ? fmt::format("{}, run {}", name, run) : name, file, 0, map, 0, false, run};
+        fitting::Map& data = read.data;
+        data.name = read.label();
+        data.speed = keys.speed.value_or(data.speed);
+
+        // A person may give the box of the scene, from which that of granular.box = "fit" differs by up to 1
+        // %.
+        if (!table && !keys.box.empty() &&
+            !(std::abs(keys.box[0] / data.lx - 1.0) < 1e-2 && std::abs(keys.box[1] / data.ly - 1.0) < 1e-2))
+            refuse(file,
+                   fmt::format(
+                       "it was measured in a box of {:g} x {:g}, not {:g} x {:g}: leave fit.maps.box out",
+                       data.lx, data.ly, keys.box[0], keys.box[1]));
+        if (table) {
+            data.lx = keys.box[0];
+            data.ly = keys.box[1];
+        }
+        const double across = data.x.back() - data.x.front(), up = data.y.back() - data.y.front();
+        if (across > data.lx * (1.0 + 1e-6) || up > data.ly * (1.0 + 1e-6))
+            refuse(file, fmt::format("its grid is {:g} x {:g}, larger than the box of {:g} x {:g}", across,
+                                     up, data.lx, data.ly));
+        settle_map(read, independent_spacing);
+        out.push_back(std::move(read));
     }
-    return found;
+    return out;
 }
 
 } // namespace rodwake::app
