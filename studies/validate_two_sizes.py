@@ -4,8 +4,8 @@
     studies/validate_two_sizes.py [--program build/release/rodwake] [--only gap,solid,walk] [--runs 4] [-j 1] [--keep DIR]
 
 gap    temperature of each kind against the gap between the plates, at 0.70 and 0.80; 3 CPU seconds a run, 14 beds
-solid  mean-square displacement after two waiting times, six area fractions in a box of 78 a; 30 CPU seconds a run
-walk   speed of a rod and the displacement around it in the same box, for three thick ends; 15 CPU seconds a run, 6 beds
+solid  mean-square displacement after two waiting times, seven area fractions in a box of 78 a; 15 CPU seconds a run
+walk   speed of a rod and the displacement around it in the same box, for three thick ends; 10 CPU seconds a run, 6 beds
 
 A run is a row (solid: two rows) of studies/two_sizes_<part>.csv. Runs that have a row are not made again, so another --runs adds to them.
 """
@@ -21,7 +21,7 @@ from lab import SOURCE, columns, keep_row, kept_rows, leave_one_out, mean, parse
 
 A = 4e-4
 GAPS, DENSE = (1.2, 1.3, 1.4, 1.5, 1.55, 1.6, 1.7), (0.70, 0.80)
-DENSITIES = (0.60, 0.66, 0.72, 0.76, 0.80, 0.84)
+DENSITIES = (0.60, 0.66, 0.72, 0.76, 0.80, 0.82, 0.84)
 WAITED, LAGS, ORIGINS = (2.0, 22.0), (0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 18.0), 10
 THICK = (1.1, 1.3, 1.4)
 BED = """schema = 1
@@ -30,7 +30,7 @@ title = "Beads of two sizes"
 phi_b = {phi}
 box = "{box} a"
 start = "random"
-equilibrate = "2 s"
+equilibrate = "{equilibrate} s"
 duration = "{duration} s"
 seed = {seed}
 [granular.plates]
@@ -67,11 +67,10 @@ def made(lab, part, reduce, bed, verbs=("dem",), more="", **settings):
     def rows():
         return [row for row in kept_rows(kept(part)) if all(float(row[key]) == value for key, value in settings.items())]
     if not rows():
-        scene = BED.format(**{"gap": 1.55, **bed, **settings}, more=more.format(**settings))
+        scene = BED.format(**{"gap": 1.55, "equilibrate": 2, **bed, **settings}, more=more.format(**settings))
         folder = lab.make("_".join([part, *map(str, settings.values())]), scene, verbs=verbs)
         summary = told(folder, "summary")
         for row in reduce(folder, summary):
-            kept(part).parent.mkdir(exist_ok=True)
             keep_row(kept(part), {**settings, **row, "cpu_seconds": round(summary["cpu_seconds"])})
         shutil.rmtree(folder)
     return rows()
@@ -170,10 +169,10 @@ def wake(folder, summary):
 
 
 def walk(lab):
-    bed, lines = {"box": 78, "duration": 20, "frames": 0.1}, []
-    for phi in (0.66, 0.82):
+    bed, lines = {"box": 78, "equilibrate": 10, "duration": 20, "frames": 0.1}, []
+    for phi in (0.66, 0.84):
         for thick in THICK:
-            more, verbs = (WALKER, ("run",)) if thick == max(THICK) else (WALKER.partition("[measure]")[0], ("dem",))
+            more, verbs = (WALKER, ("dem", "measure")) if thick == max(THICK) else (WALKER.partition("[measure]")[0], ("dem",))
             reduce = wake if thick == max(THICK) else lambda _, summary: [{"speed": f"{summary['rods'][0]['mean_speed'] / A:.4f}", "speed_measured": "",
                                                                           "behind": "", "ahead": ""}]
             found = [row for seed in range(1, lab.options.runs + 1)
