@@ -81,10 +81,10 @@ void check_sizes(const std::filesystem::path& file, const store::TrajectoryInfo&
     }
     granular::require_sizes(*plan.mix, sizes, (file.string() + ":").c_str());
     if (counts != plan.kind_counts)
-        throw InputError(
-            fmt::format("{}: beads of the kinds of [[granular.bead_kinds]] number {} there and {} in the scene: "
-                        "a trajectory of another bed",
-                        file.string(), fmt::join(counts, ", "), fmt::join(plan.kind_counts, ", ")));
+        throw InputError(fmt::format(
+            "{}: beads of the kinds of [[granular.bead_kinds]] number {} there and {} in the scene: "
+            "a trajectory of another bed",
+            file.string(), fmt::join(counts, ", "), fmt::join(plan.kind_counts, ", ")));
 }
 
 /// Every how many stored frames are measured.

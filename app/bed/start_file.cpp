@@ -58,8 +58,9 @@ granular::GivenBeads read_start_file(const scene::Granular& bed, const std::stri
     const fs::path file = place_of(bed.start_file, path);
     for (const std::string& name : store::csv_names(file)) // a misspelt column would be drawn
         if (!name.empty() && std::ranges::find(known, name) == known.end())
-            throw InputError(fmt::format("{}: unknown column \"{}\"{}: columns of a start_file are {}", file.string(),
-                                         shown(name), did_you_mean(name, known), fmt::join(known, ", ")));
+            throw InputError(fmt::format("{}: unknown column \"{}\"{}: columns of a start_file are {}",
+                                         file.string(), shown(name), did_you_mean(name, known),
+                                         fmt::join(known, ", ")));
     const store::Table table = store::read_csv(file, required, optional);
     const auto take = [&](const std::string& name) {
         const auto* column = table.find(name);

@@ -17,10 +17,11 @@ struct WakeSetup {
     double lattice_angle = 0.0; ///< of close-saved rows, rad
     double heading = 0.0;       ///< whole multiple of pi/2
     rodwake::elastic::Medium medium{1.3, 16.0};
-    double strength = 2.2; ///< f/mu
+    double strength = 2.2;  ///< f/mu
     bool two_sizes = false; ///< half of the beads 1.4 times as large, at random places without overlaps
     double noise = 0.0;     ///< standard deviation of each coordinate
-    double noise_time = 0.0; ///< s; after t its correlation is exp(-t/noise_time); 0: independent in each frame
+    double noise_time =
+        0.0; ///< s; after t its correlation is exp(-t/noise_time); 0: independent in each frame
     double speed = 2.6, drift_x = 0.07, drift_y = 0.043; ///< in the box; of rod and of crystal
     double interval = 0.1;
     double core = 1.5;        ///< nearer to the rod the field is that at this distance

@@ -403,7 +403,8 @@ Truth since_zone(const DisplacementField& field) {
     }
     Vector2 all;
     for (const Vector2& one : zone)
-        all = {all.x + one.x / static_cast<double>(grid.rows), all.y + one.y / static_cast<double>(grid.rows)};
+        all = {all.x + one.x / static_cast<double>(grid.rows),
+               all.y + one.y / static_cast<double>(grid.rows)};
     return [&field, zone, all](double x, double y) {
         const std::size_t bin = *field.grid.bin(x, y);
         const Vector2& before = zone[bin / field.grid.columns];
@@ -421,7 +422,7 @@ TEST_CASE("lagrangian is relative to the place far ahead, which the box's images
     CHECK(relative.rms < 0.005); // 0.003 is found, largest 0.021 and 0.008
     CHECK(relative.bias_x < 0.03);
     CHECK(relative.bias_y < 0.03);
-    CHECK(relative.bins > 5600.0); // all but those at the zone's front edge
+    CHECK(relative.bins > 5600.0);                             // all but those at the zone's front edge
     const auto absolute = compare(field, truth_of(wake), 3.5); // its bias in a box of 78, as documented: 13 %
     CHECK(absolute.bias_x > 0.1);
     CHECK(absolute.bias_x < 0.18);
@@ -431,7 +432,8 @@ TEST_CASE("lagrangian needs no lattice: beds of two sizes", "[displacement]") {
     for (const std::uint64_t seed : {1, 2}) {
         const WakeSetup setup = rattling(0.01, seed);
         const SyntheticWake wake(setup);
-        const auto found = compare(measured_by(DisplacementMethod::lagrangian, setup, 400), since_zone(wake), 4.0);
+        const auto found =
+            compare(measured_by(DisplacementMethod::lagrangian, setup, 400), since_zone(wake), 4.0);
         CHECK(found.bias_x < 0.03); // the issue of the estimator asks for 3 %
         CHECK(found.bias_y < 0.03);
         CHECK(found.bins > 5600.0);
@@ -439,9 +441,9 @@ TEST_CASE("lagrangian needs no lattice: beds of two sizes", "[displacement]") {
     CHECK_THROWS_AS(measured_by(DisplacementMethod::phase, rattling(0.0, 1), 5), RunError);
 }
 
-/// With 12 blocks and 4 borrowed the mean of t^2 with 15 degrees of freedom is 1.15, and 1500 independent cells
-/// scatter by 0.04, two seeds of them by 0.03; found is 0.95 (slow noise) to 1.25. It was 1.7 in x while beads
-/// in the zone were compared with their mean place so far.
+/// With 12 blocks and 4 borrowed the mean of t^2 with 15 degrees of freedom is 1.15, and 1500 independent
+/// cells scatter by 0.04, two seeds of them by 0.03; found is 0.95 (slow noise) to 1.25. It was 1.7 in x
+/// while beads in the zone were compared with their mean place so far.
 void check_calibrated(double speed, double noise_time, std::size_t frames, std::uint64_t seeds) {
     double chi2_x = 0.0, chi2_y = 0.0;
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
@@ -449,7 +451,8 @@ void check_calibrated(double speed, double noise_time, std::size_t frames, std::
         setup.speed = speed;
         setup.noise_time = noise_time;
         const SyntheticWake wake(setup);
-        const auto found = compare(measured_by(DisplacementMethod::lagrangian, setup, frames), since_zone(wake), 4.0);
+        const auto found =
+            compare(measured_by(DisplacementMethod::lagrangian, setup, frames), since_zone(wake), 4.0);
         chi2_x += found.chi2_x / static_cast<double>(seeds);
         chi2_y += found.chi2_y / static_cast<double>(seeds);
     }
