@@ -155,6 +155,8 @@ granular::GranularProblem granular_problem(const scene::Scene& scene) {
     try {
         granular::GranularProblem problem = translate(*scene.granular, scene.path);
         granular::validate(problem);
+        if (problem.given)
+            granular::make_start(problem, 0); // beads that overlap are refused before anything is written
         return problem;
     } catch (const InputError& error) {
         throw InputError(fmt::format("{}: [granular] {}", scene.path, error.what()));

@@ -126,6 +126,8 @@ double seconds_of_run(const BedPlan& bed) {
     problem.start =
         granular::bead_mix(problem).one_size() ? granular::Start::lattice : granular::Start::random;
     problem.given.reset();
+    if (problem.start == granular::Start::random) // jammed at first; the run takes it apart before t = 0
+        problem.overlap_limit = 1.0;
     problem.equilibration_steps = 0;
     problem.steps = 1'000'000'000'000;
     granular::Simulation simulation(problem, granular::make_start(problem, 0));

@@ -133,6 +133,15 @@ std::optional<MeasurePlan> measure_plan(const scene::Scene& scene, const granula
         return std::nullopt;
     try { // says now what cannot be measured
         MeasurePlan plan{no_sums(scene, layout_of(problem)), 0.0, 1, 1, {}};
+        plan.mix = granular::bead_mix(problem);
+        const bool drawn = scene.granular->start == scene::GranularStart::lattice ||
+                           scene.granular->start == scene::GranularStart::random;
+        if (drawn && plan.mix->spread == 0.0 && !plan.mix->kinds.empty()) {
+            plan.kind_counts.resize(plan.mix->kinds.size());
+            const std::vector<std::size_t> counts = granular::kind_counts(problem);
+            for (std::size_t k = 0; k < counts.size(); ++k)
+                plan.kind_counts[plan.mix->nearest(plan.mix->kinds[k].radius)] += counts[k];
+        }
         const std::int64_t steps = steps_between_frames(scene);
         plan.every = scene.measure->phonons ? steps_between_currents(scene, steps) : steps;
         plan.stride = static_cast<std::size_t>(steps / plan.every);

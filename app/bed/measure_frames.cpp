@@ -1,6 +1,8 @@
 #include "measure_frames.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/granular/bead_kinds.hpp"
+#include "rodwake/granular/problem.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/block_file.hpp"
 #include "rodwake/store/bytes.hpp"
@@ -63,6 +65,26 @@ void check_beads(const std::filesystem::path& file, const store::TrajectoryInfo&
                         file.string(), info.beads, layout.beads));
     want_equal(file, "the number of beads", static_cast<double>(info.beads),
                static_cast<double>(layout.beads));
+}
+
+void check_sizes(const std::filesystem::path& file, const store::TrajectoryInfo& info,
+                 const MeasurePlan& plan) {
+    if (!plan.mix)
+        return;
+    granular::BeadSizes sizes{info.radius, {}};
+    std::vector<std::size_t> counts(plan.kind_counts.size());
+    for (const double radius : info.radius) {
+        const std::size_t kind = plan.mix->nearest(radius);
+        sizes.kind.push_back(static_cast<std::uint8_t>(kind));
+        if (!counts.empty())
+            ++counts[kind];
+    }
+    granular::require_sizes(*plan.mix, sizes, (file.string() + ":").c_str());
+    if (counts != plan.kind_counts)
+        throw InputError(fmt::format(
+            "{}: beads of the kinds of [[granular.bead_kinds]] number {} there and {} in the scene: "
+            "a trajectory of another bed",
+            file.string(), fmt::join(counts, ", "), fmt::join(plan.kind_counts, ", ")));
 }
 
 /// Every how many stored frames are measured.
@@ -143,6 +165,7 @@ void check_trajectory(const std::filesystem::path& file, const MeasurePlan& plan
     const store::H5mdReader reader(file);
     check_bed(file, reader.info(), plan.sums.layout());
     check_beads(file, reader.info(), plan.sums.layout());
+    check_sizes(file, reader.info(), plan);
     stride_of(file, reader.info(), plan);
 }
 
@@ -163,6 +186,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
     const store::TrajectoryInfo info = store::H5mdReader(file).info();
     check_bed(file, info, plan.sums.layout());
     check_beads(file, info, plan.sums.layout());
+    check_sizes(file, info, plan);
     measure::Measures measures = plan.sums;
     bool stopped = false;
     for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan),
@@ -182,7 +206,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
 namespace {
 
 constexpr const char* block_name = "measures";
-constexpr std::uint32_t layout = 3; ///< counted up when what an accumulator saves changes
+constexpr std::uint32_t layout = 4; ///< counted up when what an accumulator saves changes
 
 } // namespace
 

@@ -1,13 +1,16 @@
 #include "start_file.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/spelling.hpp"
 #include "rodwake/store/csv.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 namespace rodwake::app {
 
@@ -41,14 +44,8 @@ std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Tabl
                             name, table.lines[i], kind, count - 1));
         kinds.push_back(static_cast<std::uint8_t>(kind));
     }
-    for (std::size_t i = 0; !column && radius && i < table.rows(); ++i) {
-        std::size_t nearest = 0;
-        for (std::size_t k = 1; k < bed.bead_kinds.size(); ++k)
-            if (std::abs(bed.bead_kinds[k].radius - (*radius)[i]) <
-                std::abs(bed.bead_kinds[nearest].radius - (*radius)[i]))
-                nearest = k;
-        kinds.push_back(static_cast<std::uint8_t>(nearest));
-    }
+    for (std::size_t i = 0; !column && radius && i < table.rows(); ++i)
+        kinds.push_back(static_cast<std::uint8_t>(scene::bead_mix(bed).nearest((*radius)[i])));
     return kinds;
 }
 
@@ -57,7 +54,13 @@ std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Tabl
 granular::GivenBeads read_start_file(const scene::Granular& bed, const std::string& path) {
     static const std::array<std::string, 2> required{"x", "y"};
     static const std::array<std::string, 6> optional{"z", "vx", "vy", "vz", "radius", "kind"};
+    static constexpr std::array<std::string_view, 8> known{"x", "y", "z", "vx", "vy", "vz", "radius", "kind"};
     const fs::path file = place_of(bed.start_file, path);
+    for (const std::string& name : store::csv_names(file)) // a misspelt column would be drawn
+        if (!name.empty() && std::ranges::find(known, name) == known.end())
+            throw InputError(fmt::format("{}: unknown column \"{}\"{}: columns of a start_file are {}",
+                                         file.string(), shown(name), did_you_mean(name, known),
+                                         fmt::join(known, ", ")));
     const store::Table table = store::read_csv(file, required, optional);
     const auto take = [&](const std::string& name) {
         const auto* column = table.find(name);

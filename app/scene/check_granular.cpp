@@ -294,10 +294,10 @@ void equal_beads_only(const Measure& m, const Report& report) {
         const char *key, *what, *why;
         bool wanted;
     } keys[] = {
-        {"displacement", "displacement = \"phase\"",
-         "it follows the Bragg peaks of a lattice, which beads of several sizes do not form; use "
-         "displacement = \"lagrangian\" or \"density\"",
-         m.displacement == measure::DisplacementMethod::phase},
+        {"displacement", "displacement = \"phase\" or \"density\"",
+         "they follow the Bragg peaks of a lattice, which beads of several sizes do not form; use "
+         "displacement = \"lagrangian\"",
+         m.displacement && m.displacement != measure::DisplacementMethod::lagrangian},
         {"phonons", "phonons", "they are waves of a lattice, which beads of several sizes do not form",
          m.phonons},
         {"mechanics", "mechanics", "it takes the mass of a bead, and here beads have several", m.mechanics},

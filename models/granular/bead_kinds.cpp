@@ -51,6 +51,12 @@ double BeadMix::root_mean_square() const {
                       : std::sqrt(squares / shares); // without rounding if there is no mean
 }
 
+std::size_t BeadMix::nearest(double to_radius) const {
+    const auto found = std::ranges::min_element(
+        kinds, {}, [&](const BeadKind& kind) { return std::abs(kind.radius - to_radius); });
+    return found == kinds.end() ? 0 : static_cast<std::size_t>(found - kinds.begin());
+}
+
 std::vector<std::size_t> BeadMix::counts(std::size_t beads) const {
     if (kinds.empty())
         return {beads};

@@ -33,6 +33,8 @@ public:
     BlockSums& at(double time, double heading);
 
     std::span<const BlockSums> all() const { return blocks_; }
+    /// Of a block by its place in all(); changes no count of frames.
+    std::vector<double>& sums(std::size_t block) { return blocks_[block].sums; }
     std::size_t channels() const { return channels_; }
     void save(StateWriter& out) const;
     void load(StateReader& in);

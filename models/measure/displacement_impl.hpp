@@ -62,11 +62,16 @@ void save(StateWriter& out, const std::optional<BraggPeaks>& peaks);
 std::optional<BraggPeaks> load_peaks(StateReader& in);
 
 // Displacement of each bead from where it was before the rod came, the mean displacement of all beads taken
-// off, in the bin of that place.
+// off, in the bin of that place. No lattice is needed.
 //
 // Where it was: its mean place while it was in the zone ahead, 0.3 L < x < 0.45 L in the rod's frame; before
 // it has been there, its place in the first frame if that was ahead already, 0.15 L < x < 0.45 L. Other beads
-// do not count until they have come through the zone. A bead that enters it anew gets a new place.
+// do not count until they have come through the zone. A bead that comes back to it gets a new place.
+//
+// What is counted must not depend on how a bead rattles. So a bead enters the zone anew only after it was
+// nearer than 0.25 L (or behind the rod); its samples wait until it leaves the zone, when its mean place is
+// known, of each stay the first 512; and places within 0.03 L of the front edge, where it depends on the
+// rattling whether a sample belongs to the old or to the new place, do not count.
 
 class LagrangianAccumulator {
 public:
@@ -82,22 +87,30 @@ public:
     std::span<const BlockSums> blocks() const { return blocks_.all(); }
 
 private:
+    /// Bead and rod, drift removed, unwrapped.
+    struct Sample {
+        double x, y;
+        RodPosition rod;
+        std::size_t block;
+    };
+
     void start(const Frame& frame, const RodView& rod);
     void drift(const Frame& frame);
-    void note_zone(std::size_t bead, std::size_t at, const Frame& frame, const RelativePosition& now);
+    void take(std::size_t bead, const Sample& sample);
+    void count(std::size_t bead, const Sample& sample);
     double side() const { return grid_.box.x - 2.0 * grid_.margin; }
-    void count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod, double* sums);
 
     Layout layout_;
     DisplacementOptions options_;
     RodGrid grid_;
     Blocks blocks_;
-    std::vector<double> place_x_, place_y_; ///< [beads] sums of drift-free places before the rod came
-    std::vector<double> samples_;           ///< [beads] how many; 0: unknown
-    std::vector<double> in_zone_;           ///< [beads] 1 while it is there
-    double first_x_ = 0.0, first_y_ = 0.0;  ///< mean of all beads in the first frame
-    double drift_x_ = 0.0, drift_y_ = 0.0;  ///< of that mean until the frame at hand
-    BeadPlaces last_;                       ///< where beads come and go: in the frame before
+    std::vector<double> place_x_, place_y_;    ///< [beads] sums of drift-free places before the rod came
+    std::vector<double> samples_;              ///< [beads] how many; 0: unknown
+    std::vector<double> in_zone_;              ///< [beads] 1 from its entry until it is left behind
+    std::vector<std::vector<Sample>> waiting_; ///< [beads] of this stay in the zone
+    double first_x_ = 0.0, first_y_ = 0.0;     ///< mean of all beads in the first frame
+    double drift_x_ = 0.0, drift_y_ = 0.0;     ///< of that mean until the frame at hand
+    BeadPlaces last_;                          ///< where beads come and go: in the frame before
 };
 
 // What a DisplacementAccumulator holds: the sums of its estimator and what is common to all.

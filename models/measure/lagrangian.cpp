@@ -5,13 +5,17 @@
 #include "phase_cell.hpp"
 
 #include <array>
+#include <cmath>
 #include <numeric>
 
 namespace rodwake::measure {
 
 namespace {
 
-constexpr double zone_begin = 0.3, zone_end = 0.45, first_zone_begin = 0.15; // of the box, ahead of the rod
+// Of the box, ahead of the rod.
+constexpr double zone_begin = 0.3, zone_end = 0.45, first_zone_begin = 0.15, left_zone = 0.25,
+                 uncertain = 0.03; // about zone_end
+constexpr std::size_t most_waiting = 512;
 
 double mean_place(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -29,11 +33,12 @@ void LagrangianAccumulator::add(const Frame& frame) {
     if (samples_.empty())
         start(frame, rod);
     drift(frame);
-    double* sums = blocks_.at(frame.time, position.heading).sums.data();
+    const auto block =
+        static_cast<std::size_t>(&blocks_.at(frame.time, place.heading) - blocks_.all().data());
+    const RodPosition rod_without_drift{place.x - drift_x_, place.y - drift_y_, place.heading};
     for_each_named(frame, [&](std::size_t bead, std::size_t at) {
-        note_zone(bead, at, frame, rod.at(frame.x[at], frame.y[at]));
-        if (samples_[bead] > 0.0)
-            count(bead, at, frame, rod, sums);
+        take(bead,
+             {frame.unwrapped_x[at] - drift_x_, frame.unwrapped_y[at] - drift_y_, rod_without_drift, block});
     });
 }
 
@@ -41,6 +46,7 @@ void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
     const std::size_t beads_known = layout_.all_beads > 0 ? layout_.all_beads : layout_.beads;
     for (auto* values : {&place_x_, &place_y_, &samples_, &in_zone_})
         values->assign(beads_known, 0.0);
+    waiting_.assign(beads_known, {});
     if (layout_.all_beads == 0) {
         first_x_ = mean_place(frame.unwrapped_x);
         first_y_ = mean_place(frame.unwrapped_y);
@@ -68,33 +74,43 @@ void LagrangianAccumulator::drift(const Frame& frame) {
     last_ = std::move(now);
 }
 
-void LagrangianAccumulator::note_zone(std::size_t bead, std::size_t at, const Frame& frame,
-                                      const RelativePosition& now) {
-    const double ahead = now.x / side();
-    if (!(ahead > zone_begin && ahead < zone_end)) {
-        in_zone_[bead] = 0.0;
+void LagrangianAccumulator::take(std::size_t bead, const Sample& sample) {
+    const PeriodicBox images = image_box(layout_);
+    const RodView rod(sample.rod, images);
+    const double ahead = rod.at(into_box(sample.x, images.x), into_box(sample.y, images.y)).x / side();
+    const bool in_zone = ahead > zone_begin && ahead < zone_end;
+    if (in_zone && in_zone_[bead] == 0.0) {
+        place_x_[bead] = place_y_[bead] = samples_[bead] = 0.0;
+        in_zone_[bead] = 1.0;
+    }
+    if (in_zone) {
+        place_x_[bead] += sample.x;
+        place_y_[bead] += sample.y;
+        samples_[bead] += 1.0;
+    }
+    if (in_zone_[bead] == 1.0 && ahead >= left_zone) {
+        if (waiting_[bead].size() < most_waiting)
+            waiting_[bead].push_back(sample);
         return;
     }
-    if (in_zone_[bead] == 0.0)
-        place_x_[bead] = place_y_[bead] = samples_[bead] = 0.0;
-    in_zone_[bead] = 1.0;
-    place_x_[bead] += frame.unwrapped_x[at] - drift_x_;
-    place_y_[bead] += frame.unwrapped_y[at] - drift_y_;
-    samples_[bead] += 1.0;
+    in_zone_[bead] = 0.0;
+    for (const Sample& before : waiting_[bead])
+        count(bead, before);
+    waiting_[bead].clear();
+    if (samples_[bead] > 0.0)
+        count(bead, sample);
 }
 
-void LagrangianAccumulator::count(std::size_t bead, std::size_t at, const Frame& frame, const RodView& rod,
-                                  double* sums) {
-    const double dx = frame.unwrapped_x[at] - drift_x_ - place_x_[bead] / samples_[bead];
-    const double dy = frame.unwrapped_y[at] - drift_y_ - place_y_[bead] / samples_[bead];
+void LagrangianAccumulator::count(std::size_t bead, const Sample& sample) {
+    const double x = place_x_[bead] / samples_[bead], y = place_y_[bead] / samples_[bead];
     const PeriodicBox images = image_box(layout_);
-    const RelativePosition before =
-        rod.at(into_box(frame.x[at] - dx, images.x), into_box(frame.y[at] - dy, images.y));
+    const RodView rod(sample.rod, images);
+    const RelativePosition before = rod.at(into_box(x, images.x), into_box(y, images.y));
     const auto bin = grid_.bin(before.x, before.y);
-    if (!bin)
+    if (!bin || std::abs(before.x / side() - zone_end) < uncertain)
         return;
-    const RelativePosition moved = rod.turned(dx, dy);
-    double* sum = sums + *bin * channels;
+    const RelativePosition moved = rod.turned(sample.x - x, sample.y - y);
+    double* sum = blocks_.sums(sample.block).data() + *bin * channels;
     sum[along] += moved.x;
     sum[across] += moved.y;
     sum[beads] += 1.0;
@@ -107,6 +123,14 @@ void LagrangianAccumulator::save(StateWriter& out) const {
         out.put(std::span<const double>(*values));
     for (const double value : {first_x_, first_y_, drift_x_, drift_y_})
         out.put(value);
+    for (const std::vector<Sample>& samples : waiting_) {
+        out.put(samples.size());
+        for (const Sample& one : samples) {
+            for (const double value : {one.x, one.y, one.rod.x, one.rod.y, one.rod.heading})
+                out.put(value);
+            out.put(one.block);
+        }
+    }
     blocks_.save(out);
 }
 
@@ -117,6 +141,14 @@ void LagrangianAccumulator::load(StateReader& in) {
         *values = in.array(beads_known);
     for (double* value : {&first_x_, &first_y_, &drift_x_, &drift_y_})
         *value = in.get();
+    waiting_.assign(beads_known, {});
+    for (std::vector<Sample>& samples : waiting_)
+        for (std::size_t left = in.count(); left > 0; --left) {
+            Sample& one = samples.emplace_back();
+            for (double* value : {&one.x, &one.y, &one.rod.x, &one.rod.y, &one.rod.heading})
+                *value = in.get();
+            one.block = in.count();
+        }
     blocks_.load(in);
 }
 

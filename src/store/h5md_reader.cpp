@@ -107,19 +107,19 @@ std::vector<double> bead_values(const Hdf5Input& file, const TrajectoryInfo& inf
 
 /// Radius and mass of the beads; of several sizes the radius that lengths refer to, and the mean mass.
 void read_sizes(const Hdf5Input& file, TrajectoryInfo& info) {
-    const std::vector<double> radius = bead_values(file, info, "radius", H5mdUnit::length),
-                              mass = bead_values(file, info, "mass", H5mdUnit::mass);
+    info.radius = bead_values(file, info, "radius", H5mdUnit::length);
+    const std::vector<double> mass = bead_values(file, info, "mass", H5mdUnit::mass);
     const auto differ = [](const std::vector<double>& values) {
         return std::ranges::adjacent_find(values, std::ranges::not_equal_to()) != values.end();
     };
-    info.bead_radius = radius[0];
+    info.bead_radius = info.radius[0];
     info.bead_mass = mass[0];
     if (differ(mass)) {
         info.bead_mass = 0.0;
         for (const double m : mass)
             info.bead_mass += m / static_cast<double>(mass.size());
     }
-    if (!differ(radius))
+    if (!differ(info.radius))
         return;
     const auto unit = info.parameters.find("bead_radius");
     if (unit == info.parameters.end())

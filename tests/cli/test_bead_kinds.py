@@ -108,6 +108,22 @@ class BeadKindsTest(BedTest):
         frames = self.out("out", "trajectory.h5md")
         self.expect(0, "measure", "mixed.toml", *keys, "-s", f'measure.trajectory="{frames}"', "-o", "again")
         self.assertEqual(json.loads(self.out("again", "measure.json").read_text())["order"]["psi6"], found["psi6"])
+        others = ("-s", 'granular.bead_kinds.1.radius="0.57 mm"'), ("-s", "granular.bead_kinds.0.share=0.6", "-s", "granular.bead_kinds.1.share=0.4")
+        beads = int(self.summary("out")["beads"])
+        for other, message in zip(others, ("radius of 0.00056.* and that of its kind is 0.00057", "beads of the kinds .* number .* there and")):
+            more = ("-s", f"granular.beads={beads}", "-s", "granular.phi_b= ", "-s", f'measure.trajectory="{frames}"')
+            self.assertRegex(self.expect(2, "measure", "mixed.toml", *keys, *other, *more, "-o", "other").stderr, message)
+
+    def test_displacement_without_a_lattice(self):
+        keys = ("-s", 'granular.rods.0.thick_diameter="1.4 mm"', "-s", 'measure.displacement="lagrangian"', "-s", "measure.interval=0.02", "-s", "measure.block=0.25")
+        self.expect(0, "run", "mixed.toml", "-o", "out", "--no-figures", *setting(duration=2.0), *keys)
+        found = json.loads(self.out("out", "measure.json").read_text())["displacement"]
+        self.assertEqual((found["method"], found["row_angle"], found["lattice_spacing"]), ("lagrangian", None, None))
+        with h5py.File(self.out("out", "measure.h5")) as file:
+            seen = file["displacement/count"][()] > 0
+            u, sigma = (file[f"displacement/{name}"][()][seen] for name in ("Ux", "sigma_x"))
+        self.assertGreater(np.count_nonzero(seen), 200)  # of 400 bins
+        self.assertTrue(np.isfinite(u).all() and (sigma > 0).all())
 
     def test_refused(self):
         for keys, message in ((setting(start='"lattice"'), "granular.start.*use start = .random"),
@@ -196,10 +212,12 @@ frames = 0.01
                                  ({"kind": np.ones(25)}, r"beads.csv:2: kind = 1: must be a whole number from 0 to 0"),
                                  ({"radius": np.full(25, 0.5e-3)}, "has a radius of 0.0005 m, and that of its kind is 0.0004 m"),
                                  ({"x": 1e3 * self.x}, "outside the box and its next images: columns are in m"),
-                                 ({"vx": wrong}, r"beads.csv:5: "), ({"x": None}, "beads.csv.*x")):
+                                 ({"vx": wrong}, r"beads.csv:5: "), ({"x": None}, "beads.csv.*x"),
+                                 ({"radios": np.full(25, A)}, r'unknown column "radios" \(did you mean "radius"\?\)')):
             with self.subTest(message):
                 self.put(**changed)
-                self.assertRegex(self.expect(2, "dem", "given.toml", "-o", "refused").stderr, message)
+                for verb in (("dem", "given.toml", "-o", "refused"), ("check", "given.toml")):
+                    self.assertRegex(self.expect(2, *verb).stderr, message)
         (self.folder / "beads.csv").unlink()
         self.assertRegex(self.expect(2, "check", "given.toml").stderr, 'granular.start_file = "beads.csv": there is no such file')
 

@@ -5,6 +5,7 @@
 #include "granular/packing.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace measure_test {
 
@@ -26,14 +27,52 @@ double inside(double place, double box) {
     return wrapped < box ? wrapped : 0.0;
 }
 
+std::vector<Eigen::Vector2d> places_of_two_sizes(const WakeSetup& setup) {
+    namespace granular = rodwake::granular;
+    granular::GranularProblem problem;
+    problem.beads = static_cast<std::size_t>(setup.beads);
+    problem.bead_radius = 1.0;
+    problem.bead_kinds = {{1.0, 0.5}, {1.4, 0.5}};
+    problem.box = setup.box;
+    problem.plates.gap = 3.9;
+    problem.seed = setup.seed;
+    const granular::Room room{problem.box, 1.0, problem.plates.gap, {}};
+    granular::Places places = granular::at_random(problem, room, 0);
+    if (granular::push_apart(places, room, RandomStream(setup.seed)) > 0.0)
+        throw std::runtime_error("the beads do not fit");
+    std::vector<Eigen::Vector2d> sites;
+    for (std::size_t i = 0; i < places.size(); ++i)
+        sites.emplace_back(places.x[i], places.y[i]);
+    return sites;
+}
+
+constexpr std::size_t waves = 8; // of the noise of a coordinate
+
 } // namespace
 
 SyntheticWake::SyntheticWake(const WakeSetup& setup) : setup_(setup), field_(setup.medium, setup.box) {
-    const auto fit = rodwake::granular::fit_lattice(setup.box, setup.beads, setup.lattice_angle);
-    sites_ = rodwake::granular::lattice_sites(fit, setup.box);
-    spacing_ = fit.spacing;
-    row_angle_ = fit.orientation;
+    if (setup.two_sizes) {
+        sites_ = places_of_two_sizes(setup);
+    } else {
+        const auto fit = rodwake::granular::fit_lattice(setup.box, setup.beads, setup.lattice_angle);
+        sites_ = rodwake::granular::lattice_sites(fit, setup.box);
+        spacing_ = fit.spacing;
+        row_angle_ = fit.orientation;
+    }
     layout_ = {setup.box, 1.0, 1.0, sites_.size(), 1};
+    RandomStream random(setup.seed, 0xFFFF);
+    for (std::size_t k = 0; setup.noise_time > 0.0 && k < 2 * waves * sites_.size(); ++k) {
+        rates_.push_back(std::tan(M_PI * (random.uniform() - 0.5)) / setup.noise_time); // of that correlation
+        phases_.push_back(2.0 * M_PI * random.uniform());
+    }
+}
+
+Vector SyntheticWake::noise(std::size_t bead, double time) const {
+    double sum[2] = {0.0, 0.0};
+    for (std::size_t k = 0; k < 2 * waves; ++k)
+        sum[k / waves] += std::cos(rates_[2 * waves * bead + k] * time + phases_[2 * waves * bead + k]);
+    const double size = setup_.noise * std::sqrt(2.0 / static_cast<double>(waves));
+    return {size * sum[0], size * sum[1]};
 }
 
 Vector SyntheticWake::truth(double x, double y) const {
@@ -68,12 +107,13 @@ Frame SyntheticWake::frame(std::size_t number) const {
     const double way = setup_.speed * frame.time;
     const RodPosition rod{10.3 + c * way, 30.7 + s * way, setup_.heading};
     frame.rods = {rod};
-    for (const auto& site : sites_) {
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+        const Eigen::Vector2d& site = sites_[i];
         const double slip = slipped(site, rod);
         const double x = site.x() + setup_.drift_x * frame.time + c * slip;
         const double y = site.y() + setup_.drift_y * frame.time + s * slip;
         const Vector u = truth(c * (x - rod.x) + s * (y - rod.y), -s * (x - rod.x) + c * (y - rod.y));
-        const Vector n = gaussian(random, setup_.noise);
+        const Vector n = rates_.empty() ? gaussian(random, setup_.noise) : noise(i, frame.time);
         frame.unwrapped_x.push_back(x + c * u.x - s * u.y + n.x);
         frame.unwrapped_y.push_back(y + s * u.x + c * u.y + n.y);
         frame.x.push_back(inside(frame.unwrapped_x.back(), setup_.box));

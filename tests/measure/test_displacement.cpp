@@ -374,17 +374,117 @@ double behind(const DisplacementField& field) {
 
 } // namespace
 
+namespace {
+
+/// Beads of two sizes that rattle in their cages, with a memory of three frames.
+WakeSetup rattling(double noise, std::uint64_t seed) {
+    WakeSetup setup = quick_passes();
+    setup.two_sizes = true;
+    setup.beads = 1000; // phi_b = 0.76
+    setup.noise = noise;
+    setup.noise_time = 0.3;
+    setup.seed = seed;
+    return setup;
+}
+
+/// A measured field, less its mean over the zone ahead at the same y.
+Truth since_zone(const DisplacementField& field) {
+    const RodGrid& grid = field.grid;
+    std::vector<Vector2> zone(grid.rows);
+    for (std::size_t row = 0; row < grid.rows; ++row) {
+        double count = 0.0;
+        for (std::size_t k = row * grid.columns; k < (row + 1) * grid.columns; ++k)
+            if (grid.x_of(k) > 0.3 * grid.box.x && grid.x_of(k) < 0.45 * grid.box.x) {
+                zone[row].x += field.Ux[k];
+                zone[row].y += field.Uy[k];
+                count += 1.0;
+            }
+        zone[row] = {zone[row].x / count, zone[row].y / count};
+    }
+    Vector2 all;
+    for (const Vector2& one : zone)
+        all = {all.x + one.x / static_cast<double>(grid.rows),
+               all.y + one.y / static_cast<double>(grid.rows)};
+    return [&field, zone, all](double x, double y) {
+        const std::size_t bin = *field.grid.bin(x, y);
+        const Vector2& before = zone[bin / field.grid.columns];
+        return elastic::Vector{field.Ux[bin] - before.x + all.x, field.Uy[bin] - before.y + all.y};
+    };
+}
+
+} // namespace
+
 TEST_CASE("lagrangian is relative to the place far ahead, which the box's images displace",
           "[displacement]") {
     const SyntheticWake wake(quick_passes());
     const auto field = measured_by(DisplacementMethod::lagrangian, quick_passes(), 400); // four passes
-    const auto relative = compare(field, since_zone(wake), 3.5);
-    CHECK(relative.rms < 0.015);
-    CHECK(relative.bias_x < 0.06);
-    CHECK(relative.bias_y < 0.06);
+    const auto relative = compare(field, since_zone(wake), 4.0);
+    CHECK(relative.rms < 0.005); // 0.003 is found, largest 0.021 and 0.008
+    CHECK(relative.bias_x < 0.03);
+    CHECK(relative.bias_y < 0.03);
+    CHECK(relative.bins > 5600.0);                             // all but those at the zone's front edge
     const auto absolute = compare(field, truth_of(wake), 3.5); // its bias in a box of 78, as documented: 13 %
     CHECK(absolute.bias_x > 0.1);
     CHECK(absolute.bias_x < 0.18);
+}
+
+TEST_CASE("lagrangian needs no lattice: beds of two sizes", "[displacement]") {
+    for (const std::uint64_t seed : {1, 2}) {
+        const WakeSetup setup = rattling(0.01, seed);
+        const SyntheticWake wake(setup);
+        const auto found =
+            compare(measured_by(DisplacementMethod::lagrangian, setup, 400), since_zone(wake), 4.0);
+        CHECK(found.bias_x < 0.03); // the issue of the estimator asks for 3 %
+        CHECK(found.bias_y < 0.03);
+        CHECK(found.bins > 5600.0);
+    }
+    CHECK_THROWS_AS(measured_by(DisplacementMethod::phase, rattling(0.0, 1), 5), RunError);
+}
+
+/// With 12 blocks and 4 borrowed the mean of t^2 with 15 degrees of freedom is 1.15, and 1500 independent
+/// cells scatter by 0.04, two seeds of them by 0.03; found is 0.95 (slow noise) to 1.25. It was 1.7 in x
+/// while beads in the zone were compared with their mean place so far.
+void check_calibrated(double speed, double noise_time, std::size_t frames, std::uint64_t seeds) {
+    double chi2_x = 0.0, chi2_y = 0.0;
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+        WakeSetup setup = rattling(0.2, seed);
+        setup.speed = speed;
+        setup.noise_time = noise_time;
+        const SyntheticWake wake(setup);
+        const auto found =
+            compare(measured_by(DisplacementMethod::lagrangian, setup, frames), since_zone(wake), 4.0);
+        chi2_x += found.chi2_x / static_cast<double>(seeds);
+        chi2_y += found.chi2_y / static_cast<double>(seeds);
+    }
+    CAPTURE(speed, noise_time);
+    for (const double chi2 : {chi2_x, chi2_y}) {
+        CHECK(chi2 > 0.85);
+        CHECK(chi2 < 1.35);
+    }
+}
+
+TEST_CASE("lagrangian states its errors where beads rattle", "[displacement]") {
+    check_calibrated(7.9, 0.0, 400, 2);
+}
+
+TEST_CASE("lagrangian states its errors over many seeds, and where beads diffuse", "[.][long]") {
+    check_calibrated(7.9, 0.3, 200, 20);
+    check_calibrated(4.8, 0.3, 200, 20);
+    check_calibrated(7.9, 3.0, 200, 20);
+}
+
+TEST_CASE("in a crystal lagrangian agrees with phase, which takes part in the zone off", "[displacement]") {
+    WakeSetup setup = rattling(0.1, 1);
+    setup.two_sizes = false;
+    const auto phase = measured_by(DisplacementMethod::phase, setup, 300);
+    const auto lagrangian = measured_by(DisplacementMethod::lagrangian, setup, 300);
+    const auto apart = compare(lagrangian, since_zone(phase), 4.0);
+    CHECK(apart.chi2_x < 1.5);
+    CHECK(apart.chi2_y < 1.5);
+    CHECK(compare(lagrangian, [&phase](double x, double y) {
+              const std::size_t bin = *phase.grid.bin(x, y);
+              return elastic::Vector{phase.Ux[bin], phase.Uy[bin]};
+          }).chi2_x > 2.0);
 }
 
 TEST_CASE("slip by lattice spacings: lagrangian sees it, phase does not", "[displacement]") {

@@ -130,8 +130,10 @@ TEST_CASE("kinds of beads, their spread, and what they rule out") {
     const std::string measured =
         "start = \"random\"\n" + kinds + "[[granular.rods]]\nposition = [\"10 a\", 0.004]\n[measure]\n";
     says(bed(measured + "displacement = \"phase\"\n"),
-         "beads of several sizes ([[granular.bead_kinds]]): it follows "
+         "beads of several sizes ([[granular.bead_kinds]]): they follow "
          "the Bragg peaks of a lattice");
+    says(bed(measured + "displacement = \"density\"\n"), "use displacement = \"lagrangian\"");
+    CHECK(error_text(bed(measured + "displacement = \"lagrangian\"\n")) == "");
     says(bed(measured + "phonons = true\n"), "they are waves of a lattice");
     says(bed(measured + "mechanics = true\n"), "it takes the mass of a bead");
     says(bed(measured + "microrheology = true\n"), "it takes the mass of a bead");

@@ -104,10 +104,9 @@ MeasureImage image_of(const DisplacementField& u, double to_a) {
              {"coherence", 1, u.coherence}}};
 }
 
-/// Nothing without Bragg peaks.
-Value lattice_spacing(const DisplacementField& u, double a) {
-    const double spacing = u.peaks.lattice_spacing();
-    return spacing > 0.0 ? Value(spacing / a) : Value();
+/// Of the lattice; nothing without Bragg peaks.
+Value of_lattice(const DisplacementField& u, double value) {
+    return u.peaks.lattice_spacing() > 0.0 ? Value(value) : Value();
 }
 
 struct DisplacementValues {
@@ -137,9 +136,9 @@ constexpr ResultValue<DisplacementValues> values[] = {
          return Column{f.r.offset.x / f.a, f.r.offset.y / f.a};
      }},
     {{"row_angle", "Angle of the rows", "rad", "of the close-packed rows from $x$"},
-     [](F f) { return f.r.peaks.row_angle(); }},
+     [](F f) { return of_lattice(f.r, f.r.peaks.row_angle()); }},
     {{"lattice_spacing", "Lattice spacing", "a", "of the beads, from the Bragg peaks"},
-     [](F f) { return lattice_spacing(f.r, f.a); }},
+     [](F f) { return of_lattice(f.r, f.r.peaks.lattice_spacing() / f.a); }},
     {{"contrast", "Bragg contrast", "", "largest peak"}, [](F f) { return f.r.peaks.contrast(); }},
 };
 constexpr auto value_infos = infos_of(values);

@@ -1,6 +1,7 @@
 #pragma once
 // From the [measure] table of a scene to what is measured of each run, and when. SI.
 
+#include "rodwake/granular/bead_kinds.hpp"
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/measure/measures.hpp"
 #include "rodwake/scene/scene.hpp"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rodwake::app {
 
@@ -19,6 +21,10 @@ struct MeasurePlan {
     /// closer.
     std::size_t stride = 1;
     std::string key_text; ///< of what the sums depend on; sums of another text are of no use
+    /// Sizes of the beads that frames must have, and how many are nearest to each kind, where the scene alone
+    /// tells; of tracks none.
+    std::optional<granular::BeadMix> mix = {};
+    std::vector<std::size_t> kind_counts = {};
 };
 
 /// What every frame of a bed has.

@@ -33,6 +33,8 @@ struct BeadMix {
     /// Root of the mean square of the kinds' radii by their shares, m: N discs of this radius cover what the
     /// beads cover.
     double root_mean_square() const;
+    /// Number of the kind whose radius is nearest, of equal ones the first; 0 if there are no kinds.
+    std::size_t nearest(double to_radius) const;
     /// How many of `beads` are of each kind: shares by the method of largest remainders, of equal ones the
     /// first. One number if there are no kinds.
     std::vector<std::size_t> counts(std::size_t beads) const;

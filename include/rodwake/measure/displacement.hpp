@@ -14,10 +14,13 @@
 //               relative to the far field at each time, give G_k.U; three give U by least squares, unwrapped
 //               from the far field inwards. Blind to slip by whole lattice vectors, hence robust. Outside
 //               3.5 bead radii from the rod's centre its bias is below 2 % of the largest |U| there.
-//   lagrangian  Displacement of each bead from its mean place before the rod came (while it was in the zone
-//               far ahead of the rod), drift removed. Sees plastic slip as displacement. In a periodic box
-//               the images displace the zone ahead too: in one of 78 bead radii by 13 to 18 % of the
-//               largest |U|.
+//   lagrangian  Displacement of each bead from its mean place before the rod came, the mean displacement of
+//               all beads removed: U(x, y) - <U(x', y)>, x' over the zone ahead, 0.3 L < x' < 0.45 L, which
+//               in a periodic box of 78 bead radii the images displace by 13 to 18 % of the largest |U|.
+//               Relative to that its bias is below 3 % of the largest |U| beyond 4 bead radii. Needs no
+//               lattice: for beds of several sizes, solid or liquid. Sees plastic slip as displacement.
+//               Nothing relative to a bead's neighbours is formed, which would remove what the waves longer
+//               than a cage contribute, and so the wake itself; rattling and diffusion are in sigma.
 //   density     The same phases of the time-averaged density in the rod's frame: rho_0(r) = rho(r + U(r)),
 //               rho_0 the far field's lattice. Needs a rod that keeps its place relative to the rows;
 //               otherwise the mean smears out, which `coherence` shows. Blurred over 0.75 lattice spacings.

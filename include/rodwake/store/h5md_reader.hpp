@@ -27,7 +27,8 @@ struct TrajectoryInfo {
     std::size_t beads = 0, rods = 0;
     double bead_radius =
         0.0; ///< of all beads, m; if they differ, the parameter bead_radius, which lengths refer to
-    double bead_mass = 0.0; ///< mean, kg
+    double bead_mass = 0.0;     ///< mean, kg
+    std::vector<double> radius; ///< [beads], m
     std::map<std::string, double> parameters;
     std::uint64_t seed = 0;
     std::vector<std::int64_t> step; ///< [frames], increasing
