@@ -34,8 +34,8 @@ void LagrangianAccumulator::add(const Frame& frame) {
         start(frame, rod);
     drift(frame);
     const auto block =
-        static_cast<std::size_t>(&blocks_.at(frame.time, place.heading) - blocks_.all().data());
-    const RodPosition rod_without_drift{place.x - drift_x_, place.y - drift_y_, place.heading};
+        static_cast<std::size_t>(&blocks_.at(frame.time, position.heading) - blocks_.all().data());
+    const RodPosition rod_without_drift{position.x - drift_x_, position.y - drift_y_, position.heading};
     for_each_named(frame, [&](std::size_t bead, std::size_t at) {
         take(bead,
              {frame.unwrapped_x[at] - drift_x_, frame.unwrapped_y[at] - drift_y_, rod_without_drift, block});

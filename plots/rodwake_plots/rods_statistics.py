@@ -182,10 +182,11 @@ def cluster_histogram(axes, clusters):
 def caption_rods_order(run, _):
     means = order_tables(run)[2]
     unit = units_of(means).length_html()
+    linked = f"rods nearer than {words.number(means['link'])} {unit} are linked" if "link" in means else "rods that touch are linked"
     told = "; ".join(f"{name} {order_estimate(means[key])}" for key, name in (
         ("polar", "polar order"), ("nematic", "nematic order"), ("weighted_size", "mean size of the cluster that a rod is in"),
         ("largest", "largest cluster")))
-    return (f"Left: order of the rods and sizes of their clusters; rods nearer than {words.number(means['link'])} {unit} are linked. Right: share of "
+    return (f"Left: order of the rods and sizes of their clusters; {linked}. Right: share of "
             f"the rods in clusters of each size. Means over the shaded time, standard errors from {words.number(means['blocks'])} blocks: {told}.")
 
 
