@@ -39,7 +39,7 @@ std::array<int, 3> covered(int fits, double width = 1.0) {
             wake_problem(model, two_profiles(model, 0.01, &noise), elastic_parameters({1.5, 2.0, 15.0}));
         const Report found = report(problem, fit(problem, {}));
         for (std::size_t j = 0; j < 3; ++j) {
-            const Estimate& one = found.estimates[j];
+            const ParameterEstimate& one = found.estimates[j];
             const double middle = 0.5 * (one.low + one.high), half = 0.5 * width * (one.high - one.low);
             count[j] += std::abs(truth[j] - middle) <= half;
         }
