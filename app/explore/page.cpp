@@ -155,6 +155,8 @@ std::vector<std::string> left_out_by_explorer(const scene::Scene& scene) {
         left.emplace_back("no [medium]: rods without one walk straight, and there is no wake to show");
     if (scene.noise)
         left.emplace_back("[noise]: the page has none");
+    if (bodies_of(scene).any())
+        left.emplace_back("[body]: rods of the page are points");
     std::istringstream written(scene::to_toml(scene)); // every key with its value
     std::string table;
     for (std::string line; std::getline(written, line);) {

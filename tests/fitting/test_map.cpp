@@ -310,7 +310,7 @@ TEST_CASE(
     };
     const Report whole = found(all_terms);
     for (const auto& [index, truth] : {std::pair{std::size_t{0}, 1.48}, {std::size_t{1}, 2.0}}) {
-        const Estimate& e = whole.estimates[index];
+        const ParameterEstimate& e = whole.estimates[index];
         CAPTURE(e.name, e.value, e.standard_error);
         CHECK(std::abs(e.value - truth) < 4.0 * e.standard_error); // by chance once in 16 000
         CHECK(e.standard_error < 0.1 * truth);

@@ -46,7 +46,7 @@ TEST_CASE("68 % of 120 noisy maps have the truth within one error, of every para
         chi2 += r.chi2;
         dof += r.dof;
         for (const std::string& name : free) {
-            const Estimate& e = r.estimates[index_of(name)];
+            const ParameterEstimate& e = r.estimates[index_of(name)];
             const double off = std::abs(e.value - truth[index_of(name)].start) / e.standard_error;
             within[name] += off < 1.0;
             within_two[name] += off < 2.0;

@@ -40,7 +40,7 @@ std::array<int, 6> covered(int fits) {
             wake_problem(model, two_profiles(model, 0.01, &noise), elastic_parameters({1.5, 2.0, 15.0}));
         const Report found = report(problem, fit(problem, {}));
         for (std::size_t j = 0; j < 3; ++j) {
-            const Estimate& one = found.estimates[j];
+            const ParameterEstimate& one = found.estimates[j];
             const double middle = 0.5 * (one.low + one.high), half = 0.5 * (one.high - one.low);
             count[j] += std::abs(truth[j] - middle) <= half;
             count[j + 3] += std::abs(truth[j] - middle) <= 0.25 * half;

@@ -1,6 +1,6 @@
 // States that must stay on a manifold, by projection, and constraints that are part of the system (IDAS).
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // Roots: found, in order, in the right direction, where the closed form has them.
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

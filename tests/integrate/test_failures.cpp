@@ -1,6 +1,6 @@
 // What a failed solve says, and what it keeps.
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include "rodwake/core/error.hpp"
 

@@ -1,6 +1,6 @@
 // Output times: exactly those asked for, wherever they fall.
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include <catch2/catch.hpp>
 

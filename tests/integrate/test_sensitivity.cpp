@@ -1,6 +1,6 @@
 // Sensitivities against closed forms, for both multistep methods.
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/sensitivity.hpp"

@@ -1,6 +1,6 @@
 // ERK takes steps of its own for few components and ARKODE's for many: the same promises on both sides.
 
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // Stiff problems by BDF, and the use it makes of the Jacobian.
 
 #include "convergence.hpp"
-#include "diagnostics.hpp"
+#include "problems.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -37,7 +37,7 @@ std::vector<Eigen::Vector2d> places_of_two_sizes(const WakeSetup& setup) {
     problem.plates.gap = 3.9;
     problem.seed = setup.seed;
     const granular::Room room{problem.box, 1.0, problem.plates.gap, {}};
-    granular::Places places = granular::at_random(problem, room, 0);
+    granular::BeadPositions places = granular::at_random(problem, room, 0);
     if (granular::push_apart(places, room, RandomStream(setup.seed)) > 0.0)
         throw std::runtime_error("the beads do not fit");
     std::vector<Eigen::Vector2d> sites;

@@ -127,7 +127,7 @@ TEST_CASE("means of a run count from the time on, errors are those of blocks") {
         times.push_back(k);
         // before 20 something else; then blocks of 5 alternate between 0.4 and 0.6
         const double polar = k < 20 ? 0.9 : k / 5 % 2 ? 0.6 : 0.4;
-        orders.push_back({polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}});
+        orders.push_back({polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}, {}});
     }
     const MeanRodOrder mean = mean_rod_order(runs, 20.0, 5.0);
     CHECK(mean.instants == 20);
@@ -147,7 +147,7 @@ TEST_CASE("blocks of several runs are values of their own") {
         RodOrderSeries series;
         for (int k = 0; k < instants; ++k) {
             series.times.push_back(k);
-            series.orders.push_back({polar, 0.5, {1, 1}});
+            series.orders.push_back({polar, 0.5, {1, 1}, {}});
         }
         return series;
     };

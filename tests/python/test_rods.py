@@ -31,6 +31,17 @@ class SimulateTest(unittest.TestCase):
                                     form=form, rtol=1e-6, output_times=np.arange(0, 10.25, 0.25))
             np.testing.assert_array_equal(ours.poses, run.rods().poses)
 
+    def test_bodies_are_those_of_the_program(self):
+        run = run_scene(self, SCENES / "rods_with_bodies.toml", "rods_run.t_end=3", "body.spheres=8", "body.mobility_ratio=0.5")
+        ours = rodwake.simulate([[0, 0, 0.2], [1.6, -1.3, 1.7]], rodwake.Medium(), kappa=2.0, t_end=3.0, body={"spheres": 8, "mobility_ratio": 0.5})
+        np.testing.assert_array_equal(ours.poses, run.rods().poses)
+        self.assertEqual((ours.outcome, ours.min_gap), (run.outcome["outcome"], run.outcome["min_gap"]))
+        self.assertEqual(pickle.loads(pickle.dumps(ours)), ours)
+        self.assertTrue(math.isnan(rodwake.simulate(SIDE_BY_SIDE, t_end=1.0).min_gap))
+        for body, word in (({"spheres": 2}, "spheres is 2"), ({"size": 1}, "body"), ({"length": -1.0}, "length"), (3, "body")):
+            with self.subTest(word), self.assertRaisesRegex((rodwake.InputError, TypeError), word):
+                rodwake.simulate(SIDE_BY_SIDE, t_end=1.0, body=body)
+
     def test_by_default_the_path_of_the_program(self):
         """The output times of a scene that says nothing of them, to the last bit, and the time of contact."""
         with tempfile.TemporaryDirectory() as folder:

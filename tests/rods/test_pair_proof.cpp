@@ -80,8 +80,8 @@ double worst_share(const PairProblem& pair, RandomStream& random, double share) 
 }
 
 /// The steps of a run.
-PairTrack track_of(const PairProblem& pair, const PairOptions& options, PairResult& result) {
-    PairTrack track;
+StepTrack track_of(const PairProblem& pair, const PairOptions& options, PairResult& result) {
+    StepTrack track;
     track.add(0.0, state_of(pair));
     PairOptions followed = options;
     followed.on_step = [&](std::size_t, const PairStep& one) { track.add(one.time, one.state); };
@@ -96,7 +96,7 @@ double share_of_bound(const PairProblem& pair, double shrunk, int& bounded) {
     PairResult run, exact;
     ProofSpace space;
     PairOptions options{3e-10, 3e-12};
-    const PairTrack track = track_of(pair, options, run);
+    const StepTrack track = track_of(pair, options, run);
     track_of(pair, {1e-13, 1e-15, {}, 1'000'000}, exact);
     if (run.handed_over() || exact.handed_over() || run.ending == Ending::contact)
         return 0.0;

@@ -163,7 +163,7 @@ inline std::vector<std::string> rows_of(const Design& design, const std::filesys
     const Ledger ledger(file, head_of(design));
     std::vector<std::string> rows;
     ledger.for_each([&](const Result& r) { rows.push_back(text_of(r, design.axes.size())); });
-    for (const Crossing& c : ledger.crossings())
+    for (const OutcomeChange& c : ledger.crossings())
         rows.push_back("edge " + std::to_string(c.id) + " " + std::to_string(c.outcome_low) + " " +
                        std::to_string(c.outcome_high) + " " +
                        std::to_string(std::bit_cast<std::uint64_t>(c.u_low)) + " " +

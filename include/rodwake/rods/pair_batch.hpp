@@ -61,7 +61,8 @@ struct PairOptions {
     /// Steps, rejected ones included, before a pair is handed over. At rtol 1e-6 the longest of 400 pairs
     /// takes 160 at kappa = 100 and 3700 at 1e4; from about 10000 on BDF is faster.
     long max_attempts = 10'000;
-    /// Called after each step of a pair, with its number, in the order of its times; the bits do not depend on it.
+    /// Called after each step of a pair, with its number, in the order of its times; the bits do not depend
+    /// on it.
     std::function<void(std::size_t pair, const PairStep& step)> on_step = nullptr;
 };
 

@@ -11,12 +11,12 @@
 //      sooner.
 //   4. No pose of the ellipsoid is within the contact distance.
 //
-// So it is decided before the rods have settled, and separation and omega are those of the orbit itself, solved
-// to rounding, not those of the last pose. Errors: the criterion is sufficient, not necessary. Rods farther
-// out than 1 to 5 % of r* and of a radian (five orbits tried) are found later or not at all; so are those next
-// to a fold, where m vanishes, and where eigenvectors become parallel. Condition 3 is sampled, 0.2 rad apart,
-// not proved; V'/V would have to change by m in between. Nothing is said of rods in a periodic box, in
-// another field, or with noise or rows.
+// So it is decided before the rods have settled, and separation and omega are those of the orbit itself,
+// solved to rounding, not those of the last pose. Errors: the criterion is sufficient, not necessary. Rods
+// farther out than 1 to 5 % of r* and of a radian (five orbits tried) are found later or not at all; so are
+// those next to a fold, where m vanishes, and where eigenvectors become parallel. Condition 3 is sampled, 0.2
+// rad apart, not proved; V'/V would have to change by m in between. Nothing is said of rods in a periodic
+// box, in another field, or with noise or rows.
 
 #include "rodwake/rods/pair_equilibria.hpp"
 

@@ -11,7 +11,7 @@
 #include "rodwake/elastic/accuracy.hpp"
 #include "rodwake/integrate/method.hpp"
 #include "rodwake/medium/dynamic_medium.hpp"
-#include "rodwake/rods/body.hpp"
+#include "rodwake/rods/body_shape.hpp"
 #include "rodwake/rods/couplings.hpp"
 #include "rodwake/rods/form.hpp"
 #include "rodwake/scene/fit.hpp"

@@ -1,0 +1,90 @@
+"""Rods with bodies through the program: outcome and gap, a shape of their own, scans over the body, clusters of rods that
+touch, the same from Python, and what is refused."""
+
+import csv
+import json
+
+import rodwake
+from rodwake import SCENES, ProgramTest
+
+PAIR, CROWD = SCENES / "rods_with_bodies.toml", SCENES / "crowd_with_bodies.toml"
+LONE = """schema = 1
+[[rods]]
+position = [0.0, 0.0]
+body = { length = 2.0, spheres = 10 }
+[[rods]]
+position = [4.0, 0.0]
+heading = "180 deg"
+%s
+[rods_run]
+t_end = 2.5
+"""
+DISC = "body = { spheres = 1, length = 0.4, thick_diameter = 0.4, thin_diameter = 0.4 }"
+
+
+def options(*settings):
+    return [part for setting in settings for part in ("-s", setting)]
+
+
+class BodiesTest(ProgramTest):
+    def rods(self, scene, *settings):
+        self.expect(0, "rods", scene, "--quiet", "-o", self.folder / "out", "--force", *options(*settings))
+        return json.loads((self.folder / "out/outcome.json").read_text())
+
+    def test_a_pair_stays_together_or_slides_apart(self):
+        bound = self.rods(PAIR)
+        self.assertEqual((bound["outcome"], bound["certificate"]), ("bound", "open"))
+        self.assertLess(-0.02, bound["min_gap"])  # twice the overlap at which one rod stalls, of the thin ends
+        self.assertLess(bound["min_gap"], 0)
+        self.assertLess(bound["separation"], 0.35)
+        apart = self.rods(PAIR, "rods.1.heading=-90 deg", "coupling.kappa=0")
+        self.assertEqual(apart["outcome"], "escape")
+        self.assertGreater(apart["min_gap"], 0)
+        self.assertNotIn("min_gap", self.rods(PAIR, "body=", "rods_run.contact_distance=0.1"))
+
+    def test_rods_of_their_own_shape(self):
+        scene = self.write("own.toml", LONE % DISC)
+        stalled = self.rods(scene)
+        # a long rod pushes a disc of 0.4 that walks against it: both walk, so their discs overlap by 0.05 of two radii
+        self.assertEqual(stalled["outcome"], "bound")
+        self.assertAlmostEqual(stalled["min_gap"], -0.05 * (0.1 + 0.2), delta=1e-6)
+        refused = self.expect(2, "check", self.write("some.toml", LONE % "")).stderr
+        self.assertIn("give [body] for all, or each rod a body", refused)
+
+    def test_a_scan_over_the_body(self):
+        scene = self.write("scan.toml", PAIR.read_text() + """
+[scan]
+[[scan.axes]]
+key = "body.thin_diameter"
+values = [0.15, 0.2, 0.3]
+[[scan.axes]]
+key = "rods.1.heading"
+values = ["-90 deg", "97 deg"]
+""")
+        self.expect(0, "scan", scene, "--quiet", "-o", self.folder / "scan", *options("rods_run.t_end=6"))
+        with (self.folder / "scan/scan.csv").open(encoding="utf-8") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.assertEqual({row["outcome"] for row in rows}, {"bound", "escape"})
+
+    def test_clusters_of_rods_that_touch(self):
+        short = "rods_random.count=30", "rods_random.extent=8", "rods_run.t_end=3", "rods_order.from=1"
+        self.rods(CROWD, *short)
+        means = json.loads((self.folder / "out/rods_order.json").read_text())
+        self.assertNotIn("link", means)
+        self.assertGreater(means["mean_size"]["value"], 1)
+        self.assertGreater(means["touch_lifetime"], 0)
+        no_link = self.expect(2, "check", CROWD, *options(*short, "body=")).stderr
+        self.assertIn("rods_order.link is missing", no_link)
+
+    def test_what_is_refused(self):
+        for setting, why in (("body.spheres=2", "body.spheres is 2: must be 1 or 3 to 1000"), ("body.spheres=4", "leaves gaps in the row"),
+                             ("body.thin_diameter=0.4", "at most thick_diameter = 0.3"), ("body.stall_overlap=0", ">= 0.0001"),
+                             ("rods.1.position=[0.3, 0.0]", "overlap by"), ("medium.periodic=2.4", "must exceed 2.5")):
+            self.assertIn(why, self.expect(2, "check", PAIR, *options(setting)).stderr)
+        self.assertIn("cannot be combined with medium.field", self.expect(2, "check", PAIR, *options("medium.field=dynamic")).stderr)
+        dense = self.expect(2, "check", CROWD, *options("rods_random.extent=8")).stderr
+        self.assertIn("fewer rods or a larger extent", dense)
+
+
+if __name__ == "__main__":
+    rodwake.main()
