@@ -49,13 +49,13 @@ std::int64_t point_of_bracket(const ScanPlan& plan, std::int64_t id) {
 
 /// Places that differ on the first axis alone, in the order of its values, one after the other, each with its
 /// level: critical values are predicted from those of lower levels.
-struct Chain {
+struct PredictionChain {
     std::vector<std::size_t> places;
     std::vector<double> at;
     std::vector<int> levels;
 };
 
-std::vector<Chain> chains_of(const ScanPlan& plan, std::size_t places) {
+std::vector<PredictionChain> chains_of(const ScanPlan& plan, std::size_t places) {
     const std::size_t others = plan.design.axes.size() - 1;
     const scan::PointList points(plan.design);
     std::map<std::vector<double>, std::vector<std::pair<double, std::size_t>>> rows;
@@ -67,10 +67,10 @@ std::vector<Chain> chains_of(const ScanPlan& plan, std::size_t places) {
         rows[rest].emplace_back(others > 0 ? point.at[0] : 0.0, place);
     }
     const bool words = others == 0 || !plan.design.axes[0].words.empty();
-    std::vector<Chain> chains;
+    std::vector<PredictionChain> chains;
     for (auto& [rest, row] : rows) {
         std::ranges::sort(row);
-        Chain& chain = chains.emplace_back();
+        PredictionChain& chain = chains.emplace_back();
         const bool log = !words && row.front().first > 0.0; // a curve is smooth in either
         // Every 2^levels-th place is of level 0, then those in between, ever closer; five begin.
         const int levels = words ? 0 : std::max(static_cast<int>(std::bit_width(row.size() / 5)) - 1, 0);
@@ -184,14 +184,14 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
 
     // Level after level: the value of a bracket is predicted from those of lower levels between the same
     // groups, the n-th from each n-th.
-    const std::vector<Chain> chains = chains_of(plan, outcomes.size());
+    const std::vector<PredictionChain> chains = chains_of(plan, outcomes.size());
     std::map<std::pair<std::size_t, Groups>, std::vector<double>> known; // values of a place, ascending
     int levels = 0;
-    for (const Chain& chain : chains)
+    for (const PredictionChain& chain : chains)
         levels = std::max(levels, 1 + std::ranges::max(chain.levels));
     for (int level = 0; level < levels; ++level) {
         std::vector<scan::Point> wanted;
-        for (const Chain& chain : chains)
+        for (const PredictionChain& chain : chains)
             for (std::size_t i = 0; i < chain.places.size(); ++i) {
                 if (chain.levels[i] != level)
                     continue;

@@ -14,8 +14,13 @@
 namespace rodwake::scene {
 
 std::string table_header(const std::string& path) {
-    const bool list = path.ends_with("[]");
-    return list ? "[[" + path.substr(0, path.size() - 2) + "]]" : "[" + path + "]";
+    std::string name; // without the brackets of lists
+    for (std::size_t at = 0; at < path.size(); ++at)
+        if (path.compare(at, 2, "[]") == 0)
+            ++at;
+        else
+            name += path[at];
+    return path.ends_with("[]") ? "[[" + name + "]]" : "[" + name + "]";
 }
 
 std::string markdown_cell(std::string_view text) {

@@ -301,8 +301,8 @@ void fields(Visitor& v, RodsOrder& order) {
       order.block);
 }
 
-rods::Bodies bodies_of(const Scene& scene) {
-    rods::Bodies bodies;
+rods::RodBodies bodies_of(const Scene& scene) {
+    rods::RodBodies bodies;
     const bool own_shapes =
         std::ranges::any_of(scene.rods, [](const Rod& rod) { return rod.body.has_value(); });
     if (!scene.body && !own_shapes)

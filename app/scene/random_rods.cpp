@@ -73,7 +73,7 @@ std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>
         return {};
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
     const double half = 0.5 * random.extent, apart = std::max(random.min_separation, 1e-6 * random.extent);
-    rods::Bodies bodies;
+    rods::RodBodies bodies;
     if (body)
         bodies.shapes = {*body};
     const rods::BodyForces pair(bodies, 2, std::nullopt);

@@ -30,7 +30,7 @@ namespace {
 /// [rods_order] of a case, in the units of its files.
 struct RodOrderSettings {
     std::optional<double> link; ///< absent: bodies that touch
-    rods::Bodies bodies;        ///< in the unit of the files
+    rods::RodBodies bodies;     ///< in the unit of the files
     double from = 0.0, block = 0.0;
     std::optional<PeriodicBox> box; ///< the periodic one; absent: infinite plane
     OutputUnits units;

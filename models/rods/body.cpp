@@ -54,8 +54,8 @@ std::optional<BodyFault> fault_of(const BodyShape& shape) {
     return std::nullopt;
 }
 
-/// Disc k of rod a and disc m of rod b, which overlap: the force on the former, its derivative by the place
-/// of the former, and the lever arms. Forces times M.
+/// BodyDisc k of rod a and disc m of rod b, which overlap: the force on the former, its derivative by the
+/// place of the former, and the lever arms. Forces times M.
 struct BodyForces::Touch {
     std::size_t a, b;
     double along_a, along_b;
@@ -63,7 +63,7 @@ struct BodyForces::Touch {
     double xx, xy, yy;
 };
 
-BodyForces::BodyForces(const Bodies& bodies, std::size_t rods, Box box) : bodies_(bodies), box_(box) {
+BodyForces::BodyForces(const RodBodies& bodies, std::size_t rods, Box box) : bodies_(bodies), box_(box) {
     if (!bodies.any())
         return;
     if (bodies.shapes.size() != 1 && bodies.shapes.size() != rods)
@@ -79,7 +79,7 @@ BodyForces::BodyForces(const Bodies& bodies, std::size_t rods, Box box) : bodies
             throw InputError(fmt::format("{} {}", fault->option, fault->message));
         const double back = 0.5 * shape.thick_diameter, front = 0.5 * shape.thin_diameter;
         const double row = shape.length - back - front;
-        std::vector<Disc> discs;
+        std::vector<BodyDisc> discs;
         for (std::size_t k = 0; k < shape.spheres; ++k) {
             const double u =
                 shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
@@ -97,7 +97,7 @@ BodyForces::BodyForces(const Bodies& bodies, std::size_t rods, Box box) : bodies
     strength_ = std::pow(bodies.stall_overlap, -1.5);
 }
 
-std::span<const BodyForces::Disc> BodyForces::discs_of(std::size_t rod) const {
+std::span<const BodyForces::BodyDisc> BodyForces::discs_of(std::size_t rod) const {
     return discs_[discs_.size() == 1 ? 0 : rod];
 }
 
@@ -110,8 +110,8 @@ void BodyForces::each_touch(integrate::State y, Use&& use) const {
         if (d.x * d.x + d.y * d.y >= farthest * farthest)
             return;
         const Direction na = direction(y, a), nb = direction(y, b);
-        for (const Disc& k : discs_of(a))
-            for (const Disc& m : discs_of(b)) {
+        for (const BodyDisc& k : discs_of(a))
+            for (const BodyDisc& m : discs_of(b)) {
                 const double dx = d.x + k.along * na.cosine - m.along * nb.cosine,
                              dy = d.y + k.along * na.sine - m.along * nb.sine;
                 const double touching = k.radius + m.radius, square = dx * dx + dy * dy;
@@ -202,8 +202,8 @@ BodyContact BodyForces::contact(integrate::State y, std::size_t a, std::size_t b
     const Direction na = direction(y, a), nb = direction(y, b);
     BodyContact contact{a, b, std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity()};
-    for (const Disc& k : discs_of(a))
-        for (const Disc& m : discs_of(b)) {
+    for (const BodyDisc& k : discs_of(a))
+        for (const BodyDisc& m : discs_of(b)) {
             const double apart = std::hypot(d.x + k.along * na.cosine - m.along * nb.cosine,
                                             d.y + k.along * na.sine - m.along * nb.sine);
             const double touching = k.radius + m.radius;

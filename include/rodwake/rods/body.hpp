@@ -47,7 +47,7 @@ class BodyForces {
 public:
     BodyForces() = default; ///< rods without bodies
     /// Throws InputError for illegal shapes, a wrong number of them, or a box too small.
-    BodyForces(const Bodies& bodies, std::size_t rods, Box box);
+    BodyForces(const RodBodies& bodies, std::size_t rods, Box box);
 
     bool any() const { return !discs_.empty(); }
     /// Adds the rates by contacts; state and rates as in model.hpp.
@@ -74,20 +74,20 @@ public:
     double farthest_touch() const { return 2.0 * reach_; }
 
 private:
-    struct Disc {
+    struct BodyDisc {
         double along, radius;
     };
     struct Touch; ///< two discs that overlap, with their force
     template<class Use>
     void each_touch(integrate::State y, Use&& use) const;
-    std::span<const Disc> discs_of(std::size_t rod) const;
+    std::span<const BodyDisc> discs_of(std::size_t rod) const;
 
-    Bodies bodies_;
+    RodBodies bodies_;
     Box box_;
-    std::vector<std::vector<Disc>> discs_; ///< of each shape
-    double strength_ = 0.0;                ///< K M
-    double thinnest_ = 0.0;                ///< smallest radius of any disc
-    double reach_ = 0.0;                   ///< farthest point of any body from its centre
+    std::vector<std::vector<BodyDisc>> discs_; ///< of each shape
+    double strength_ = 0.0;                    ///< K M
+    double thinnest_ = 0.0;                    ///< smallest radius of any disc
+    double reach_ = 0.0;                       ///< farthest point of any body from its centre
 };
 
 } // namespace rodwake::rods

@@ -20,14 +20,14 @@ struct BodyShape {
 };
 
 /// The bodies of all rods.
-struct Bodies {
+struct RodBodies {
     std::vector<BodyShape> shapes; ///< one for each rod, or one for all; empty: rods are points
     double stall_overlap = 0.05;   ///< s, 1e-4 to 0.5
     double mobility_ratio = 1.0;   ///< b, > 0: mobility across the rod over that along it
 
     bool any() const { return !shapes.empty(); }
     const BodyShape& of(std::size_t rod) const { return shapes[shapes.size() == 1 ? 0 : rod]; }
-    bool operator==(const Bodies&) const = default;
+    bool operator==(const RodBodies&) const = default;
 };
 
 /// An illegal option of a shape, and what is wrong with it.

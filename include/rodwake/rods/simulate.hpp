@@ -54,7 +54,7 @@ struct RodProblem {
     std::shared_ptr<const elastic::WakeField> field = nullptr;
     WakeSums sums = {};
     Rows rows = {}; ///< of a crystal that turns each rod, with or without a medium
-    Bodies bodies = {};
+    RodBodies bodies = {};
     bool goes_on = false; ///< from the state of another run: then bodies may overlap at the start
 };
 

@@ -109,8 +109,8 @@ struct Noise {
 
 /// [body]: of all rods but those with a shape of their own.
 struct Body : rods::BodyShape {
-    double stall_overlap = rods::Bodies{}.stall_overlap;
-    double mobility_ratio = rods::Bodies{}.mobility_ratio;
+    double stall_overlap = rods::RodBodies{}.stall_overlap;
+    double mobility_ratio = rods::RodBodies{}.mobility_ratio;
 
     bool operator==(const Body&) const = default;
 };
@@ -259,7 +259,7 @@ inline double measured_radius(const Scene& scene) {
 }
 
 /// The bodies of the rods; none without [body] and rods with a shape of their own.
-rods::Bodies bodies_of(const Scene& scene);
+rods::RodBodies bodies_of(const Scene& scene);
 
 /// Whether the rods diffuse.
 inline bool noisy(const Scene& scene) {
