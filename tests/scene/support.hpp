@@ -139,6 +139,10 @@ inline const std::string crowded_bed = complete.substr(0, complete.find("[[granu
                                        "[granular.rods_random]\ncount = 4\n" +
                                        complete.substr(complete.find("[measure]"));
 
+/// The complete scene with rods that have bodies.
+inline const std::string with_bodies =
+    complete.substr(0, complete.find("[[rods]]")) + "[body]\n" + complete.substr(complete.find("[[rods]]"));
+
 /// Tracks of a camera in place of a bed.
 inline const std::string filmed = R"(schema = 1
 [tracks]
@@ -153,6 +157,8 @@ order = true
 inline const std::string& complete_for(const KeyInfo& info) {
     if (info.table.starts_with("tracks"))
         return filmed;
+    if (info.table == "rods[].body")
+        return with_bodies;
     if (info.table == "rods_random")
         return crowded;
     if (info.table == "granular.rods_random")

@@ -66,8 +66,7 @@ TEST_CASE("the reference names every key once and every table") {
     }
     CHECK(names.size() == rodwake::scene::scene_keys().size());
     for (const auto& info : rodwake::scene::scene_keys()) {
-        const std::string table = info.table.ends_with("[]") ? "[[" + replaced(info.table, "[]", "") + "]]"
-                                                             : "[" + info.table + "]";
+        const std::string table = rodwake::scene::table_header(info.table);
         INFO(table);
         CHECK((info.table.empty() || text.find("## `" + table + "`") != std::string::npos));
     }

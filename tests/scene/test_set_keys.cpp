@@ -135,6 +135,11 @@ const std::vector<std::string> bases{
     scanned,
     scanned_critical,
     crowded,
+    "schema = 1\n[body]\nspheres = 100\nlength = 40.0\nthick_diameter = 2.6\nthin_diameter = "
+    "0.5\n[[rods]]\nposition = "
+    "[0.0, 0.0]\nbody = { spheres = 100, length = 40.0, thick_diameter = 2.6, thin_diameter = 0.5 "
+    "}\n[[rods]]\nposition "
+    "= [0.0, 100.0]\n[rods_run]\nt_end = 2.0\n",
     replaced(crowded, "schema = 1\n", "schema = 1\nunits = \"si\"\n"),
     replaced(
         scanned_grid, "key = \"coupling.kappa\"\nfrom = 0.1\nto = 100.0\n",
