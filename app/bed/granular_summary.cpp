@@ -167,10 +167,11 @@ void add_numbers(std::vector<SummaryNumber>& all, const Get& part, const std::st
         };
         if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
             if ((field.info.over_runs == OverRuns::largest) == largest)
-                all.push_back(
-                    {before + std::string(field.name), described(field.column()), described(field.scan_column()),
-                     field.info.unit, field.info.meaning, field.info.over_runs,
-                     [part, member = field.member](const GranularSummary& s) { return part(s).*member; }});
+                all.push_back({before + std::string(field.name), described(field.column()),
+                               described(field.scan_column()), field.info.unit, field.info.meaning,
+                               field.info.over_runs, [part, member = field.member](const GranularSummary& s) {
+                                   return part(s).*member;
+                               }});
     });
 }
 

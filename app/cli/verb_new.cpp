@@ -245,7 +245,7 @@ int verb_new(const Options& options) {
         throw InputError(options.target + ": already exists; choose another name, or --force to replace it");
     store::write_atomically(options.target, text);
     print_message(fmt::format("{}: written; rodwake check {} prints what it models, rodwake run {} runs it\n",
-                     options.target, options.target, options.target));
+                              options.target, options.target, options.target));
     return 0;
 }
 

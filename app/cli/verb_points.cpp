@@ -152,7 +152,7 @@ int verb_field_points(const Options& options) {
     if (failed.empty())
         return 0;
     print_message(fmt::format("rodwake: {} of {} points have no field: nan in their rows\n", failed.size(),
-                     points.size()));
+                              points.size()));
     return 3;
 }
 

@@ -123,7 +123,7 @@ void end_in_time(const std::stop_token& ended, const Options& options) {
             continue;
         const std::filesystem::path folder = output_folder(options);
         print_message(fmt::format("stopped by a signal; results so far are in {}; the same command resumes\n",
-                         folder.string()));
+                                  folder.string()));
         std::error_code ignored;
         std::filesystem::remove(folder / "rodwake.lock", ignored);
         std::_Exit(signal_exit_code(stop_signal()));
@@ -138,7 +138,8 @@ int serve(const Options& options, const scene::Scene& scene, std::span<const Sta
         app::serve(plan, output_folder(options), context, job);
     } catch (const std::exception& error) {
         job.fail(describe(error));
-        return 0; // rank 0 ends the job: at an error here mpiexec might kill it before it has printed the reason
+        return 0; // rank 0 ends the job: at an error here mpiexec might kill it before it has printed the
+                  // reason
     }
     return stop_signal() ? signal_exit_code(stop_signal()) : 0;
 }

@@ -1,7 +1,7 @@
 #pragma once
-// The stages of a run. Each is described once, by a function that stands with what it does: who asks for it, what
-// its results depend on and which files they are, what it costs, how it is run. Plans, folders, catalogue,
-// manifest and costs go by the list.
+// The stages of a run. Each is described once, by a function that stands with what it does: who asks for it,
+// what its results depend on and which files they are, what it costs, how it is run. Plans, folders,
+// catalogue, manifest and costs go by the list.
 
 #include "catalogue.hpp"
 #include "rodwake/app/run_context.hpp"

@@ -15,8 +15,8 @@
 // around the prediction is tried first.
 //
 // A bracket's result depends on the scene and the bracket alone, and brackets on lower levels alone, so that
-// bits depend on neither threads nor ranks. What lies between two values of the coarse pass and leaves no trace at them is not seen: the audit
-// says how likely that is.
+// bits depend on neither threads nor ranks. What lies between two values of the coarse pass and leaves no
+// trace at them is not seen: the audit says how likely that is.
 
 #include "rodwake/app/scan.hpp"
 #include "rodwake/core/record.hpp"

@@ -26,7 +26,8 @@ scan::Columns columns_of_rods(const scene::Scene& scene);
 
 // Of a scan of beds.
 scan::Columns columns_of_beds(const scene::Scene& scene);
-/// Cost of a run at each point, in steps of a sphere; 0 if the point is invalid: its evaluation reports the error.
+/// Cost of a run at each point, in steps of a sphere; 0 if the point is invalid: its evaluation reports the
+/// error.
 std::vector<double> costs_of_beds(const ScanPlan& plan);
 
 // Points of a scan of beds: each is one granular run in a folder of its own, from which a run that was

@@ -105,7 +105,8 @@ namespace {
 
 constexpr ColumnInfo others[] = {
     {"outcome", "1",
-     "contact, pursuit, escape, undecided, orbit or bound, of beds without a pair finished; of several runs the "
+     "contact, pursuit, escape, undecided, orbit or bound, of beds without a pair finished; of several runs "
+     "the "
      "most "
      "frequent; empty: the point failed"},
     {"status", "1", "ok, failed, time_limit, not_finite or exception; of several runs ok if one finished"},

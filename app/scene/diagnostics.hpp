@@ -36,8 +36,8 @@ using Names = std::span<const std::string_view>;
 /// `must be one of x, y (did you mean "x"?)`
 std::string one_of_text(Names legal, std::string_view found);
 
-/// `[coupling] unknown key "gama1" (did you mean "gamma1"?). Known keys: kappa, gamma1`; for the top level the
-/// title is empty.
+/// `[coupling] unknown key "gama1" (did you mean "gamma1"?). Known keys: kappa, gamma1`; for the top level
+/// the title is empty.
 std::string unknown_key_text(const std::string& title, const std::string& name, Names known);
 
 template<class Strings>

@@ -99,7 +99,8 @@ void fields(Visitor& v, Scan& scan) {
           .written_if(scan.design == critical)
           .items(1, 2)
           .doc("critical: the two ends of an encounter between which the value lies: outcomes, capture "
-               "(contact, bound, orbit or pursuit), or other (whatever the first does not name); [\"any\"]: every "
+               "(contact, bound, orbit or pursuit), or other (whatever the first does not name); [\"any\"]: "
+               "every "
                "change of outcome")
           .example("[\"capture\", \"escape\"]"),
       scan.between);

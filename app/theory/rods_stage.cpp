@@ -430,7 +430,8 @@ std::vector<FileKind> rods_files() {
              "one row per run with noise, or per draw of the measured field's errors: its outcome",
              columns_of<DrawnRow, NoisyRow>()},
             {"noise.json", result,
-             "ensemble of runs with noise: probability of capture (contact, bound, orbit or pursuit) with its 95 % "
+             "ensemble of runs with noise: probability of capture (contact, bound, orbit or pursuit) with "
+             "its 95 % "
              "interval, outcomes, first contact; mean-square displacement and heading correlation of each "
              "rod against time",
              values_of<NoiseReport>()},

@@ -81,7 +81,7 @@ Vector3 PairContacts::apart(const Bodies& bodies, const Pair& pair) const {
 
 template<bool equal>
 std::optional<PairContacts::TouchingPair> PairContacts::meeting(const Bodies& bodies, const Pair& pair,
-                                                           WorstOverlap& worst) const {
+                                                                WorstOverlap& worst) const {
     const Vector3 r = apart(bodies, pair);
     const double one = bodies.radius_of<equal>(pair.first), two = bodies.radius_of<equal>(pair.second),
                  reach = one + two, distance = r.norm();

@@ -55,7 +55,8 @@ double side_of(std::span<const double> x, std::span<const double> y, double link
 
 /// Calls see(a, b), a < b, for each pair nearer than `reach`.
 template<class See>
-void each_near_pair(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box, See&& see) {
+void each_near_pair(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box,
+                    See&& see) {
     std::vector<double> x, y;
     for (const RodPosition& rod : rods) {
         x.push_back(rod.x);

@@ -46,7 +46,7 @@ private:
     /// Weights of one rod's force on one mode, times h.
     struct StageWeights {
         Complex half_one, half_two; ///< phi_1(z/2)/2, phi_2(z/2)
-        Complex one, two, three;   ///< phi_k(z)
+        Complex one, two, three;    ///< phi_k(z)
     };
     /// What a rod does in a step: velocities at the stages, and the phases of what it is off its frame.
     struct RodStage {

@@ -21,8 +21,8 @@ using elastic::HWY_NAMESPACE::LaneMedium;
 using elastic::HWY_NAMESPACE::Radial;
 using elastic::HWY_NAMESPACE::RadialAt;
 using elastic::HWY_NAMESPACE::SinCos;
-using elastic::HWY_NAMESPACE::WakeLanes;
 using elastic::HWY_NAMESPACE::WakeAt;
+using elastic::HWY_NAMESPACE::WakeLanes;
 
 using Lanes = hn::CappedTag<double, most_lanes>;
 using V = hn::Vec<Lanes>;

@@ -1,8 +1,8 @@
 #pragma once
 // One internal step at a time, whatever integrator takes it: all that solve() needs to know of one.
 
-#include "user_functions.hpp"
 #include "rodwake/integrate/ode.hpp"
+#include "user_functions.hpp"
 
 #include <limits>
 #include <memory>

@@ -124,7 +124,7 @@ UserFunctions::CallbackResult UserFunctions::linearise(double t, State y) {
 }
 
 UserFunctions::CallbackResult UserFunctions::sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
-                                                     Eigen::MatrixXd& S_dot) noexcept try {
+                                                             Eigen::MatrixXd& S_dot) noexcept try {
     if (rhs_threw_)
         return give_up;
     const CallbackResult result = linearise(t, y);

@@ -1,6 +1,6 @@
-#include "work_queue.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scan/mpi.hpp"
+#include "work_queue.hpp"
 
 #include <fmt/format.h>
 #include <mpi.h>

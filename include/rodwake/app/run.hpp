@@ -79,8 +79,8 @@ void write_manifest(const std::filesystem::path& folder);
 std::string describe_checkpoint(const std::filesystem::path& file);
 
 /// A table of scenes ("scan", "[scan]"), a key ("coupling.kappa", "rods.0.position", "eta"), a file
-/// ("scan.csv"), a column of a CSV file or a key of a JSON file ("mean_speed0", "drift"): all that is known of
-/// it, in lines. Nothing for a name that is none of these.
+/// ("scan.csv"), a column of a CSV file or a key of a JSON file ("mean_speed0", "drift"): all that is known
+/// of it, in lines. Nothing for a name that is none of these.
 std::optional<std::string> explain(const std::string& name);
 
 /// docs/files.md: every file of a run, with its columns.
