@@ -135,8 +135,8 @@ void BodyForces::each_touch(integrate::State y, Use&& use) const {
     }
     Sweep(y, box_).pairs([&](double gap) { return gap >= farthest; },
                          [&](std::size_t a, std::size_t b) { near.emplace_back(a, b); });
-    std::ranges::sort(near);
-    near.erase(std::ranges::unique(near).begin(), near.end());
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
     for (const auto& [a, b] : near)
         pair(a, b);
 }
@@ -171,13 +171,13 @@ void BodyForces::add_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> ja
         Eigen::Matrix<double, 2, 6> by_pose;
         Eigen::Matrix2d by_place;
         by_place << t.xx, t.xy, t.xy, t.yy;
-        for (int side = 0; side < 2; ++side) {
+        for (Eigen::Index side = 0; side < 2; ++side) {
             const Eigen::Vector2d aside(-n[side].sine, n[side].cosine);
             const double sign = side == 0 ? 1.0 : -1.0;
             by_pose.middleCols<2>(3 * side) = sign * by_place;
             by_pose.col(3 * side + 2) = sign * along[side] * by_place * aside;
         }
-        for (int side = 0; side < 2; ++side) {
+        for (Eigen::Index side = 0; side < 2; ++side) {
             const Eigen::Vector2d ahead(n[side].cosine, n[side].sine), aside(-ahead.y(), ahead.x());
             const double sign = side == 0 ? 1.0 : -1.0, length = bodies_.of(rods[side]).length;
             const double arm = 12.0 / (length * length) * along[side];
@@ -224,9 +224,13 @@ std::vector<BodyContact> BodyForces::contacts(integrate::State y, double reach) 
                              if (pair.gap < reach)
                                  found.push_back(pair);
                          });
-    const auto names = [](const BodyContact& pair) { return std::pair(pair.first, pair.second); };
-    std::ranges::sort(found, {}, names);
-    found.erase(std::ranges::unique(found, {}, names).begin(), found.end());
+    const auto pair_of = [](const BodyContact& one) { return std::pair(one.first, one.second); };
+    std::sort(found.begin(), found.end(),
+              [&](const BodyContact& a, const BodyContact& b) { return pair_of(a) < pair_of(b); });
+    found.erase(
+        std::unique(found.begin(), found.end(),
+                    [&](const BodyContact& a, const BodyContact& b) { return pair_of(a) == pair_of(b); }),
+        found.end());
     return found;
 }
 
@@ -267,7 +271,7 @@ double BodyForces::relaxation_rate(integrate::State y) const {
         add(t.a, t.along_a);
         add(t.b, t.along_b);
     });
-    return rates.empty() ? 0.0 : std::ranges::max(rates);
+    return rates.empty() ? 0.0 : *std::max_element(rates.begin(), rates.end());
 }
 
 } // namespace rodwake::rods

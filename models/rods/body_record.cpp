@@ -45,7 +45,7 @@ void add_body_step(SeparationRecord& record, const integrate::Step& step, const 
     }
     for (std::size_t which : {0, 1}) {
         const auto& value = values[which];
-        const auto k = static_cast<std::size_t>(std::ranges::min_element(value) - value.begin());
+        const auto k = static_cast<std::size_t>(std::min_element(value.begin(), value.end()) - value.begin());
         const double known = which == 0 ? record.smallest.distance : record.bodies.smallest_gap;
         const std::size_t before = k == 0 ? k : k - 1, after = k == parts ? k : k + 1;
         if (value[k] - (std::max(value[before], value[after]) - value[k]) > known)
@@ -76,8 +76,8 @@ void add_body_step(SeparationRecord& record, const integrate::Step& step, const 
     for (const integrate::State y : {integrate::State(first), step.state})
         for (const BodyContact& pair : bodies.contacts(y, 0.0))
             pairs.emplace_back(pair.first, pair.second);
-    std::ranges::sort(pairs);
-    pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     for (const auto& [a, b] : pairs) {
         const double before = bodies.contact(first, a, b).overlap - bodies.touching_overlap(),
                      after = bodies.contact(step.state, a, b).overlap - bodies.touching_overlap();
@@ -103,7 +103,7 @@ std::optional<Separation> bound_pair(const SeparationRecord& record, integrate::
     const std::vector<double>& touching = record.bodies.touching;
     if (touching.empty())
         return std::nullopt;
-    const auto longest = std::ranges::max_element(touching);
+    const auto longest = std::max_element(touching.begin(), touching.end());
     if (!(*longest >= bound_share * bound_part * t_end))
         return std::nullopt;
     const std::size_t rods = y.size() / 3, at = static_cast<std::size_t>(longest - touching.begin());

@@ -71,6 +71,10 @@ double stiffness(const RodProblem& problem) {
 integrate::Method suitable_method(const RodProblem& problem) {
     if (problem.rods.size() > most_followed_rods)
         return integrate::Method::erk;
+    constexpr double stiff_overlap = 0.02;
+    constexpr std::size_t few = 30;
+    if (problem.bodies.any() && problem.bodies.stall_overlap < stiff_overlap && problem.rods.size() <= few)
+        return integrate::Method::bdf;
     return stiffness(problem) > 30.0 ? integrate::Method::bdf : integrate::Method::erk;
 }
 

@@ -178,7 +178,7 @@ def extend(shown, low, high):
 # Two blues, contact and pursuit, are one family; orbit, rare, is brown, bound purple. Any two of these and white differ by more than 30 (CIE Lab) with full and with any reduced colour
 # vision; tests/plots/test_scan_pieces.py has the numbers.
 COLOURS = {"contact": "#14589c", "pursuit": "#69b8ec", "escape": "#f5cb76", "undecided": "#a3a19c",
-           "orbit": "#873c00", "bound": "#6b2d73", "finished": "#6f8f7a"}  # the last stands alone
+           "orbit": "#873c00", "bound": "#9300f2", "finished": "#6f8f7a"}  # the last stands alone
 NOTHING = "#e4e4e1"  # where there is no number
 CAPTURE = "capture = contact, bound, orbit or pursuit"
 BOUNDARY = dict(color=style.INK, linewidth=0.6)

@@ -48,7 +48,7 @@ class CompletionTest(ProgramTest):
 
     def test_values(self):
         self.assertEqual(self.bash("tradeoff", "x.toml", "--of", "fi"), {"fit", "field"})
-        self.assertEqual(self.bash("new", "--kind", ""), {"rods", "bed", "scan"})
+        self.assertEqual(self.bash("new", "--kind", ""), {"rods", "bed", "scan", "critical"})
         self.assertEqual(self.bash("rods", "x.toml", "-s", "coupling.k"), {"coupling.kappa="})
         self.assertEqual(self.bash("rods", "x.toml", "-o", "ba"), {"bash"})
 

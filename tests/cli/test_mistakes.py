@@ -66,7 +66,7 @@ rodwake rods my.toml -s nonsense
 rodwake rods my.toml -s coupling.kapa=1
     -s coupling.kapa=1: [coupling] unknown key "kapa" (did you mean "kappa"?). Known keys: kappa, gamma1, gamma2, polar_basis, gamma_flow, gamma_rows, rows_direction
 rodwake rods my.toml -s kappa=1
-    -s kappa=1: unknown table or key "kappa" ([coupling] has it). Known keys: schema, units, title, scales, medium, coupling, noise, rods_random, rods, rods_run, field, granular, tracks, rods_order, measure, fit, figures, variants, scan
+    -s kappa=1: unknown table or key "kappa" ([coupling] has it). Known keys: schema, units, title, scales, medium, coupling, noise, body, rods_random, rods, rods_run, field, granular, tracks, rods_order, measure, fit, figures, variants, scan
 rodwake rods my.toml -s coupling.kappa=1e400
     -s coupling.kappa=1e400: 1e400 is too large for a number, which ends at 1.8e308
 rodwake rods my.toml -s coupling.kappa = 1e400

@@ -61,7 +61,7 @@ class HelpTest(ProgramTest):
                 ("mean_speed", r"(?m)^mean_speed<k>: column of runs\.csv.*\n  meaning +of the rod along its heading"),
                 ("mean_speed1", r"(?m)^mean_speed<k>: column of scan\.csv.*\n(  .*\n)*  unit +m/s"),
                 ("psi6", r"(?m)^psi6: column of table\.csv"), ("min_separation", r"(?m)^min_separation: key of outcome\.json"),
-                ("capture", r"^capture: how a run of rods ends\n  criterion contact, pursuit or orbit\n"),
+                ("capture", r"^capture: how a run of rods ends\n  criterion contact, bound, orbit or pursuit\n"),
                 ("outcome", r"^contact: how(.*\n)*pursuit: how(.*\n)*escape: how(.*\n)*undecided: how(.*\n)*capture: how"),
                 ("outcome", r"(?m)^outcome: column of scan\.csv"), ("error", r"(?m)^  unit +that of the row"),
                 ("measure.json", r"(?m)^    psi6 ")):

@@ -176,7 +176,7 @@ class FailureTest(ScanTest):
     def test_a_limit_of_time(self):
         self.scan("grid.toml", "out", "-s", "scan.time_limit=1e-9", code=3)
         self.assertEqual({row["status"] for row in self.rows("out")}, {"time_limit"})
-        self.assertEqual(self.json("out")["outcomes"], {"contact": 0, "pursuit": 0, "escape": 0, "undecided": 0, "orbit": 0})
+        self.assertEqual(self.json("out")["outcomes"], {"contact": 0, "pursuit": 0, "escape": 0, "undecided": 0, "orbit": 0, "bound": 0})
         self.scan("grid.toml", "out", "-s", "scan.time_limit=1000", "--rerun-failed")
         self.scan("grid.toml", "clean")
         self.assertEqual(self.results("out"), self.results("clean"))

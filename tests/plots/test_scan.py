@@ -40,7 +40,7 @@ class AdaptiveTest(ScanCase):
     def test_legend(self):
         made, _ = self.draw()
         legend = made.axes[0].get_legend()
-        self.assertEqual(legend.get_title().get_text(), "capture = contact, pursuit or orbit")
+        self.assertEqual(legend.get_title().get_text(), "capture = contact, bound, orbit or pursuit")
         self.assertEqual(texts(legend), ["contact", "pursuit", "escape", "undecided", "traced boundary", "failed (9)"])
 
     def test_failed_points_are_crosses(self):
@@ -145,7 +145,7 @@ class AdaptiveTest(ScanCase):
         _, caption = self.draw()
         caption = re.sub("<[^>]*>", "", caption)
         total = f"{len(self.points):,}".replace(",", "\u2009")
-        for part in ("capture is contact, pursuit or orbit", f"{total} points by adaptive refinement to 256 cells a side",
+        for part in ("capture is contact, bound, orbit or pursuit", f"{total} points by adaptive refinement to 256 cells a side",
                      "contact ", "undecided ", "9 points failed: the state is no longer finite (9).",
                      "Missed rate: 0.2 % of the area outside the boundary (3 of 1\u2009500 random points; with 95 % confidence below 0.58 %)",
                      "Fixed: η = 1, α = 1, γ1 = 0 v0, γ2 = 0 v0.", "rod 1 from (x1, −5), heading 1.571"):
