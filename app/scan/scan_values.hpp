@@ -84,10 +84,11 @@ struct MetPair {
 
     static constexpr auto fields() {
         using R = MetPair;
-        return std::tuple{field("pair_i", &R::i,
-                                {"1", "of three or more rods: the first, from 0, of the pair in contact, "
-                                      "pursuit or orbit; empty: no pair is"}),
-                          field("pair_j", &R::j, {"1", "the second of that pair"})};
+        return std::tuple{
+            field("pair_i", &R::i,
+                  {"1", "of three or more rods: the first, from 0, of the captured pair; empty: "
+                        "there is none"}),
+            field("pair_j", &R::j, {"1", "the second of that pair"})};
     }
 };
 
