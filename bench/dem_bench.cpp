@@ -141,7 +141,7 @@ Bodies shaken_bodies() {
 void fly(benchmark::State& state, std::int64_t target) {
     Bodies bodies = shaken_bodies();
     const OnTarget on(target);
-    Range velocities = Range::empty();
+    BodyRange velocities = BodyRange::empty();
     std::vector<std::uint32_t> out;
     for (auto _ : state) {
         drift(bodies.position.data(), bodies.velocity.data(), 0, bodies.beads, {1e-15, 9.81, -1.0, 1.0},

@@ -160,9 +160,9 @@ public:
             plates_.floor(static_cast<double>(step_ + 1 - problem_.equilibration_steps) * dt), plates_.gap(),
             dt, problem_.gravity};
         const double floor = plate.floor.position(), a = problem_.bead_radius;
-        granular::Range all = granular::Range::empty();
+        granular::BodyRange all = granular::BodyRange::empty();
         for (std::size_t begin = 0; begin < bodies_.beads; begin += granular::beads_per_block) {
-            granular::Range velocities = granular::Range::empty();
+            granular::BodyRange velocities = granular::BodyRange::empty();
             hits_.clear();
             granular::drift(bodies_.position.data(), bodies_.velocity.data(), begin,
                             std::min(bodies_.beads, begin + granular::beads_per_block),
