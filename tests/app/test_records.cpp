@@ -183,7 +183,7 @@ TEST_CASE("Endings have the numbers that the description of a table gives them",
     }
     CHECK(outcome_codes.starts_with(told));
     CHECK(record_json(counts).dump() ==
-          R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"orbit":1,"failed":0})");
+          R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"orbit":1,"bound":1,"failed":0})");
 }
 
 // --- What the program knows of scenes and results, and the copy of it that the plots read

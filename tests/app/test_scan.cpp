@@ -18,7 +18,7 @@ TEST_CASE("A scan of two keys: axes, columns, and the scene of a point") {
     CHECK(made.design.axes[1].from == -6.0);
     CHECK(scan::size(made.design) == 12);
     CHECK(made.columns.outcomes ==
-          std::vector<std::string>{"contact", "pursuit", "escape", "undecided", "orbit"});
+          std::vector<std::string>{"contact", "pursuit", "escape", "undecided", "orbit", "bound"});
     CHECK(made.columns.observables ==
           std::vector<std::string>{"time", "min_separation", "min_separation_time", "turn0", "turn1",
                                    "non_reciprocity", "final_separation", "final_angle", "steps",
