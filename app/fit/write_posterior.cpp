@@ -234,6 +234,7 @@ void write_curve(const std::filesystem::path& folder, const FitPlan& plan, std::
     std::vector<PredictedRow> rows(predicted_places);
     parallel_for(predicted_places, threads, [&](std::size_t i) {
         std::vector<double> values;
+        values.reserve(models.size());
         for (const auto& model : models)
             values.push_back(model[i]);
         const PredictionBand b = band_of(std::move(values), sigma_at(data, places[i]));
@@ -275,16 +276,18 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
     const std::vector<std::vector<double>> diffusion = mean_diffusion(plan, index, part, draws);
     for (std::size_t row = 0; row < track.data.times.size(); ++row)
         for (std::size_t i = 0; i < track.data.states[row].size(); ++i) {
+            const std::size_t rod = i / 3;
             const bool heading = i % 3 == 2;
             const double unit = heading ? 1.0 : track.length;
             std::vector<double> values;
+            values.reserve(models.size());
             for (const auto& model : models)
                 values.push_back(unit * model[row][i]);
             const PredictionBand b =
                 band_of(std::move(values),
                         unit * std::hypot(heading ? track.data.sigma_heading : track.data.sigma_position,
                                           std::sqrt(diffusion[row][i])));
-            rows.push_back({track.time * track.data.times[row], static_cast<double>(i / 3),
+            rows.push_back({track.time * track.data.times[row], static_cast<double>(rod),
                             static_cast<double>(i % 3), unit * track.data.states[row][i], b.median, b.low,
                             b.high, b.noise_low, b.noise_high});
         }
