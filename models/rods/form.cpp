@@ -62,7 +62,7 @@ struct Directors {
     double rows_rate(Direction n) const {
         return model.rows().any() ? model.rows().rate(std::atan2(n.sine, n.cosine)) : 0.0;
     }
-    /// What contacts add to the rates of the poses.
+    /// Rates of the poses that contacts of bodies add.
     std::vector<double> by_contacts(State state) const {
         std::vector<double> rates(3 * model.rods(), 0.0);
         if (model.bodies().any())

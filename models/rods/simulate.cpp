@@ -20,26 +20,20 @@ namespace {
 
 using integrate::State;
 
-integrate::Event contact_event(double distance, Box box) {
+/// The separation inside a step is known from the headings, unless bodies push rods aside: then it is
+/// sampled.
+integrate::Event contact_event(double distance, Box box, bool bodies) {
     integrate::Event event;
     event.name = "contact";
     event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
     event.crossing = integrate::Crossing::falling;
     event.terminal = true;
-    event.candidate_time = [distance, box](const integrate::Step& step) {
-        return first_approach_time(step, box, distance);
-    };
-    event.sampled = false; // how the separation runs inside a step is known from the headings
-    return event;
-}
-
-/// Of rods with bodies, whose places do not follow their headings.
-integrate::Event contact_event_of_bodies(double distance, Box box) {
-    integrate::Event event;
-    event.name = "contact";
-    event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
-    event.crossing = integrate::Crossing::falling;
-    event.terminal = true;
+    if (!bodies) {
+        event.candidate_time = [distance, box](const integrate::Step& step) {
+            return first_approach_time(step, box, distance);
+        };
+        event.sampled = false;
+    }
     return event;
 }
 
@@ -125,8 +119,7 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
         };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
     if (problem.contact_distance && problem.rods.size() > 1)
-        ode.events.push_back(bodies ? contact_event_of_bodies(*problem.contact_distance, problem.box)
-                                    : contact_event(*problem.contact_distance, problem.box));
+        ode.events.push_back(contact_event(*problem.contact_distance, problem.box, bodies));
     return ode;
 }
 
