@@ -10,6 +10,12 @@ def has_bodies(run):
     return "body" in run.scene or any("body" in rod for rod in run.scene.get("rods", ()))
 
 
+def reach(run):
+    """Half the length of the longest body, in reduced units; 0 without bodies."""
+    shapes = [one["body"] for one in (run.scene, *run.scene.get("rods", ())) if "body" in one]
+    return max((shape["length"] for shape in shapes), default=0.0) / 2
+
+
 def discs(run, rod):
     """Places along the rod from its centre, + ahead, and radii, in reduced units."""
     own = (run.scene.get("rods") or [{}])[rod % len(run.scene.get("rods") or [{}])].get("body") if "rods_random" not in run.scene else None

@@ -145,7 +145,7 @@ def write_rods_movie(run, spec):
 class RodsFilm(Film):
     def __init__(self, run, spec):
         self.rods, self.units, self.spec = runs_of(run.result)[0], run.result.units, spec
-        window = rods_window(self.rods, spec)
+        window = rods_window(self.rods, spec, bodies.reach(run))
         self.length = self.units.length("x", max(map(abs, window[0] + window[1])))
         self.time = self.units.time("t", self.rods.t[-1])
         figure, self.axes = rods_stage(window, self.length, self.units)
@@ -188,10 +188,10 @@ class RodsFilm(Film):
         canvas.heading(self.axes, title + self.units.equals(self.time, "t", self.rods.t[frame]))
 
 
-def rods_window(rods, spec):
+def rods_window(rods, spec, reach=0.0):
     """What the scene asks for, or all places with a margin."""
     x, y = span(rods.x), span(rods.y)
-    margin = 0.03 * max(np.ptp(x), np.ptp(y)) or 1.0
+    margin = max(0.03 * max(np.ptp(x), np.ptp(y)) or 1.0, reach)
     return spec.x or grown(x, margin), spec.y or grown(y, margin)
 
 

@@ -20,7 +20,7 @@ PARAMETERS = "eta", "alpha", *schema.COUPLINGS
 
 def draw(run, spec):
     runs, units = runs_of(run.result), run.result.units
-    window = window_of(runs, spec)
+    window = window_of(runs, spec, bodies.reach(run))
     last = seen_until(runs, window)
     extent = max(map(abs, window.x + window.y))
     length, time = units.length("x", extent), units.time("t", last)
@@ -172,12 +172,12 @@ class Window(NamedTuple):
         return (self.x[0] <= x) & (x <= self.x[1]) & (self.y[0] <= y) & (y <= self.y[1])
 
 
-def window_of(runs, spec):
-    """The figure's window, or all paths with a margin in a box of sane shape."""
+def window_of(runs, spec, reach=0.0):
+    """The figure's window, or all paths with a margin in a box of sane shape, `reach` the half length of the longest body."""
     x = span(np.concatenate([run.x.ravel() for run in runs]))
     y = span(np.concatenate([run.y.ravel() for run in runs]))
     margin = (0.09 if len(runs) == 1 else 0.13) * max(x[1] - x[0], y[1] - y[0]) or 1.0
-    x, y = grown(x, margin), grown(y, margin)
+    x, y = grown(x, max(margin, reach)), grown(y, max(margin, reach))
     if (y[1] - y[0]) < NARROWEST * (x[1] - x[0]):
         y = widened(y, NARROWEST * (x[1] - x[0]))
     if (y[1] - y[0]) > TALLEST * (x[1] - x[0]):
