@@ -1,6 +1,7 @@
 // One right-hand side of many rods against their number, pair by pair and with far wakes on meshes, and what
 // that changes; finding the closest pair and the step limit. Prints the rows of studies/reports/rods.md
-// ("Many rods"); with a number, errors in as many crowds of 10^4 rods.
+// ("Many rods"); with a number, errors in as many crowds of 10^4 rods; with "bodies", what their contacts
+// cost.
 
 #include "rodwake/core/rng.hpp"
 #include "rodwake/rods/simulate.hpp"
@@ -13,6 +14,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <numbers>
+#include <string_view>
 
 using namespace rodwake;
 
@@ -109,9 +111,49 @@ void print_row(std::size_t n) {
     std::fflush(stdout);
 }
 
+/// Rods of the default body at 0.2 a length squared, with as many overlaps as random places have, at far
+/// wakes of 1e-5; and two rods that touch by the number of its discs.
+void print_bodies() {
+    std::printf("rods | wakes, ms | contacts, ms | ratio of both to wakes | closest, ms | step limit, ms\n");
+    for (const std::size_t n : {300U, 1000U, 3000U, 10000U}) {
+        rods::RodBodies bodies;
+        bodies.shapes = {rods::BodyShape{}};
+        const rods::BodyForces forces(bodies, n, std::nullopt);
+        auto y = random_rods(n, 1);
+        for (std::size_t k = 0; k < y.size(); ++k)
+            y[k] *= k % 3 == 2 ? 1.0 : bodies.of(0).length / std::sqrt(0.2) / spacing;
+        const Rates wakes = rates(y, {.turning_tolerance = 1e-5});
+        std::vector<double> ydot(y.size());
+        const double contacts = time_of([&] { forces.add_rates(y, ydot); });
+        std::printf("%zu | %.3g | %.3g | %.2f | %.3g | %.3g\n", n, wakes.milliseconds, contacts,
+                    (wakes.milliseconds + contacts) / wakes.milliseconds,
+                    time_of([&] { benchmark::DoNotOptimize(forces.closest(y)); }),
+                    time_of([&] { benchmark::DoNotOptimize(forces.step_limit(y, 0.5)); }));
+    }
+    std::printf("\ndiscs of each of two rods | contacts, ns | gap, ns\n");
+    const std::vector<double> touching = {0.0, 0.0, 0.0, 0.8, 0.1, 0.9}; // tip into side
+    for (const std::size_t discs : {6U, 40U, 300U, 1000U}) {
+        const rods::BodyForces forces({{rods::BodyShape{discs, 1.25, 0.3, 0.2}}}, 2, std::nullopt);
+        std::vector<double> ydot(6);
+        constexpr int often = 100;
+        const auto repeat = [&](const auto& work) {
+            return 1e6 / often * time_of([&] {
+                       for (int k = 0; k < often; ++k)
+                           work();
+                   });
+        };
+        std::printf("%zu | %.0f | %.0f\n", discs, repeat([&] { forces.add_rates(touching, ydot); }),
+                    repeat([&] { benchmark::DoNotOptimize(forces.contact(touching, 0, 1)); }));
+    }
+}
+
 } // namespace
 
 int main(int count, char** words) {
+    if (count > 1 && std::string_view(words[1]) == "bodies") {
+        print_bodies();
+        return 0;
+    }
     if (count > 1) {
         print_errors(std::atoi(words[1]));
         return 0;

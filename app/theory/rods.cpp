@@ -47,6 +47,7 @@ rods::RodOptions rod_options(const scene::RodsRun& run, const rods::RodProblem& 
     options.ode.method = run.method                    ? *run.method
                          : run.form == rods::Form::dae ? integrate::Method::bdf
                                                        : rods::suitable_method(problem);
+    options.held_wakes = !run.method && run.form == rods::Form::angle && rods::suits_held_wakes(problem);
     options.ode.rtol = run.rtol;
     options.ode.atol = run.atol;
     options.ode.max_steps = run.max_steps;

@@ -345,7 +345,8 @@ StageEnd run_rods(Session& session) {
 
 std::string method_name(const RodsPlan& plan) {
     if (field_of(plan) != scene::FieldBackend::dynamic)
-        return integrate::to_string(plan.options.ode.method);
+        return integrate::to_string(plan.options.ode.method) +
+               (plan.options.held_wakes ? ", wakes held" : "");
     return plan.of.scene.medium->memory().closure == medium::Closure::none
                ? "etdrk4"
                : integrate::to_string(integrate::Method::erk); // medium/simulate.hpp

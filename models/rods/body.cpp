@@ -4,11 +4,13 @@
 #include "sweep.hpp"
 
 #include "rodwake/core/box_sides.hpp"
+#include "rodwake/core/cell_list.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -79,16 +81,20 @@ BodyForces::BodyForces(const RodBodies& bodies, std::size_t rods, Box box) : bod
             throw InputError(fmt::format("{} {}", fault->option, fault->message));
         const double back = 0.5 * shape.thick_diameter, front = 0.5 * shape.thin_diameter;
         const double row = shape.length - back - front;
-        std::vector<BodyDisc> discs;
+        const auto gaps = static_cast<double>(std::max<std::size_t>(shape.spheres - 1, 1));
+        Row discs{{},
+                  shape.spheres > 1 ? 0.5 * row : 0.0,
+                  row / gaps,
+                  shape.spheres > 1 ? (front - back) / row : 0.0};
         for (std::size_t k = 0; k < shape.spheres; ++k) {
-            const double u =
-                shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
-            discs.push_back({(u - 0.5) * row, back + u * (front - back)});
-            thinnest_ = thinnest_ == 0.0 ? discs.back().radius : std::min(thinnest_, discs.back().radius);
-            reach_ = std::max(reach_, std::abs(discs.back().along) + discs.back().radius);
+            const double u = shape.spheres > 1 ? static_cast<double>(k) / gaps : 0.5;
+            discs.discs.push_back({(u - 0.5) * row, back + u * (front - back)});
+            const BodyDisc& disc = discs.discs.back();
+            thinnest_ = thinnest_ == 0.0 ? disc.radius : std::min(thinnest_, disc.radius);
+            reach_ = std::max(reach_, std::abs(disc.along) + disc.radius);
         }
         longest = std::max(longest, shape.length);
-        discs_.push_back(std::move(discs));
+        rows_.push_back(std::move(discs));
     }
     if (box && !(box->shorter() > 2.0 * longest))
         throw InputError(
@@ -97,21 +103,93 @@ BodyForces::BodyForces(const RodBodies& bodies, std::size_t rods, Box box) : bod
     strength_ = std::pow(bodies.stall_overlap, -1.5);
 }
 
-std::span<const BodyForces::BodyDisc> BodyForces::discs_of(std::size_t rod) const {
-    return discs_[discs_.size() == 1 ? 0 : rod];
+const BodyForces::Row& BodyForces::row_of(std::size_t rod) const {
+    return rows_[rows_.size() == 1 ? 0 : rod];
 }
 
-/// Calls use(touch) for all overlapping discs of two rods. Rods farther apart than their reach are left out.
+/// Calls see(a, b, d), a < b, once for each pair of rods whose centres are nearer than `range`; d is the
+/// offset of a from b.
+template<class See>
+void BodyForces::each_near(integrate::State y, double range, See&& see) const {
+    const std::size_t rods = y.size() / 3;
+    const auto look = [&](std::size_t a, std::size_t b) {
+        const Offset d = offset(y, a, b, box_);
+        if (d.x * d.x + d.y * d.y < range * range)
+            see(a, b, d);
+    };
+    constexpr std::size_t few = 16; // cells do not pay below
+    if (rods <= few || !std::ranges::all_of(y, [](double value) { return std::isfinite(value); })) {
+        for (std::size_t a = 0; a < rods; ++a)
+            for (std::size_t b = a + 1; b < rods; ++b)
+                look(a, b);
+        return;
+    }
+    std::array<std::vector<double>, 2> at;
+    std::array<double, 2> sides{};
+    for (std::size_t axis : {0, 1}) {
+        for (std::size_t a = 0; a < rods; ++a)
+            at[axis].push_back(y[3 * a + axis]);
+        const auto [low, high] = std::ranges::minmax(at[axis]);
+        sides[axis] = high - low + 2.0 * range; // on the plane nobody is near round the end
+    }
+    const CellList cells(at[0], at[1], box_ ? *box_ : PeriodicBox(sides[0], sides[1]), range);
+    cells.pairs([&](std::size_t p, std::size_t q) {
+        const auto [a, b] = std::minmax(cells.member()[p], cells.member()[q]);
+        look(a, b);
+    });
+}
+
+/// Two rods, as rod b sees them: disc k of rod a is at (u + along_k c, v + along_k w), rod b on the axis u.
+struct BodyForces::Facing {
+    const Row &of_a, &of_b;
+    Offset d;
+    Direction na, nb;
+    double u = d.x * nb.cosine + d.y * nb.sine, v = d.y * nb.cosine - d.x * nb.sine;
+    double c = na.cosine * nb.cosine + na.sine * nb.sine, w = na.sine * nb.cosine - na.cosine * nb.sine;
+
+    /// The gap is at least this: of all points of one row from the line through the other.
+    double least_gap() const {
+        const double other_v = std::abs(d.y * na.cosine - d.x * na.sine), turned = std::abs(w);
+        return std::max({std::abs(v) - of_a.half * turned, other_v - of_b.half * turned,
+                         std::hypot(d.x, d.y) - of_a.half - of_b.half}) -
+               of_a.thickest() - of_b.thickest();
+    }
+    /// The discs of b around the places `from` to `to` of its axis, the one before and after included.
+    std::pair<std::size_t, std::size_t> discs_around(double from, double to) const {
+        const auto last = static_cast<double>(of_b.discs.size() - 1);
+        if (last == 0.0)
+            return {0, 0};
+        constexpr double rounding = 1e-6; // of a spacing
+        const double first = std::floor((from + of_b.half) / of_b.spacing - rounding),
+                     end = std::ceil((to + of_b.half) / of_b.spacing + rounding);
+        const auto index = [&](double at) {
+            return static_cast<std::size_t>(std::max(0.0, std::min(last, at)));
+        };
+        return {index(first), index(end)};
+    }
+};
+
+BodyForces::Facing BodyForces::facing(integrate::State y, std::size_t a, std::size_t b, Offset d) const {
+    return {row_of(a), row_of(b), d, direction(y, a), direction(y, b)};
+}
+
+/// Calls use(touch) for all overlapping discs of two rods. Of each disc of the first only those discs of the
+/// second are looked at whose centres are near enough for the thickest of them.
 template<class Use>
 void BodyForces::each_touch(integrate::State y, Use&& use) const {
-    const double farthest = 2.0 * reach_;
-    const auto pair = [&](std::size_t a, std::size_t b) {
-        const Offset d = offset(y, a, b, box_);
-        if (d.x * d.x + d.y * d.y >= farthest * farthest)
+    each_near(y, farthest_touch(), [&](std::size_t a, std::size_t b, Offset d) {
+        const Facing pair = facing(y, a, b, d);
+        if (pair.least_gap() > 0.0)
             return;
-        const Direction na = direction(y, a), nb = direction(y, b);
-        for (const BodyDisc& k : discs_of(a))
-            for (const BodyDisc& m : discs_of(b)) {
+        const auto& [of_a, of_b, offset, na, nb, u, v, c, w] = pair;
+        for (const BodyDisc& k : of_a.discs) {
+            const double aside = v + k.along * w, widest = k.radius + of_b.thickest();
+            if (!(std::abs(aside) <= widest))
+                continue;
+            const double along = u + k.along * c, room = std::sqrt(widest * widest - aside * aside);
+            const auto [first, last] = pair.discs_around(along - room, along + room);
+            for (std::size_t i = first; i <= last; ++i) {
+                const BodyDisc& m = of_b.discs[i];
                 const double dx = d.x + k.along * na.cosine - m.along * nb.cosine,
                              dy = d.y + k.along * na.sine - m.along * nb.sine;
                 const double touching = k.radius + m.radius, square = dx * dx + dy * dy;
@@ -124,21 +202,8 @@ void BodyForces::each_touch(integrate::State y, Use&& use) const {
                 use(Touch{a, b, k.along, m.along, force * ux, force * uy, fall * ux * ux + turn * uy * uy,
                           (fall - turn) * ux * uy, fall * uy * uy + turn * ux * ux});
             }
-    };
-    // A pair may be seen twice: when it comes up again it must be as if it had not.
-    std::vector<std::pair<std::size_t, std::size_t>> near;
-    const std::size_t rods = y.size() / 3;
-    if (rods <= 2) {
-        if (rods == 2)
-            pair(0, 1);
-        return;
-    }
-    Sweep(y, box_).pairs([&](double gap) { return gap >= farthest; },
-                         [&](std::size_t a, std::size_t b) { near.emplace_back(a, b); });
-    std::sort(near.begin(), near.end());
-    near.erase(std::unique(near.begin(), near.end()), near.end());
-    for (const auto& [a, b] : near)
-        pair(a, b);
+        }
+    });
 }
 
 void BodyForces::add_rates(integrate::State y, std::span<double> ydot) const {
@@ -198,66 +263,86 @@ void BodyForces::add_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> ja
 }
 
 BodyContact BodyForces::contact(integrate::State y, std::size_t a, std::size_t b) const {
-    const Offset d = offset(y, a, b, box_);
-    const Direction na = direction(y, a), nb = direction(y, b);
+    return contact(a, b, facing(y, a, b, offset(y, a, b, box_)));
+}
+
+/// Along rod b both the gap to a disc of rod a, a convex function, and the overlap have one extreme. With r
+/// the slope of the radii, R + r x the sum of both at x and (u, v) the place of the disc:
+///
+///   gap      x = u + r |v|/sqrt(1 - r^2),   overlap  x = u + r v^2/(R + r u)
+///
+/// and the discs before and after x have it. Where the slope leaves none the thick end has it.
+BodyContact BodyForces::contact(std::size_t a, std::size_t b, const Facing& pair) const {
     BodyContact contact{a, b, std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity()};
-    for (const BodyDisc& k : discs_of(a))
-        for (const BodyDisc& m : discs_of(b)) {
-            const double apart = std::hypot(d.x + k.along * na.cosine - m.along * nb.cosine,
-                                            d.y + k.along * na.sine - m.along * nb.sine);
-            const double touching = k.radius + m.radius;
-            contact.gap = std::min(contact.gap, apart - touching);
-            contact.overlap = std::max(contact.overlap, 1.0 - apart / touching);
+    const Row& of_b = pair.of_b;
+    const double slope = of_b.slope, middle = of_b.thickest() + slope * of_b.half;
+    for (const BodyDisc& k : pair.of_a.discs) {
+        const double u = pair.u + k.along * pair.c, v = pair.v + k.along * pair.w;
+        const double ahead = k.radius + middle + slope * u;
+        const double extremes[] = {slope > -1.0 ? u + slope * std::abs(v) / std::sqrt(1.0 - slope * slope)
+                                                : -of_b.half,
+                                   ahead > 0.0 ? u + slope * v * v / ahead : -of_b.half};
+        for (const double x : extremes) {
+            const auto [first, last] = pair.discs_around(x, x);
+            for (std::size_t i = first; i <= last; ++i) {
+                const BodyDisc& m = of_b.discs[i];
+                const double apart = std::hypot(u - m.along, v), touching = k.radius + m.radius;
+                contact.gap = std::min(contact.gap, apart - touching);
+                contact.overlap = std::max(contact.overlap, 1.0 - apart / touching);
+            }
         }
+    }
     return contact;
 }
 
 std::vector<BodyContact> BodyForces::contacts(integrate::State y, double reach) const {
     std::vector<BodyContact> found;
-    Sweep(y, box_).pairs([&](double gap) { return gap >= farthest_touch() + reach; },
-                         [&](std::size_t a, std::size_t b) {
-                             const Offset d = offset(y, a, b, box_);
-                             if (std::hypot(d.x, d.y) >= farthest_touch() + reach)
-                                 return;
-                             const BodyContact pair = contact(y, a, b);
-                             if (pair.gap < reach)
-                                 found.push_back(pair);
-                         });
-    const auto pair_of = [](const BodyContact& one) { return std::pair(one.first, one.second); };
-    std::sort(found.begin(), found.end(),
-              [&](const BodyContact& a, const BodyContact& b) { return pair_of(a) < pair_of(b); });
-    found.erase(
-        std::unique(found.begin(), found.end(),
-                    [&](const BodyContact& a, const BodyContact& b) { return pair_of(a) == pair_of(b); }),
-        found.end());
+    each_near(y, farthest_touch() + reach, [&](std::size_t a, std::size_t b, Offset d) {
+        const Facing pair = facing(y, a, b, d);
+        if (pair.least_gap() >= reach)
+            return;
+        const BodyContact near = contact(a, b, pair);
+        if (near.gap < reach)
+            found.push_back(near);
+    });
+    std::ranges::sort(found, {}, [](const BodyContact& one) { return std::pair(one.first, one.second); });
     return found;
 }
 
 BodyContact BodyForces::closest(integrate::State y) const {
     BodyContact best = contact(y, 0, 1);
-    Sweep(y, box_).pairs([&](double gap) { return gap > farthest_touch() + best.gap; },
-                         [&](std::size_t a, std::size_t b) {
-                             const Offset d = offset(y, a, b, box_);
-                             if (std::hypot(d.x, d.y) > farthest_touch() + best.gap)
-                                 return;
-                             const BodyContact pair = contact(y, a, b);
-                             if (std::tuple(pair.gap, a, b) < std::tuple(best.gap, best.first, best.second))
-                                 best = pair;
-                         });
+    const auto see = [&](std::size_t a, std::size_t b, Offset d) {
+        const Facing pair = facing(y, a, b, d);
+        if (pair.least_gap() > best.gap)
+            return;
+        const BodyContact near = contact(a, b, pair);
+        if (std::tuple(near.gap, a, b) < std::tuple(best.gap, best.first, best.second))
+            best = near;
+    };
+    each_near(y, farthest_touch(), see);
+    if (best.gap > 0.0) // else no pair farther apart comes nearer
+        Sweep(y, box_).pairs([&](double gap) { return gap > farthest_touch() + best.gap; },
+                             [&](std::size_t a, std::size_t b) { see(a, b, offset(y, a, b, box_)); });
     return best;
 }
 
 double BodyForces::step_limit(integrate::State y, double share) const {
     constexpr double slowest = 0.5, look_ahead = 1.0; // of time: a longer step needs no limit from bodies
-    double limit = std::numeric_limits<double>::infinity();
-    for (const BodyContact& pair : contacts(y, 4.0 * look_ahead)) {
-        if (pair.gap <= 0.0) // the right-hand side sees it already
-            continue;
-        const double speed = 2.0 * std::abs(std::sin(0.5 * (y[3 * pair.first + 2] - y[3 * pair.second + 2])));
-        limit = std::min(limit, (0.5 * pair.gap + share * thinnest_) / std::max(speed, slowest));
-    }
-    return std::min(limit, look_ahead);
+    double limit = look_ahead;
+    const auto see = [&](std::size_t a, std::size_t b, Offset d) {
+        const double speed = std::max(2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2]))), slowest);
+        const auto limit_at = [&](double gap) { return (0.5 * gap + share * thinnest_) / speed; };
+        const Facing pair = facing(y, a, b, d);
+        if (limit_at(pair.least_gap()) >= limit)
+            return;
+        if (const double gap = contact(a, b, pair).gap; gap > 0.0) // else the right-hand side sees it already
+            limit = std::min(limit, limit_at(gap));
+    };
+    // No relative speed is above 2; the nearest leave little for those farther away.
+    each_near(y, farthest_touch(), see);
+    each_near(y, farthest_touch() + 4.0 * limit, see);
+    return limit;
 }
 
 double BodyForces::relaxation_rate(integrate::State y) const {

@@ -78,4 +78,9 @@ integrate::Method suitable_method(const RodProblem& problem) {
     return stiffness(problem) > 30.0 ? integrate::Method::bdf : integrate::Method::erk;
 }
 
+bool suits_held_wakes(const RodProblem& problem) {
+    return problem.rods.size() > most_followed_rods && problem.bodies.any() && problem.medium &&
+           problem.couplings.any();
+}
+
 } // namespace rodwake::rods

@@ -1,5 +1,6 @@
 #include "rodwake/rods/simulate.hpp"
 
+#include "held_wakes.hpp"
 #include "pose_track.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/certificate.hpp"
@@ -49,6 +50,13 @@ std::vector<integrate::Event> known_contact(const RodProblem& problem) {
     event.terminal = true;
     event.sampled = false;
     return {event};
+}
+
+/// Unseen touches shift few rods by less than any tolerance, and a crowd by little.
+std::function<double(double, State)> body_step_limit(const BodyForces& bodies, std::size_t rods) {
+    return [bodies, share = rods > most_followed_rods ? 0.5 : 1.0 / 12.0](double, State y) {
+        return bodies.step_limit(y, share);
+    };
 }
 
 } // namespace
@@ -111,10 +119,9 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     if (model->rods() > 1 && (model->interacting() || (problem.box && problem.contact_distance)))
         ode.step_limit = step_limit(problem);
     if (model->rods() > 1 && bodies)
-        ode.step_limit = [model, others = ode.step_limit](double t, State y) {
-            // Unseen touches shift few rods by less than any tolerance, and a crowd by little.
-            const double share = model->rods() > most_followed_rods ? 0.5 : 1.0 / 12.0;
-            return std::min(model->bodies().step_limit(y, share),
+        ode.step_limit = [bodies_limit = body_step_limit(model->bodies(), model->rods()),
+                          others = ode.step_limit](double t, State y) {
+            return std::min(bodies_limit(t, y),
                             others ? others(t, y) : std::numeric_limits<double>::infinity());
         };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
@@ -194,9 +201,10 @@ void prepend(integrate::Solution& part, const RodCheckpoint& from, const std::ve
 /// What is solved.
 struct Equations {
     integrate::OdeProblem ode;
-    StateRates rates; ///< in form angle
-    bool interacting; ///< rods that do not cannot pursue each other
-    bool singular;    ///< fields are, where rods meet
+    StateRates rates;                             ///< in form angle
+    bool interacting;                             ///< rods that do not cannot pursue each other
+    bool singular;                                ///< fields are, where rods meet
+    StateRates wakes = nullptr, others = nullptr; ///< of both kinds of steps, if wakes are held
 };
 
 RodResult solve_equations(const RodProblem& problem, const RodOptions& options, Equations equations) {
@@ -237,7 +245,9 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     };
 
     RodResult result;
-    result.solution = integrate::solve(ode, solver, times_left);
+    result.solution = equations.wakes ? solve_with_held_wakes(ode, equations.wakes, equations.others,
+                                                              step_limit(problem), solver, times_left)
+                                      : integrate::solve(ode, solver, times_left);
     if (options.form != Form::angle)
         to_poses(result.solution, track);
     prepend(result.solution, from, times);
@@ -261,7 +271,19 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
         ode.events = known_contact(problem);
     const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
-    return solve_equations(problem, options, {std::move(ode), rates, model.interacting(), true});
+    Equations equations{std::move(ode), rates, model.interacting(), true};
+    if (!options.held_wakes || !model.interacting() || !model.bodies().any())
+        return solve_equations(problem, options, std::move(equations));
+    if (options.form != Form::angle)
+        throw InputError("wakes are held in form \"angle\" only");
+    RodProblem points = problem;
+    points.bodies = {};
+    points.rows = {};
+    const RodModel wakes = model_of(points), others(nullptr, {}, model.rods(), problem.rows, model.bodies());
+    equations.wakes = [&wakes](State y, std::span<double> ydot) { wakes.rhs(y, ydot); };
+    equations.others = [&others](State y, std::span<double> ydot) { others.rhs(y, ydot); };
+    equations.ode.step_limit = body_step_limit(model.bodies(), model.rods());
+    return solve_equations(problem, options, std::move(equations));
 }
 
 RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, double width,

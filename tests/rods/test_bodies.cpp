@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -174,6 +175,116 @@ TEST_CASE("rates of bodies are those of a loop over all discs, and add up to not
                     x += rates[3 * a] - std::cos(y[3 * a + 2]);
                 CHECK(std::abs(x) < 1e-13 * largest);
             }
+}
+
+/// Gap and largest overlap of two rods, over all pairs of discs.
+BodyContact plain_contact(const BodyShape& own, const BodyShape& other, const State& y, std::size_t a,
+                          std::size_t b) {
+    BodyContact found{a, b, 1e9, -1e9};
+    for (std::size_t k = 0; k < own.spheres; ++k)
+        for (std::size_t m = 0; m < other.spheres; ++m) {
+            const auto disc = [&](const BodyShape& shape, std::size_t rod, std::size_t at) {
+                const double r0 = shape.thick_diameter / 2.0, r1 = shape.thin_diameter / 2.0;
+                const double u = shape.spheres == 1
+                                     ? 0.5
+                                     : static_cast<double>(at) / static_cast<double>(shape.spheres - 1);
+                const double along = (u - 0.5) * (shape.length - r0 - r1);
+                return std::array{y[3 * rod] + along * std::cos(y[3 * rod + 2]),
+                                  y[3 * rod + 1] + along * std::sin(y[3 * rod + 2]), r0 + (r1 - r0) * u};
+            };
+            const auto [x, up, r] = disc(own, a, k);
+            const auto [to_x, to_up, other_r] = disc(other, b, m);
+            const double apart = std::hypot(x - to_x, up - to_up);
+            found.gap = std::min(found.gap, apart - r - other_r);
+            found.overlap = std::max(found.overlap, 1.0 - apart / (r + other_r));
+        }
+    return found;
+}
+
+TEST_CASE("rows of many discs, of strong taper and in crowds: forces and gaps of the loop over all discs") {
+    RandomStream random(3);
+    const BodyShape cone{60, 1.3, 1.0, 0.02}; // radii fall almost as fast as places grow
+    const BodyShape disc{1, 0.4, 0.4, 0.4};
+    for (const BodyShape& own : {disc, BodyShape{5, 1.0, 0.35, 0.3}, BodyShape{40, 1.25, 0.3, 0.2},
+                                 BodyShape{300, 1.25, 0.3, 0.01}, cone})
+        for (const BodyShape& other : {BodyShape{}, disc, cone}) {
+            RodBodies bodies;
+            bodies.shapes = {own, other};
+            const BodyForces forces(bodies, 2, {});
+            for (int i = 0; i < 60; ++i) {
+                State y = crowd(random, 2, i % 2 == 0 ? 0.9 : 2.5);
+                if (i % 10 == 0) // side by side, and one behind the other
+                    y[5] = y[2] + (i % 20 == 0 ? std::numbers::pi : 0.0);
+                State rates(6, 0.0), expected = plain_rates(bodies, y);
+                RodModel(nullptr, {}, 2, {}, forces).rhs(y, rates);
+                double largest = 1.0;
+                for (const double rate : expected)
+                    largest = std::max(largest, std::abs(rate));
+                CHECK(worst_difference(rates, expected) < 1e-12 * largest);
+                const BodyContact found = forces.contact(y, 0, 1), all = plain_contact(own, other, y, 0, 1);
+                CHECK(std::abs(found.gap - all.gap) < 1e-12);
+                CHECK(std::abs(found.overlap - all.overlap) < 1e-12 * (1.0 + std::abs(all.overlap)));
+            }
+        }
+    RodBodies bodies;
+    bodies.shapes = {BodyShape{}};
+    for (const double side : {7.0, 30.0}) { // with overlaps, and almost without
+        const State y = crowd(random, 60, side);
+        const BodyForces forces(bodies, 60, {}), in_box(bodies, 60, PeriodicBox(side));
+        State rates(y.size()), rates_in_box(y.size());
+        RodModel(nullptr, {}, 60, {}, forces).rhs(y, rates);
+        RodModel(nullptr, {}, 60, {}, in_box).rhs(y, rates_in_box);
+        CHECK(worst_difference(rates, plain_rates(bodies, y)) < 1e-11);
+        CHECK(worst_difference(rates_in_box, plain_rates(bodies, y, PeriodicBox(side))) < 1e-11);
+        double nearest = 1e9, limit = 1.0;
+        for (std::size_t a = 0; a < 60; ++a)
+            for (std::size_t b = a + 1; b < 60; ++b) {
+                const double gap = plain_contact(BodyShape{}, BodyShape{}, y, a, b).gap;
+                const double speed = 2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
+                nearest = std::min(nearest, gap);
+                if (gap > 0.0)
+                    limit = std::min(limit, (0.5 * gap + 0.05) / std::max(speed, 0.5));
+            }
+        CHECK(std::abs(forces.closest(y).gap - nearest) < 1e-12);
+        CHECK(std::abs(forces.step_limit(y, 0.5) - limit) < 1e-12);
+    }
+}
+
+TEST_CASE("wakes that are held change a run within its tolerance, in second order") {
+    RandomStream random(21);
+    RodProblem problem;
+    problem.medium = elastic::Medium{1.0, 1.0};
+    problem.couplings.kappa = 2.0;
+    problem.bodies.shapes = {BodyShape{}};
+    for (int a = 0; a < 16; ++a) // on a grid, so that they start apart and meet soon
+        problem.rods.push_back({1.5 * (a % 4) + random.uniform(-0.1, 0.1),
+                                1.5 * (a / 4) + random.uniform(-0.1, 0.1), random.uniform(-3.1, 3.1)});
+    const BodyForces forces(problem.bodies, 16, {});
+    REQUIRE(forces.closest(to_state(problem.rods)).gap > 0.0);
+    problem.output_times = {0.0, 0.3, 0.7};
+    problem.t_end = 1.0;
+    const State exact = simulate(problem, options_of(integrate::Method::erk, 1e-10)).solution.final_state;
+    double before = 0.0;
+    for (const double rtol : {1e-3, 1e-5, 1e-7}) {
+        RodOptions options = options_of(integrate::Method::erk, rtol);
+        options.held_wakes = true;
+        std::vector<RodCheckpoint> checkpoints;
+        options.on_checkpoint = [&](const RodCheckpoint& checkpoint) { checkpoints.push_back(checkpoint); };
+        const RodResult run = simulate(problem, options);
+        REQUIRE(run.solution.status.ok());
+        CHECK(run.solution.times == std::vector{0.0, 0.3, 0.7, 1.0});
+        CHECK(run.outcome.min_gap < 0.0); // they did touch
+        const double error = worst_difference(run.solution.final_state, exact);
+        CHECK(error < 100.0 * rtol);
+        CHECK((before == 0.0 || error < 0.1 * before));
+        before = error;
+        if (rtol > 1e-7) // too few long steps for a segment
+            continue;
+        REQUIRE(!checkpoints.empty());
+        options.resume_from = checkpoints[checkpoints.size() / 2];
+        CHECK(simulate(problem, options).solution.final_state == run.solution.final_state);
+    }
+    CHECK(!suits_held_wakes(problem)); // too few of them
 }
 
 TEST_CASE("derivatives of bodies are those of differences") {

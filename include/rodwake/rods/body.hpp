@@ -49,7 +49,7 @@ public:
     /// Throws InputError for illegal shapes, a wrong number of them, or a box too small.
     BodyForces(const RodBodies& bodies, std::size_t rods, Box box);
 
-    bool any() const { return !discs_.empty(); }
+    bool any() const { return !rows_.empty(); }
     /// Adds the rates by contacts; state and rates as in model.hpp.
     void add_rates(integrate::State y, std::span<double> ydot) const;
     /// Adds their derivatives by the state.
@@ -77,17 +77,29 @@ private:
     struct BodyDisc {
         double along, radius;
     };
-    struct Touch; ///< two discs that overlap, with their force
+    /// Discs from the back to the front; `half` of the length between the outermost centres, their spacing,
+    /// and the change of the radii along it.
+    struct Row {
+        std::vector<BodyDisc> discs;
+        double half, spacing, slope;
+        double thickest() const { return discs.front().radius; }
+    };
+    struct Touch;  ///< two discs that overlap, with their force
+    struct Facing; ///< two rods, one as the other sees it
+    template<class See>
+    void each_near(integrate::State y, double range, See&& see) const;
     template<class Use>
     void each_touch(integrate::State y, Use&& use) const;
-    std::span<const BodyDisc> discs_of(std::size_t rod) const;
+    const Row& row_of(std::size_t rod) const;
+    Facing facing(integrate::State y, std::size_t a, std::size_t b, Offset d) const;
+    BodyContact contact(std::size_t a, std::size_t b, const Facing& pair) const;
 
     RodBodies bodies_;
     Box box_;
-    std::vector<std::vector<BodyDisc>> discs_; ///< of each shape
-    double strength_ = 0.0;                    ///< K M
-    double thinnest_ = 0.0;                    ///< smallest radius of any disc
-    double reach_ = 0.0;                       ///< farthest point of any body from its centre
+    std::vector<Row> rows_; ///< of each shape
+    double strength_ = 0.0; ///< K M
+    double thinnest_ = 0.0; ///< smallest radius of any disc
+    double reach_ = 0.0;    ///< farthest point of any body from its centre
 };
 
 } // namespace rodwake::rods

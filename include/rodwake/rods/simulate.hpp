@@ -89,6 +89,9 @@ struct RodOptions {
         ode; ///< atol counts up to rtol/10: coordinates matter on the scale of f/mu and a radian
     Form form = Form::angle; ///< director: not with adams; dae: with bdf only
     EndingCriteria criteria;
+    /// Of rods with bodies, in form angle: wakes are held over steps longer than those of the contacts
+    /// (suits_held_wakes).
+    bool held_wakes = false;
     std::function<void(const RodCheckpoint&)> on_checkpoint; ///< at the solver's segment ends
     std::optional<RodCheckpoint> resume_from;                ///< of the same problem and options
 };
@@ -154,6 +157,11 @@ std::vector<double> to_poses(Form form, integrate::State state, std::span<const 
 /// Up to 30 rods with bodies whose stall_overlap is below 0.02 take BDF: explicit steps are bounded by the
 /// contacts, not by the error (at 1e-3 two rods that meet take 15000 steps, BDF 880).
 integrate::Method suitable_method(const RodProblem& problem);
+
+/// Of more than most_followed_rods rods with bodies in each other's wakes, where contacts take ten steps and
+/// more while the wakes hardly change: they are evaluated twice a long step H of second order. H follows from
+/// an estimate of its local error, below the tolerance, and is at most encounter_step.
+bool suits_held_wakes(const RodProblem& problem);
 
 /// k r of the above; 0 for rods that do not interact.
 double stiffness(const RodProblem& problem);
