@@ -82,10 +82,10 @@ BodyForces::BodyForces(const RodBodies& bodies, std::size_t rods, Box box) : bod
         const double back = 0.5 * shape.thick_diameter, front = 0.5 * shape.thin_diameter;
         const double row = shape.length - back - front;
         const auto gaps = static_cast<double>(std::max<std::size_t>(shape.spheres - 1, 1));
-        Row discs{{},
-                  shape.spheres > 1 ? 0.5 * row : 0.0,
-                  row / gaps,
-                  shape.spheres > 1 ? (front - back) / row : 0.0};
+        DiscRow discs{{},
+                      shape.spheres > 1 ? 0.5 * row : 0.0,
+                      row / gaps,
+                      shape.spheres > 1 ? (front - back) / row : 0.0};
         for (std::size_t k = 0; k < shape.spheres; ++k) {
             const double u = shape.spheres > 1 ? static_cast<double>(k) / gaps : 0.5;
             discs.discs.push_back({(u - 0.5) * row, back + u * (front - back)});
@@ -103,7 +103,7 @@ BodyForces::BodyForces(const RodBodies& bodies, std::size_t rods, Box box) : bod
     strength_ = std::pow(bodies.stall_overlap, -1.5);
 }
 
-const BodyForces::Row& BodyForces::row_of(std::size_t rod) const {
+const BodyForces::DiscRow& BodyForces::row_of(std::size_t rod) const {
     return rows_[rows_.size() == 1 ? 0 : rod];
 }
 
@@ -141,7 +141,7 @@ void BodyForces::each_near(integrate::State y, double range, See&& see) const {
 
 /// Two rods, as rod b sees them: disc k of rod a is at (u + along_k c, v + along_k w), rod b on the axis u.
 struct BodyForces::Facing {
-    const Row &of_a, &of_b;
+    const DiscRow &of_a, &of_b;
     Offset d;
     Direction na, nb;
     double u = d.x * nb.cosine + d.y * nb.sine, v = d.y * nb.cosine - d.x * nb.sine;
@@ -275,7 +275,7 @@ BodyContact BodyForces::contact(integrate::State y, std::size_t a, std::size_t b
 BodyContact BodyForces::contact(std::size_t a, std::size_t b, const Facing& pair) const {
     BodyContact contact{a, b, std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity()};
-    const Row& of_b = pair.of_b;
+    const DiscRow& of_b = pair.of_b;
     const double slope = of_b.slope, middle = of_b.thickest() + slope * of_b.half;
     for (const BodyDisc& k : pair.of_a.discs) {
         const double u = pair.u + k.along * pair.c, v = pair.v + k.along * pair.w;

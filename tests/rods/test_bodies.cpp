@@ -203,8 +203,8 @@ BodyContact plain_contact(const BodyShape& own, const BodyShape& other, const St
 
 TEST_CASE("rows of many discs, of strong taper and in crowds: forces and gaps of the loop over all discs") {
     RandomStream random(3);
-    const BodyShape cone{60, 1.3, 1.0, 0.02}; // radii fall almost as fast as places grow
-    const BodyShape disc{1, 0.4, 0.4, 0.4};
+    const BodyShape disc{1, 0.4, 0.4, 0.4},
+        cone{60, 1.3, 1.0, 0.02}; // whose radii fall almost as places grow
     for (const BodyShape& own : {disc, BodyShape{5, 1.0, 0.35, 0.3}, BodyShape{40, 1.25, 0.3, 0.2},
                                  BodyShape{300, 1.25, 0.3, 0.01}, cone})
         for (const BodyShape& other : {BodyShape{}, disc, cone}) {

@@ -79,7 +79,7 @@ private:
     };
     /// Discs from the back to the front; `half` of the length between the outermost centres, their spacing,
     /// and the change of the radii along it.
-    struct Row {
+    struct DiscRow {
         std::vector<BodyDisc> discs;
         double half, spacing, slope;
         double thickest() const { return discs.front().radius; }
@@ -90,16 +90,16 @@ private:
     void each_near(integrate::State y, double range, See&& see) const;
     template<class Use>
     void each_touch(integrate::State y, Use&& use) const;
-    const Row& row_of(std::size_t rod) const;
+    const DiscRow& row_of(std::size_t rod) const;
     Facing facing(integrate::State y, std::size_t a, std::size_t b, Offset d) const;
     BodyContact contact(std::size_t a, std::size_t b, const Facing& pair) const;
 
     RodBodies bodies_;
     Box box_;
-    std::vector<Row> rows_; ///< of each shape
-    double strength_ = 0.0; ///< K M
-    double thinnest_ = 0.0; ///< smallest radius of any disc
-    double reach_ = 0.0;    ///< farthest point of any body from its centre
+    std::vector<DiscRow> rows_; ///< of each shape
+    double strength_ = 0.0;     ///< K M
+    double thinnest_ = 0.0;     ///< smallest radius of any disc
+    double reach_ = 0.0;        ///< farthest point of any body from its centre
 };
 
 } // namespace rodwake::rods
