@@ -226,8 +226,7 @@ TEST_CASE("rows of many discs, of strong taper and in crowds: forces and gaps of
                 CHECK(std::abs(found.overlap - all.overlap) < 1e-12 * (1.0 + std::abs(all.overlap)));
             }
         }
-    RodBodies bodies;
-    bodies.shapes = {BodyShape{}};
+    const RodBodies bodies{{BodyShape{}}};
     for (const double side : {7.0, 30.0}) { // with overlaps, and almost without
         const State y = crowd(random, 60, side);
         const BodyForces forces(bodies, 60, {}), in_box(bodies, 60, PeriodicBox(side));
