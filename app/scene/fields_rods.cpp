@@ -132,8 +132,9 @@ double default_atol(double rtol) { return rtol / 100.0; }
 void solver_fields(Visitor& v, RodsRun& run) {
     std::optional<double> atol = run.atol == default_atol(run.rtol) ? std::nullopt : std::optional(run.atol);
     v(key("method")
-          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, or BDF for "
-               "stiff headings")
+          .doc("CVODES BDF or Adams, ARKODE explicit Runge-Kutta; auto: explicit Runge-Kutta, with the wakes "
+               "of "
+               "more than 100 rods with bodies held over several steps, or BDF for stiff headings")
           .example("\"bdf\""),
       choice(run.method,
              {{"auto", std::nullopt}, {"bdf", Method::bdf}, {"adams", Method::adams}, {"erk", Method::erk}}));

@@ -1,0 +1,213 @@
+#!/usr/bin/python3
+"""Rods with bodies: what stall_overlap and rtol cost and change, extremes, which contacts of two rods last, a crowd of 10^4.
+
+    studies/validate_bodies.py [--program build/release/rodwake] [--only trade,extremes,bound] [--quick] [--keep DIR] [--report]
+
+trade     two encounters against stall_overlap s, with the limit s -> 0 of hard rods, and against rtol: error, steps, CPU time. A minute.
+extremes  25 cells of bodies and starts, each with the end that it must have; exit code 1 if one has another. Half a minute.
+bound     two rods that meet at an angle: `bound` or not against kappa, angle and taper. Writes studies/bodies_bound.csv. A minute.
+crowd     10^4 rods with wakes for a tenth of a length (chosen by --only): CPU time of 100 lengths. Some minutes.
+"""
+
+import math
+import resource
+import subprocess
+import sys
+
+from lab import SOURCE, keep_row, parser, rows, run_parts, table, told
+
+SCENE = """schema = 1
+[medium]
+eta = 1.0
+alpha = 1.0
+[coupling]
+kappa = {kappa}
+[body]
+{body}
+{rods}
+[rods_run]
+t_end = {t_end}
+{run}
+"""
+
+
+def rod(x, y, heading, body=""):
+    return f"[[rods]]\nposition = [{x!r}, {y!r}]\nheading = {heading!r}\n{body}\n"
+
+
+def scene(rods, kappa=0.0, t_end=4.0, body="", run=""):
+    return SCENE.format(kappa=kappa, body=body, rods="".join(rod(*one) for one in rods), t_end=t_end, run=run)
+
+
+def cpu():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def solved(lab, text, *settings):
+    """Outcome, last poses and CPU time of a run."""
+    began = cpu()
+    lab.call("rods", lab.write("run.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "run", *(f"-s{one}" for one in settings))
+    last = rows(lab.folder / "run/rods.csv")[-1]
+    return told(lab.folder / "run", "outcome"), [float(value) for name, value in last.items() if name != "t"], cpu() - began
+
+
+def distance(one, other):
+    return max(abs(a - b) for a, b in zip(one, other))
+
+
+# Two rods that cross and turn each other, and two that meet head on, a tenth of their width aside, and slide past.
+ENCOUNTERS = {"crossing": scene([(0.0, 0.0, 0.2), (1.6, -1.3, 1.7)], kappa=2.0, t_end=4.0),
+              "head on": scene([(0.0, 0.0, 0.0), (2.0, 0.03, math.pi)], t_end=4.0)}
+OVERLAPS = (0.1, 0.05, 0.02, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
+
+
+def trade(lab):
+    lines, tolerances = [], []
+    for name, text in ENCOUNTERS.items():
+        found = {s: solved(lab, text, f"body.stall_overlap={s}", "rods_run.rtol=1e-8", "rods_run.max_steps=10000000") for s in OVERLAPS}
+        # poses are linear in s: overlaps are, at a given force
+        (s0, one), (s1, other) = ((s, found[s][1]) for s in OVERLAPS[-2:])
+        hard = [b - s1 * (a - b) / (s0 - s1) for a, b in zip(one, other)]
+        for s, (outcome, poses, seconds) in found.items():
+            solver = outcome["solver"]
+            lines.append([name, s, f"{distance(poses, hard):.1e}", f"{distance(poses, hard) / s:.2f}", solver["method"], solver["steps"],
+                          solver["error_test_failures"], f"{seconds:.2f}"])
+        for s in (0.05, 1e-3):
+            exact = solved(lab, text, f"body.stall_overlap={s}", "rods_run.rtol=1e-11")[1]
+            for rtol in (1e-3, 1e-4, 1e-6, 1e-8):
+                outcome, poses, seconds = solved(lab, text, f"body.stall_overlap={s}", f"rods_run.rtol={rtol}")
+                tolerances.append([name, s, rtol, f"{distance(poses, exact):.1e}", outcome["solver"]["method"], outcome["solver"]["steps"],
+                                   outcome["solver"]["error_test_failures"], f"{seconds:.2f}"])
+    table("Poses at t = 4 against stall_overlap s, rtol 1e-8", ["encounter", "s", "off hard rods, f/mu or rad", "over s", "method", "steps",
+                                                              "steps rejected", "CPU s"], lines)
+    table("Against rtol", ["encounter", "s", "rtol", "error", "method", "steps", "steps rejected", "CPU s"], tolerances)
+
+
+def pile(count, kappa=0.0, **keys):
+    """Rods that walk to one point from all around."""
+    return scene([(2.2 * math.cos(a), 2.2 * math.sin(a), a + math.pi) for a in (2 * math.pi * k / count for k in range(count))], kappa, **keys)
+
+
+FACING = [(0.0, 0.0, 0.0), (2.0, 0.0, math.pi)]
+CROSSING = [(0.0, 0.0, 0.2), (1.6, -1.3, 1.7)]
+BEHIND = [(0.0, 0.0, 0.0), (1.3, 0.0, 0.0)]
+DISC = "spheres = 1\nlength = 0.4\nthick_diameter = 0.4\nthin_diameter = 0.4"
+# name, scene, the end: an outcome, or words of the refusal
+CELLS = [
+    *((f"crossing, s = {s}", scene(CROSSING, 2.0, body=f"stall_overlap = {s}"), "bound") for s in (0.5, 0.01, 1e-3, 1e-4)),
+    *((f"head on, s = {s}", scene(FACING, t_end=1.0, body=f"stall_overlap = {s}"), "bound") for s in (0.5, 0.05, 1e-4)),
+    ("head on in wakes, kappa = -100", scene(FACING, -100.0), "bound"),
+    ("head on in wakes, kappa = 100", scene(FACING, 100.0, t_end=1.0), "bound"),
+    ("crossing, kappa = -100", scene(CROSSING, -100.0), "bound"),
+    ("12 rods to one point", pile(12), "bound"),
+    ("12 rods to one point, s = 1e-3", pile(12, body="stall_overlap = 1e-3"), "bound"),
+    ("12 rods to one point, kappa = 5", pile(12, 5.0), "bound"),
+    ("12 rods to one point, kappa = -5", pile(12, -5.0), None),
+    ("crossing, b = 1e-3", scene(CROSSING, 2.0, body="mobility_ratio = 1e-3"), None),
+    ("crossing, b = 1e3", scene(CROSSING, 2.0, body="mobility_ratio = 1e3"), None),
+    ("discs head on", scene(FACING, body=DISC, t_end=2.0), "bound"),
+    ("1000 discs a rod", scene(CROSSING, 2.0, body="spheres = 1000"), "bound"),
+    ("one behind the other", scene(BEHIND), "undecided"),
+    ("far apart", scene([(0.0, 0.0, 0.0), (1e6, 0.0, math.pi)], 2.0), None),
+    ("overlap at the start", scene([(0.0, 0.0, 0.0), (1.15, 0.0, math.pi)]), "overlap by"),
+    ("one inside the other", scene([(0.0, 0.0, 0.0), (0.1, 0.0, 0.0)]), "overlap by"),
+    ("one place", scene([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), "same place"),
+    ("rows with gaps", scene(FACING, body="spheres = 4"), "leaves gaps"),
+    ("two discs", scene(FACING, body="spheres = 2"), "must be 1 or 3 to 1000"),
+    ("s = 0", scene(FACING, body="stall_overlap = 0.0"), ">= 0.0001"),
+    ("b = 0", scene(FACING, body="mobility_ratio = 0.0"), ">= 0.001"),
+    ("box of two lengths", scene(FACING).replace("alpha = 1.0", "alpha = 1.0\nperiodic = 2.5"), "must exceed 2.5"),
+]
+
+
+def extremes(lab):
+    lines, wrong = [], 0
+    for name, text, wanted in CELLS:
+        began = cpu()
+        try:
+            done = lab.call("rods", lab.write("cell.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "cell", good=(), timeout=20)
+        except subprocess.TimeoutExpired:
+            wrong += 1
+            lines.append([name, "**no end in 20 s**", "", "20"])
+            continue
+        if done.returncode == 0:
+            outcome = told(lab.folder / "cell", "outcome")
+            end, more = outcome["outcome"], f"{outcome['solver']['steps']} steps, gap {outcome['min_gap']:.3g}"
+        else:
+            end, more = {2: "refused"}.get(done.returncode, f"exit code {done.returncode}"), done.stderr.strip().splitlines()[0][-90:]
+        good = wanted in done.stderr if end == "refused" and wanted else end == wanted or (wanted is None and done.returncode == 0)
+        wrong += not good
+        lines.append([name, end if good else f"**{end}**, not {wanted}", more, f"{cpu() - began:.1f}"])
+    table("Extremes", ["cell", "end", "", "CPU s"], lines)
+    if wrong:
+        sys.exit(f"{wrong} cells end otherwise than they must")
+
+
+KEPT = SOURCE / "studies/bodies_bound.csv"
+KAPPAS, ANGLES, THIN = (-20.0, -5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0, 10.0, 20.0), (10, 30, 50, 70, 90, 110, 130, 150, 170), (0.3, 0.25, 0.2, 0.1)
+OFFSETS = (-0.7, -0.5, -0.3, -0.1, 0.1, 0.3, 0.5, 0.7)
+AWAY = 1.6  # f/mu
+
+
+def bound(lab):
+    """Two rods on courses that cross, the first AWAY from the crossing, the second farther by the offset."""
+    keys, points = ("coupling.kappa", "body.thin_diameter", "rods.1.position.0", "rods.1.position.1", "rods.1.heading"), []
+    cases = [(kappa, thin, angle) for thin in THIN for kappa in KAPPAS for angle in ANGLES][:20 if lab.quick else None]
+    for kappa, thin, angle in cases:
+        for offset in OFFSETS:
+            heading = math.radians(angle)
+            points.append((kappa, thin, AWAY - (AWAY + offset) * math.cos(heading), -(AWAY + offset) * math.sin(heading), heading))
+    lab.write("points.csv", ",".join(keys) + "\n" + "".join(",".join(map(repr, point)) + "\n" for point in points))
+    text = scene([(0.0, 0.0, 0.0), (0.0, -5.0, 1.0)], 1.0, t_end=30.0, body="spheres = 12", run="rtol = 1e-6") + '[scan]\ndesign = "list"\nfile = "points.csv"\n'
+    lab.call("scan", lab.write("scan.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "scan", good=(0, 3))
+    found = rows(lab.folder / "scan/scan.csv")
+    if not lab.quick:
+        KEPT.unlink(missing_ok=True)
+    counted = {}
+    for case, start in zip(cases, range(0, len(found), len(OFFSETS))):
+        ends = [row["outcome"] for row in found[start:start + len(OFFSETS)]]
+        counted[case] = ends.count("bound")
+        keep_row(None if lab.quick else KEPT, {"kappa": case[0], "thin_diameter": case[1], "angle": case[2],
+                                               **{end: ends.count(end) for end in ("bound", "pursuit", "escape", "undecided")}})
+    for thin in sorted({thin for _, thin, _ in cases}):
+        table(f"Bound, of {len(OFFSETS)} encounters: thin_diameter {thin}, thick_diameter 0.3", ["kappa", *(f"{angle} deg" for angle in ANGLES)],
+              [[kappa, *(counted.get((kappa, thin, angle), "") for angle in ANGLES)] for kappa in KAPPAS])
+
+
+CROWD = """schema = 1
+[medium]
+eta = 1.0
+alpha = 1.0
+[coupling]
+kappa = 2.0
+[body]
+stall_overlap = 0.1
+[rods_random]
+count = {count}
+extent = {extent}
+spread = "180 deg"
+[rods_run]
+t_end = {t_end}
+output_interval = {interval}
+rtol = 1e-4
+precision = "fine"
+turning_tolerance = 1e-3
+"""
+
+
+def crowd(lab):
+    lines, t_end = [], 0.02 if lab.quick else 0.25
+    for count in (1000, 10000):
+        text = CROWD.format(count=count, extent=round(math.sqrt(count * 1.25**2 / 0.2), 1), t_end=t_end, interval=t_end / 2)
+        for method in ("auto", "erk") if count == 1000 else ("auto",):
+            outcome, _, seconds = solved(lab, text, f"rods_run.method={method}")
+            solver = outcome["solver"]
+            lines.append([count, solver["method"], solver["steps"] / t_end, f"{seconds / t_end:.3g}", f"{seconds / t_end * 125 / 60:.3g}"])
+    table("Crowds at 0.2 rods a length squared, s = 0.1, rtol 1e-4", ["rods", "method", "steps a unit of time", "CPU s a unit of time", "CPU min for 100 lengths"], lines)
+
+
+PARTS = {"trade": trade, "extremes": extremes, "bound": bound, "crowd": crowd}
+
+if __name__ == "__main__":
+    run_parts(parser(__doc__, "report", "quick", "keep", parts=PARTS, chosen=("trade", "extremes", "bound")).parse_args(), PARTS)
