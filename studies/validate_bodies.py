@@ -145,7 +145,7 @@ def extremes(lab):
 
 
 KEPT = SOURCE / "studies/bodies_bound.csv"
-KAPPAS, ANGLES, THIN = (-20.0, -5.0, -2.0, -1.0, 0.0, 1.0, 2.0, 5.0, 10.0, 20.0), (10, 30, 50, 70, 90, 110, 130, 150, 170), (0.3, 0.25, 0.2, 0.1)
+KAPPAS, ANGLES, THIN = (-20.0, -5.0, -2.0, 0.0, 2.0, 5.0, 10.0, 20.0), (10, 40, 70, 100, 130, 160), (0.3, 0.2, 0.1)
 OFFSETS = (-0.7, -0.5, -0.3, -0.1, 0.1, 0.3, 0.5, 0.7)
 AWAY = 1.6  # f/mu
 
@@ -159,7 +159,7 @@ def bound(lab):
             heading = math.radians(angle)
             points.append((kappa, thin, AWAY - (AWAY + offset) * math.cos(heading), -(AWAY + offset) * math.sin(heading), heading))
     lab.write("points.csv", ",".join(keys) + "\n" + "".join(",".join(map(repr, point)) + "\n" for point in points))
-    text = scene([(0.0, 0.0, 0.0), (0.0, -5.0, 1.0)], 1.0, t_end=30.0, body="spheres = 12", run="rtol = 1e-6") + '[scan]\ndesign = "list"\nfile = "points.csv"\n'
+    text = scene([(0.0, 0.0, 0.0), (0.0, -5.0, 1.0)], 1.0, t_end=15.0, body="spheres = 12", run="rtol = 1e-6") + '[scan]\ndesign = "list"\nfile = "points.csv"\n'
     lab.call("scan", lab.write("scan.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "scan", good=(0, 3))
     found = rows(lab.folder / "scan/scan.csv")
     if not lab.quick:
