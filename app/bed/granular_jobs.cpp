@@ -6,6 +6,8 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/store/atomic_file.hpp"
+#include "start_file.hpp"
 
 #include <fmt/format.h>
 
@@ -201,7 +203,11 @@ std::string granular_key(const scene::Scene& scene) {
     key.granular = scene.granular;
     key.granular->output.checkpoint = scene::GranularOutput{}.checkpoint;
     key.granular->runs = 1; // an unfinished ensemble may grow
-    return scene::to_plain_toml(key);
+    std::string text = scene::to_plain_toml(key);
+    if (!scene.granular->start_file.empty()) // another file of the same name is another bed
+        text += fmt::format("# start_file {:016x}\n",
+                            store::content_hash(start_file_of(*scene.granular, scene.path), ""));
+    return text;
 }
 
 fs::path run_folder(const fs::path& ensemble, std::int64_t run) {

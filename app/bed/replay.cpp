@@ -40,6 +40,12 @@ GranularArchive archive_of(const fs::path& run) {
 
 BedPlan bed_of(const GranularArchive& archive, const std::string& name) {
     BedPlan bed{{"scene", "", "", scene::parse_scene(archive.scene, name)}, {}, {}, {}};
+    const std::string& file = bed.of.scene.granular->start_file;
+    if (!file.empty() && granular_key(bed.of.scene) != archive.scene)
+        throw InputError(
+            fmt::format("{}: granular.start_file = \"{}\" is not the file that the run began from; "
+                        "put that one back",
+                        name, file));
     bed.problem = granular_problem(bed.of.scene);
     bed.problem.seed = archive.seed;
     bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);

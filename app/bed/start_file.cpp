@@ -18,16 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path place_of(const std::string& file, const std::string& scene) {
-    const fs::path beside = (fs::path(scene).parent_path() / file).lexically_normal();
-    for (const fs::path& candidate : {beside, fs::path(file)})
-        if (fs::is_regular_file(candidate))
-            return candidate;
-    throw InputError(fmt::format("granular.start_file = \"{}\": there is no such file, neither {} nor {}",
-                                 file, fs::absolute(beside).string(),
-                                 fs::absolute(fs::path(file)).lexically_normal().string()));
-}
-
 /// Kinds of the column, or those whose radii are nearest.
 std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Table& table,
                                    const std::string& name) {
@@ -51,11 +41,22 @@ std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Tabl
 
 } // namespace
 
+fs::path start_file_of(const scene::Granular& bed, const std::string& scene) {
+    const std::string& file = bed.start_file;
+    const fs::path beside = (fs::path(scene).parent_path() / file).lexically_normal();
+    for (const fs::path& candidate : {beside, fs::path(file)})
+        if (fs::is_regular_file(candidate))
+            return candidate;
+    throw InputError(fmt::format("granular.start_file = \"{}\": there is no such file, neither {} nor {}",
+                                 file, fs::absolute(beside).string(),
+                                 fs::absolute(fs::path(file)).lexically_normal().string()));
+}
+
 granular::GivenBeads read_start_file(const scene::Granular& bed, const std::string& path) {
     static const std::array<std::string, 2> required{"x", "y"};
     static const std::array<std::string, 6> optional{"z", "vx", "vy", "vz", "radius", "kind"};
     static constexpr std::array<std::string_view, 8> known{"x", "y", "z", "vx", "vy", "vz", "radius", "kind"};
-    const fs::path file = place_of(bed.start_file, path);
+    const fs::path file = start_file_of(bed, path);
     for (const std::string& name : store::csv_names(file)) // a misspelt column would be drawn
         if (!name.empty() && std::ranges::find(known, name) == known.end())
             throw InputError(fmt::format("{}: unknown column \"{}\"{}: columns of a start_file are {}",

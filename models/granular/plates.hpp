@@ -65,6 +65,9 @@ struct PlateTally {
 struct PlateStep {
     PlatePath floor;
     double gap, time_step, gravity;
+
+    /// Plates that do not vibrate (gamma = 0).
+    bool still() const { return floor.velocity(0.0) == 0.0 && floor.acceleration() == 0.0; }
 };
 
 /// One plate seen from the particles: side +1 the floor (normal up), -1 the lid (normal down).

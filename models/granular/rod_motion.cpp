@@ -110,6 +110,12 @@ void MovingRod::push(const Vector3d& impulse, const Vector3d& arm) {
     spin_ = product(inverse_inertia_, body_.angular_momentum);
 }
 
+void MovingRod::stop() {
+    body_.velocity.setZero();
+    body_.angular_momentum.setZero();
+    hold(held_);
+}
+
 double MovingRod::energy(double gravity) const {
     return clump_.mass * (body_.velocity.squaredNorm() / 2.0 + gravity * body_.position.z()) +
            body_.angular_momentum.dot(spin_) / 2.0;

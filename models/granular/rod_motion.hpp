@@ -41,6 +41,8 @@ public:
     void move(double time, double gravity);
     void shift(const Eigen::Vector3d& way) { body_.position += way; }
     void push(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm);
+    /// What moves it is gone, but for the imposed speed of a held rod.
+    void stop();
 
     /// Kinetic and potential (above z = 0), J.
     double energy(double gravity) const;

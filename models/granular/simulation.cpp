@@ -193,29 +193,29 @@ struct Simulation::Impl {
 
     /// Rod ends move fastest; the spheres between them no faster. They go round: within a step their
     /// velocities change by rate^2 arm dt.
-    void include_ends(BodyRange& velocities) const {
-        for (const MovingRod& rod : bodies.rods)
-            for (const double end : {rod.clump().offset.front(), rod.clump().offset.back()}) {
-                const Vector3 turning = rod.velocity_at(end * rod.axis()) - rod.body().velocity;
-                const double change =
-                    end == 0.0 ? 0.0 : turning.squaredNorm() / std::abs(end) * problem.time_step;
-                for (const double margin : {-change, change}) {
-                    const Vector3 v = rod.body().velocity + turning + Vector3::Constant(margin);
-                    velocities.include(v.data());
-                }
+    void include_ends(const MovingRod& rod, BodyRange& velocities) const {
+        for (const double end : {rod.clump().offset.front(), rod.clump().offset.back()}) {
+            const Vector3 turning = rod.velocity_at(end * rod.axis()) - rod.body().velocity;
+            const double change =
+                end == 0.0 ? 0.0 : turning.squaredNorm() / std::abs(end) * problem.time_step;
+            for (const double margin : {-change, change}) {
+                const Vector3 v = rod.body().velocity + turning + Vector3::Constant(margin);
+                velocities.include(v.data());
             }
+        }
     }
 
     void fly_rods(const PlateStep& plate, BodyRange& velocities, PlateTally& tally) {
-        include_ends(velocities);
         for (std::size_t i = 0; i < bodies.rods.size(); ++i) {
+            MovingRod& rod = bodies.rods[i];
             const double before = tally.max_overlap;
-            tallies.impulse_from_plates[i] += fly_rod(bodies.rods[i], plate, problem.contacts.rod_plate,
-                                                      tally, [&] { include_ends(velocities); });
+            include_ends(rod, velocities);
+            tallies.impulse_from_plates[i] += fly_rod(rod, plate, problem.contacts.rod_plate, tally,
+                                                      [&] { include_ends(rod, velocities); });
+            include_ends(rod, velocities);
             if (tally.max_overlap > before)
                 tally.deepest = i;
         }
-        include_ends(velocities);
         bodies.place_rod_spheres();
     }
 
@@ -243,7 +243,8 @@ struct Simulation::Impl {
     WallTally hit_wall(BodyRange& velocities) {
         const WallTally tally =
             wall->act(bodies, velocities.fastest_in_plane(), velocities, shifted, equilibrating());
-        include_ends(velocities);
+        for (const MovingRod& rod : bodies.rods)
+            include_ends(rod, velocities);
         include_shift(velocities, tally.shift);
         tallies.wall_impulse += tally.impulse;
         tallies.bead_wall += tally.beads;

@@ -181,6 +181,14 @@ frames = 0.01
         self.assertIn("1 stretches", self.expect(0, "replay", "out", "--verify").stdout)
         self.assertIn("start from the beads in beads.csv", self.expect(0, "check", "given.toml").stdout)
 
+    def test_another_file_of_the_same_name_is_another_bed(self):
+        self.put()
+        self.expect(0, "dem", "given.toml", "-o", "out")
+        self.put(vx=-self.table["vx"])
+        told = self.expect(2, "dem", "given.toml", "-o", "out", "-s", "granular.runs=2")
+        self.assertRegex(told.stderr, "another scene")
+        self.assertRegex(self.expect(2, "replay", "out", "--verify").stderr, "not the file that the run began from")
+
     def test_missing_columns_are_drawn(self):
         self.put(z=None, vx=None, vz=None)
         self.expect(0, "dem", "given.toml", "-o", "out")

@@ -202,6 +202,24 @@ TEST_CASE("angles that were meant in degrees are pointed out") {
                                    "degrees are written as \"90 deg\""});
 }
 
+TEST_CASE("beads and rods that the gap of the bed stops are pointed out") {
+    using rodwake::scene::advice;
+    const std::string bed = "schema = 1\n[granular]\nphi_b = 0.7\nbox = \"40 a\"\nduration = \"1 s\"\n"
+                            "[[granular.rods]]\nposition = [\"20 a\", \"20 a\"]\n";
+    CHECK(advice(parse(bed)).empty());
+    CHECK(advice(parse(bed, {"granular.plates.gap=1.55 mm"})) ==
+          std::vector<std::string>{
+              "granular.rods[0].thick_diameter = 0.0011 m is 0.71 of granular.plates.gap = "
+              "0.00155 m; a rod hardly walks below 0.8 of it, so try 0.0014 m"});
+    CHECK(
+        advice(parse(bed, {"granular.plates.gap=1.55 mm", "granular.rods.0.imposed_speed=1 mm/s"})).empty());
+    CHECK(advice(parse(bed, {"granular.plates.gap=1.55 mm", "granular.plates.gamma=0"})).empty());
+    CHECK(advice(parse(bed, {"granular.bead_radius=0.5 mm"})) ==
+          std::vector<std::string>{
+              "granular.plates.gap = 0.0012 m is 2.40 radii of the largest beads (0.0005 m), "
+              "which hardly move below 2.5; 2.7 to 2.8 keep them moving"});
+}
+
 // --- [[fit.models]]: what a rival of a fit is, and which are refused
 
 namespace {
