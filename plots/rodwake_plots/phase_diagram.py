@@ -50,7 +50,8 @@ def drawing_of(run, spec):
     scan = run.scan
     leaves = scan_raster.Leaves(scan) if scan.has_cells and len(scan.axes) in (2, 3) else None
     x, y = panel_windows(scan, spec)
-    boundary = spec.boundary and bool(scan.boundary) and len(scan.axes) == 2
+    boundary = spec.boundary and bool(scan.boundary) and len(scan.axes) == 2 and (
+        "critical values" if scan.is_critical else "traced boundary")
     return Drawing(scan, look_of(run, spec), x, y, boundary, spec.cells, leaves)
 
 
@@ -190,7 +191,7 @@ class Drawing(NamedTuple):
     look: Look
     x: tuple
     y: tuple
-    boundary: bool
+    boundary: str | bool  # the name of its lines; False: none are drawn
     outlines: bool
     leaves: object  # scan_raster.Leaves, or None
 

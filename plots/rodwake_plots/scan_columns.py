@@ -211,11 +211,11 @@ def alike(x, y, codes):
 
 
 def outcome_handles(codes, failed, boundary):
-    """Legend entries: the outcomes that occur, failed points with their number, the boundary."""
+    """Legend entries: the outcomes that occur, failed points with their number, the boundary by its name."""
     there = [name for index, name in enumerate(OUTCOMES) if (codes == index).any()]
     found = [Patch(facecolor=COLOURS[name], edgecolor="white", linewidth=0.4, label=name) for name in there]
     if boundary:
-        found.append(Line2D([], [], **BOUNDARY, label="traced boundary"))
+        found.append(Line2D([], [], **BOUNDARY, label=boundary))
     if failed:
         found.append(Line2D([], [], **FAILED, markersize=4.5, markeredgewidth=1.1, label=f"failed ({failed})"))
     return found

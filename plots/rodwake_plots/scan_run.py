@@ -13,6 +13,7 @@ from . import canvas, errors, files, fit_words, schema, style, words
 from .errors import PlotError
 
 TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
+CRITICAL = "critical.csv"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "orbit", "bound", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit", "orbit", "bound")
 CERTIFICATES = ("verified", "checked", "open")  # how well an outcome is known
@@ -112,10 +113,17 @@ class ScanRun:
         """[point][axis], in coordinates in which the axes are even."""
         return np.stack([axis.even(self.place(index)) for index, axis in enumerate(self.axes)], axis=-1)
 
+    @property
+    def is_critical(self):
+        """The points are the coarse pass of critical values of the last axis."""
+        return (self.folder / CRITICAL).is_file()
+
     @cached_property
     def boundary(self):
-        """Curves in their order; none without the file."""
+        """Curves in their order; none without the file. Of critical values their branches."""
         path = self.folder / BOUNDARY
+        if self.is_critical:
+            return self._branches()
         if not path.is_file():
             return []
         found = files.read_csv(path, text=("between",))
@@ -124,6 +132,17 @@ class ScanRun:
         rows = [np.flatnonzero(curve == one) for one in np.unique(curve)]
         return [Curve(found["between"][row[0]], np.stack([key[row] for key in keys], axis=-1), error[row] if error.size else error)
                 for row in rows]
+
+    def _branches(self):
+        path, (*others, solved) = self.folder / CRITICAL, self.axes
+        if len(others) != 1 or others[0].is_choice:
+            return []
+        found = files.read_csv(path, text=("kind", "below", "above"), needed=[others[0].key, "value", "low", "high", "branch"])
+        places = np.stack([found[others[0].key], found["value"]], axis=-1)
+        error = (found["high"] - found["low"]) / 2 / abs(solved.high - solved.low)
+        rows = [np.flatnonzero(found["branch"] == one) for one in np.unique(found["branch"])]
+        rows = [row[np.argsort(places[row, 0], kind="stable")] for row in rows]
+        return [Curve(f"{found['below'][row[0]]}, {found['above'][row[0]]}", places[row], error[row]) for row in rows]
 
     @property
     def has_cells(self):

@@ -180,7 +180,7 @@ def shown_html(run, spec):
     if spec.kind == "phase_diagram" and spec.boundary and len(scan.axes) == 2 and scan.boundary:
         tolerance = (scan.told.get("boundary") or {}).get("tolerance")
         near = f", good to {words.number(float(tolerance))} of an axis" if words.is_number(tolerance) else ""
-        text += f" Lines: boundaries traced by bisection{near}."
+        text += " Lines: critical values." if scan.is_critical else f" Lines: boundaries traced by bisection{near}."
     if spec.kind == "phase_diagram" and len(scan.axes) == 2 and scan.has_cells and scan.open_cells.any():
         text += " Hatched: cells that are not known to have one outcome."
     if spec.kind == "phase_diagram" and spec.cells and scan.has_cells and len(scan.axes) > 1:

@@ -167,6 +167,23 @@ class AdaptiveTest(ScanCase):
         self.assertNotIn("Missed", self.draw()[1])
 
 
+class CriticalTest(ScanCase):
+    KEYS = dict(design="grid", count=9)
+
+    def test_curves_lie_over_the_coarse_pass(self):
+        """Two curves of critical values; the table need not be in the order of the axis."""
+        self.build(axes=[KAPPA, PLACE])
+        rows = [(10, 1.5, 0), (1, 1.0, 0), (10, -2.0, 1), (30, -3.0, 1)]
+        made_up.write_table(self.folder / "critical.csv", [KAPPA["key"], "value", "low", "high", "kind", "below", "above", "branch"],
+                            [*np.array([(kappa, value, value - 0.1, value + 0.1) for kappa, value, _ in rows], dtype=float).T, ["grazing"] * 4,
+                             ["escape"] * 4, ["contact"] * 4, np.array([branch for *_, branch in rows], dtype=float)])
+        made, caption = self.draw()
+        for found, wanted in zip(lines_of(made.axes[0])[0], ([(1, 1.0), (10, 1.5)], [(10, -2.0), (30, -3.0)]), strict=True):
+            np.testing.assert_array_equal(found, wanted)
+        self.assertIn("critical values", texts(made.axes[0].get_legend()))
+        self.assertIn("Lines: critical values.", caption)
+
+
 class OtherDesignsTest(ScanCase):
     def test_grid(self):
         self.build(design="grid", count=41, failing=3)
