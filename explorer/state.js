@@ -165,4 +165,6 @@ const PRESETS = [
     sentence: "Rods that tell front from back follow vectors, ∇²u and ∇∇·u, instead of axes. This pair has no κ at all and meets." },
   { name: "Repulsion", outcome: "escape", state: { ...SIDE_BY_SIDE, kappa: -100 },
     sentence: "With κ < 0 a rod turns across the strain axes: the same start as in Attraction, and they part." },
+  { name: "Orbit", outcome: "orbit", state: { ...CROSSING, kappa: 23.5, alpha: 0.3, x1: 0, t_end: 40, across: "x1", up: "kappa" },
+    sentence: "Where the tight orbit is stable two rods end in it from many starts: 0.89 apart they circle each other for ever, once in a time of 4.05." },
 ];

@@ -57,7 +57,7 @@ bool by_kernels(const rods::RodProblem& problem, double rtol, EncounterPath& enc
         encounter.rows.clear();
         return false;
     }
-    encounter.outcome = rods::outcome_of(result);
+    encounter.outcome = rods::outcome_of(*pair, result);
     return true;
 }
 
@@ -66,6 +66,10 @@ EncounterSummary summary_of(const rods::RodOutcome& outcome) {
     for (std::size_t rod = 0; rod < 2 && rod < outcome.turn.size(); ++rod)
         end.turn[rod] = outcome.turn[rod];
     return end;
+}
+
+EncounterSummary summary_of(const rods::PairResult& result) {
+    return {result.ending, result.time, result.min_separation, {result.turn[0], result.turn[1]}};
 }
 
 /// By itself, whatever it is.
@@ -126,8 +130,7 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
         ends[indices[k]] =
             results[k].end == rods::PairEnding::too_many_steps // nor would the solver of one do
                 ? EncounterSummary{Ending::undecided, nan, nan}
-                : results[k].handed_over() ? end_alone(problems[indices[k]], rtol)
-                                           : summary_of(rods::outcome_of(results[k]));
+                : results[k].handed_over() ? end_alone(problems[indices[k]], rtol) : summary_of(results[k]);
 }
 
 void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods, elastic::FieldPoints points,

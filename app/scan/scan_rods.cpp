@@ -136,7 +136,7 @@ rods::RodResult run_rods(const scene::RodsRun& run, const rods::RodProblem& prob
     if (end.handed_over())
         return rods::simulate(problem, options);
     rods::RodResult result;
-    result.outcome = rods::outcome_of(end);
+    result.outcome = rods::outcome_of(*pair, end, batch.criteria);
     result.solution.final_state.assign(end.state.begin(), end.state.end());
     result.solution.statistics.steps = end.steps;
     result.solution.statistics.rhs_evaluations = end.rhs_evaluations;
@@ -281,6 +281,7 @@ private:
                     EncounterEnd end = end_of(batch.pairs[k], ends[k]);
                     if (plan_.decide && end.ending == Ending::undecided) {
                         FrontRodTracker leader(problem, ends[k]);
+                        end.failed = rods::outcome_of(batch.pairs[k], ends[k], batch.options.criteria).failed;
                         options.ode.stop_requested = stop_condition(began);
                         const std::vector<double> state(ends[k].state.begin(), ends[k].state.end());
                         const integrate::Status status =
@@ -322,7 +323,8 @@ private:
             if (hopeless || !next_rung(options, result.retries))
                 break;
         }
-        result.set_cause(causes);
+        if (!result.ok() || !causes.empty())
+            result.set_cause(causes);
     }
 
     /// A point whose noise is 0, among others with noise, has one run and no interval.

@@ -106,6 +106,22 @@ std::string place_text(const std::vector<scan::Axis>& axes, const scan::Point& p
     return text;
 }
 
+/// Points that are undecided at the limit, by the criteria that they fail.
+scan::Counts undecided_points(const scan::Ledger& ledger) {
+    scan::Counts counts;
+    std::map<std::string, std::string> texts; // of the first point that has the pattern
+    ledger.for_each([&](const scan::Result& result) {
+        if (!result.ok() || result.outcome != static_cast<std::int32_t>(Ending::undecided))
+            return;
+        const std::string cause(result.cause_text());
+        const std::string& text = texts.try_emplace(scan::cause_pattern(cause), cause).first->second;
+        ++counts.points;
+        ++counts.causes[text];
+        counts.examples.try_emplace(text, result.point.id);
+    });
+    return counts;
+}
+
 /// Each cause with how many points have it, and one of them.
 void tell_causes(const Session& session, const scan::Ledger& ledger, const scan::Counts& counts) {
     std::vector<scan::Point> ids;
@@ -130,6 +146,11 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
     else
         session.log->info("scan: {} of {} {} evaluated: {}", counts.points, summary.requested, what,
                           counts_text(counts));
+    if (session.plan.scan->decide && summary.complete)
+        if (const scan::Counts undecided = undecided_points(ledger); undecided.points > 0) {
+            session.log->warn("scan: {} points are undecided at rods_run.t_end_limit", undecided.points);
+            tell_causes(session, ledger, undecided);
+        }
     tell_audit(session, summary);
     if (summary.lost_crossings > 0)
         session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced; "

@@ -58,6 +58,7 @@ EncounterEnd end_of(const rods::RodProblem& problem, const rods::RodResult& run,
     end.rhs_evaluations = run.solution.statistics.rhs_evaluations;
     end.certificate = static_cast<double>(outcome.certificate);
     end.pair = outcome.pair;
+    end.failed = outcome.failed;
     if (outcome.ending == Ending::orbit)
         end.orbit_separation = outcome.separation, end.omega = outcome.omega;
     return end;
@@ -79,6 +80,8 @@ EncounterEnd end_of(const rods::PairProblem& pair, const rods::PairResult& run) 
 void store(const EncounterEnd& end, const ScanPlan& plan, const OutputUnits& units, scan::Result& result) {
     result.status = scan::Status::ok;
     result.outcome = static_cast<std::int32_t>(end.ending);
+    if (plan.decide)
+        result.set_cause(end.failed);
     std::size_t next = 0; // the order of ScanPlan's columns is that of the description
     for_each_number(end, told_turns, [&](const auto& field, int, double number) {
         const double unit = field.info.unit == "{scan time}"         ? units.time

@@ -51,6 +51,7 @@ struct EncounterEnd {
     double certificate = 2.0;                   ///< number of the Certificate; a word in scan.csv
     rods::Separation pair{};                    ///< of which the outcome tells
     double orbit_separation = NAN, omega = NAN; ///< of an orbit
+    std::string failed{};                       ///< RodOutcome::failed
 
     static constexpr auto fields() {
         using R = EncounterEnd;

@@ -4,6 +4,8 @@
 #include "rodwake/rods/conclude.hpp"
 #include "straight_walkers.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <ranges>
@@ -220,9 +222,30 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
     return std::nullopt;
 }
 
-Certificate certificate_of(const RodProblem& problem, const RodOptions& options, const FollowedRun& first,
+/// Adds to the reason of an open outcome that a run at the tighter tolerance, or by an explicit method, ends
+/// otherwise.
+void compare_endings(const RodProblem& problem, RodOptions options, const RodResult& tight,
+                     RodOutcome& outcome) {
+    if (done(tight) && tight.outcome.ending != outcome.ending) {
+        outcome.reason += fmt::format("; a run at a hundredth of the tolerance ends in {}",
+                                      to_string(tight.outcome.ending));
+    } else if (options.ode.method != integrate::Method::erk && options.form == Form::angle) {
+        options.ode.method = integrate::Method::erk;
+        options.ode.max_steps = std::min(options.ode.max_steps, 20'000L); // it may be stiff
+        options.ode.on_step = nullptr;
+        options.ode.on_segment = nullptr;
+        options.on_checkpoint = nullptr;
+        options.resume_from.reset();
+        const RodResult other = simulate(problem, options);
+        if (done(other) && other.outcome.ending != outcome.ending)
+            outcome.reason +=
+                fmt::format("; a run with method erk ends in {}", to_string(other.outcome.ending));
+    }
+}
+
+Certificate certificate_of(const RodProblem& problem, const RodOptions& options, FollowedRun& first,
                            bool thorough) {
-    const RodOutcome& outcome = first.run.outcome;
+    RodOutcome& outcome = first.run.outcome;
     if (const auto certificate = certificate_at_once(problem, outcome, options.criteria))
         return *certificate;
 
@@ -246,7 +269,10 @@ Certificate certificate_of(const RodProblem& problem, const RodOptions& options,
     const FollowedRun tight = follow_tighter(problem, options, pair ? short_steps * tighter_by : tighter_by);
     if (proves(tight))
         return Certificate::verified;
-    return checked(problem, options, first.run, tight.run) ? Certificate::checked : Certificate::open;
+    if (checked(problem, options, first.run, tight.run))
+        return Certificate::checked;
+    compare_endings(problem, options, tight.run, outcome);
+    return Certificate::open;
 }
 
 // Batches
@@ -274,7 +300,8 @@ std::optional<Certificate> certificate_at_once(const PairProblem& pair, const Pa
         return Certificate::open;
     const bool turns = pair.couplings.any() && !(run.ending == Ending::contact && run.time == 0.0);
     return turns ? std::nullopt
-                 : certificate_at_once(to_rod_problem(pair), outcome_of(run), options.criteria);
+                 : certificate_at_once(to_rod_problem(pair), outcome_of(pair, run, options.criteria),
+                                       options.criteria);
 }
 
 /// Runs the pairs and keeps their steps.

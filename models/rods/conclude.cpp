@@ -42,9 +42,13 @@ void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, 
                 outcome.pair = {a, b, distance};
                 outcome.separation = distance;
             }
+            if (ending != Ending::escape && outcome.failed.empty())
+                outcome.failed = failed_criteria(y, ydot, a, b, record.late[a * rods + b], criteria, box);
         }
     if (all_escape)
         outcome.ending = Ending::escape;
+    if (outcome.ending != Ending::undecided)
+        outcome.failed.clear();
 }
 
 /// Two rods in each other's steady wakes on the plane: whether they have settled in an orbit, and of a
@@ -58,9 +62,13 @@ void look_at_pair(RodOutcome& outcome, const RodProblem& problem, const StateRat
         if (problem.bodies.any())
             nearest_without_touch = std::max(problem.contact_distance.value_or(0.0),
                                              BodyForces(problem.bodies, 2, problem.box).farthest_touch());
-        const auto settled =
-            settled_orbit(*problem.medium, problem.couplings, pose(y, 0), pose(y, 1), nearest_without_touch);
-        if (settled) {
+        std::string failed;
+        const auto settled = settled_orbit(*problem.medium, problem.couplings, pose(y, 0), pose(y, 1),
+                                           nearest_without_touch, &failed);
+        if (!settled) {
+            outcome.failed += fmt::format(", no orbit ({})", failed);
+        } else {
+            outcome.failed.clear();
             outcome.ending = Ending::orbit;
             outcome.separation = settled->orbit.separation[0];
             outcome.omega = settled->orbit.omega;

@@ -16,8 +16,9 @@ namespace rodwake::rods {
 
 using integrate::State;
 
-Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late,
-                     const EndingCriteria& criteria, Box box) {
+namespace {
+
+PairEnd pair_end(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late, Box box) {
     const Offset d = offset(y, a, b, box);
     PairEnd pair;
     pair.x = d.x;
@@ -30,7 +31,20 @@ Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const La
     pair.late = late;
     pair.late.max_turning =
         std::max({std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2]), late.max_turning});
-    return classify(pair, criteria);
+    return pair;
+}
+
+} // namespace
+
+Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late,
+                     const EndingCriteria& criteria, Box box) {
+    return classify(pair_end(y, ydot, a, b, late, box), criteria);
+}
+
+std::string failed_criteria(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late,
+                            const EndingCriteria& criteria, Box box) {
+    return fmt::format("rods {} and {} show {}", a, b,
+                       failed_criteria(pair_end(y, ydot, a, b, late, box), criteria));
 }
 
 void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& status) {
@@ -69,10 +83,8 @@ void describe(RodOutcome& outcome, std::size_t rods, const integrate::Status& st
         outcome.reason = fmt::format("all rods part; rods {} and {} came closest, {:.6g} apart",
                                      outcome.pair.first, outcome.pair.second, outcome.min_separation);
     else
-        outcome.reason =
-            fmt::format("neither contact, locked pursuit nor parting by t = {:.6g}; a longer t_end may "
-                        "decide",
-                        outcome.time);
+        outcome.reason = fmt::format("{} by t = {:.6g}; a longer t_end may decide",
+                                     outcome.failed.empty() ? "no ending" : outcome.failed, outcome.time);
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include "pair_lanes.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/settled_orbit.hpp"
 
 #include <fmt/format.h>
 
@@ -99,7 +100,7 @@ void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& optio
     }
 }
 
-RodOutcome outcome_of(const PairResult& result) {
+RodOutcome outcome_of(const PairProblem& pair, const PairResult& result, const EndingCriteria& criteria) {
     RodOutcome outcome;
     outcome.ending = result.ending;
     outcome.time = result.time;
@@ -114,6 +115,15 @@ RodOutcome outcome_of(const PairResult& result) {
     outcome.min_separation = result.min_separation;
     outcome.min_separation_time = result.min_separation_time;
     outcome.turn = {result.turn[0], result.turn[1]};
+    if (result.ending == Ending::undecided && !result.handed_over()) {
+        std::string orbit;
+        const auto& y = result.state;
+        const std::optional<double> contact =
+            pair.contact_distance > 0.0 ? std::optional(pair.contact_distance) : std::nullopt;
+        settled_orbit(pair.medium, pair.couplings, {y[0], y[1], y[2]}, {y[3], y[4], y[5]}, contact, &orbit);
+        outcome.failed = fmt::format("{}, no orbit ({})",
+                                     failed_criteria(y, result.rate, 0, 1, result.late, criteria), orbit);
+    }
     integrate::Status status;
     if (result.handed_over())
         status.termination = integrate::Termination::failed;

@@ -37,6 +37,10 @@ struct OpenPair {
     Family family = Family::orbit;
 
     double parameter(const State& z) const { return least + z[2] * (most - least); }
+    /// A step may pass the end of the range, but not that of the domain.
+    double domain_begin() const {
+        return over == BranchParameter::eta ? -1.0 : over == BranchParameter::alpha ? 0.0 : -HUGE_VAL;
+    }
     elastic::Medium medium_at(double p) const;
     Couplings couplings_at(double p) const;
     ScaledPair at(double p) const { return {medium_at(p), couplings_at(p)}; }
@@ -106,6 +110,8 @@ State tangent_at(const OpenPair& open, const State& z, const State& onward) {
 std::optional<State> corrected(const OpenPair& open, State z, const State& row, double target) {
     double last = 1.0;
     for (int iteration = 0; iteration < 15; ++iteration) {
+        if (!(open.parameter(z) > open.domain_begin()))
+            return {};
         const BranchEquations equations = equations_at(open, z);
         Eigen::Matrix3d by_state;
         by_state << equations.by_state, row.transpose();
@@ -223,14 +229,12 @@ bool is_on(const std::vector<Traced>& points, const State& z) {
 }
 
 void check(const OpenPair& open) {
-    const double above = open.over == BranchParameter::eta ? -1.0 : 0.0;
-    const bool bounded = open.over == BranchParameter::eta || open.over == BranchParameter::alpha;
     if (!(std::isfinite(open.least) && std::isfinite(open.most) && open.least < open.most))
         throw InputError(
             fmt::format("the range of a branch must rise; it is {} to {}", open.least, open.most));
-    if (bounded && !(open.least > above))
-        throw InputError(
-            fmt::format("the range of a branch must be above {}; it begins at {}", above, open.least));
+    if (!(open.least > open.domain_begin()))
+        throw InputError(fmt::format("the range of a branch must be above {}; it begins at {}",
+                                     open.domain_begin(), open.least));
 }
 
 } // namespace

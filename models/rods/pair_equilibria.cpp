@@ -141,6 +141,23 @@ std::vector<Reduced> symmetric_roots(const ScaledPair& pair, Family family) {
     return roots;
 }
 
+/// Whether the equations change at a root by more than rounding. Beside a rod its wakes cancel but for the
+/// longitudinal one, which at eta < 0 falls off fast: only rounding is left far out.
+bool is_resolved(const ScaledPair& pair, Family family, Reduced at) {
+    const double r = std::exp(at.u), x = r * std::cos(at.b), y = r * std::sin(at.b);
+    double rounding = 0.0;
+    for (const double sign : {-1.0, 1.0}) {
+        const elastic::FieldValues f = pair.field.at(sign * x, sign * y, {.strain = true, .polar = true});
+        rounding += 1e-12 * r *
+                    (std::abs(pair.couplings.kappa) * std::hypot(f.strain.xx, f.strain.xy) +
+                     std::hypot(pair.couplings.gamma1, pair.couplings.gamma2) *
+                         std::hypot(f.laplacian.x, f.laplacian.y));
+    }
+    const Eigen::Matrix2d by_place = reduced_equations(pair, family, at).by_place;
+    const bool opposite = at.b > quarter_turn - 1e-9; // (a) is an identity there
+    return by_place.row(1).norm() > rounding && (opposite || by_place.row(0).norm() > rounding);
+}
+
 std::array<std::complex<double>, 2> in_line(const ScaledPair& pair, double distance) {
     const TurningRate front = turning_derivatives(pair, distance, 0.0, 0.0);
     const TurningRate rear = turning_derivatives(pair, -distance, 0.0, 0.0);
@@ -226,6 +243,7 @@ std::vector<PairEquilibrium> pair_equilibria(const elastic::Medium& medium, cons
         std::vector<Reduced> roots = asymmetric_roots(pair, family);
         for (const Reduced root : symmetric_roots(pair, family))
             roots.push_back(root);
+        std::erase_if(roots, [&](const Reduced& root) { return !is_resolved(pair, family, root); });
         std::sort(roots.begin(), roots.end(), [](const Reduced& a, const Reduced& b) { return a.u < b.u; });
         for (const Reduced root : roots) {
             // Newton in three unknowns confirms the root of two, and must not go elsewhere.

@@ -6,9 +6,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace rodwake::rods {
 
@@ -35,11 +38,22 @@ Pose pose_seen_from(const Pose& from, const Pose& rod) {
 
 std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const Couplings& couplings,
                                           const Pose& rod0, const Pose& rod1,
-                                          std::optional<double> contact_distance) {
+                                          std::optional<double> contact_distance, std::string* failed) {
+    const auto fail = [&](std::string words) -> std::optional<SettledOrbit> {
+        if (failed)
+            *failed = std::move(words);
+        return {};
+    };
     const Pose now = pose_seen_from(rod0, rod1);
     const auto orbit = equilibrium_near(medium, couplings, now);
-    if (!orbit || orbit->kind != EquilibriumKind::orbit || !orbit->stable())
-        return {};
+    if (!orbit || orbit->kind != EquilibriumKind::orbit)
+        return fail("Newton's method finds none from here");
+    if (!orbit->stable())
+        return fail(fmt::format("that of separation {:.4g} is unstable, with an eigenvalue of {:.3g}",
+                                orbit->separation[0], orbit->eigenvalues[0].real()));
+    if (contact_distance && orbit->separation[0] <= *contact_distance)
+        return fail(fmt::format("that of separation {:.4g} is within the contact distance, {:g}",
+                                orbit->separation[0], *contact_distance));
     // In units of xi; d is measured by the separation.
     const ScaledPair pair(medium, couplings);
     const double r = orbit->separation[0] / pair.xi;
@@ -58,8 +72,13 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
     const Eigen::Matrix3cd to_modes = modes.eigenvectors().inverse();
     const Eigen::Matrix3d P = (to_modes.adjoint() * to_modes).real();
     const Eigen::LLT<Eigen::Matrix3d> root(P);
+    const auto too_far = [&] {
+        return fail(fmt::format("that of separation {:.4g} is {:.3g} away, in separations and rad: not known "
+                                "to lead there",
+                                orbit->separation[0], d.norm()));
+    };
     if (root.info() != Eigen::Success)
-        return {};
+        return too_far();
     const double slowest = -modes.eigenvalues().real().maxCoeff();
     // The surface of V = s^2 V(q) is s |L^T d| L^-T e, with P = L L^T and e a unit vector.
     // Nearer than 1e-6 rates are rounding, and the flow is linear.
@@ -70,13 +89,11 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
             const Pose sample = at(e);
             const double separation = std::hypot(sample.x, sample.y);
             if (!(separation > 0.1 * r) || (contact_distance && separation * pair.xi <= *contact_distance))
-                return {};
+                return too_far();
             const Eigen::Vector3d rates = scale.cwiseInverse().asDiagonal() * flow_at(pair, sample).rates;
             if (!(2.0 * e.dot(P * rates) <= -slowest * e.dot(P * e)))
-                return {};
+                return too_far();
         }
-    if (contact_distance && orbit->separation[0] <= *contact_distance)
-        return {};
     return SettledOrbit{*orbit, -orbit->eigenvalues[0].real(), d.norm()};
 }
 

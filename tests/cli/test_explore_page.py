@@ -297,7 +297,7 @@ class KeyTest(PageTest):
             self.page.press(f"#presets button:nth-child({number})")
             self.frame()
             ends = {"Attraction": "contact", "Pursuit": "pursuit", "Weak coupling": "escape", "Spiral": "contact", "Screened": "undecided",
-                    "Polar couplings": "contact", "Repulsion": "escape"}
+                    "Polar couplings": "contact", "Repulsion": "escape", "Orbit": "orbit"}
             self.assertEqual(self.page.text("#badge"), ends[preset])
             self.assertEqual(self.page.text("#check"), "Checked: a run a hundred times tighter ends alike.")
 

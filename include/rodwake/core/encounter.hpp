@@ -98,6 +98,9 @@ double angle_between(double heading, double other);
 
 /// Never `contact`.
 Ending classify(const PairEnd& pair, const EndingCriteria& criteria);
+/// Of a pair that is undecided: the criteria of pursuit and escape that it fails, with their numbers and
+/// limits.
+std::string failed_criteria(const PairEnd& pair, const EndingCriteria& criteria);
 
 /// The frame of the mean first heading of two rods. Headings that are opposite have none.
 class PairFrame {

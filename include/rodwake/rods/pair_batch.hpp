@@ -103,6 +103,6 @@ void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& optio
 void validate(const PairProblem& pair);
 
 /// A finished pair as rods::simulate tells it, in words too.
-RodOutcome outcome_of(const PairResult& result);
+RodOutcome outcome_of(const PairProblem& pair, const PairResult& result, const EndingCriteria& criteria = {});
 
 } // namespace rodwake::rods

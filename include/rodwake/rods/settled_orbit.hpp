@@ -21,6 +21,7 @@
 #include "rodwake/rods/pair_equilibria.hpp"
 
 #include <optional>
+#include <string>
 
 namespace rodwake::rods {
 
@@ -33,9 +34,10 @@ struct SettledOrbit {
     double distance;       ///< |d| now
 };
 
-/// Nothing unless all of the above hold.
+/// Nothing unless all of the above hold; `failed` then gets the words for what does not.
 std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const Couplings& couplings,
                                           const Pose& rod0, const Pose& rod1,
-                                          std::optional<double> contact_distance = {});
+                                          std::optional<double> contact_distance = {},
+                                          std::string* failed = nullptr);
 
 } // namespace rodwake::rods

@@ -113,8 +113,9 @@ struct RodOutcome {
     std::optional<bool> grows = {}, stable = {};
     /// Smallest gap between the bodies of two rods at any time, below 0: overlap, f/mu; NaN: no bodies.
     double min_gap = std::numeric_limits<double>::quiet_NaN();
-    double min_gap_time = 0.0;                   ///< when
-    std::string reason;                          ///< in words, with the numbers
+    double min_gap_time = 0.0; ///< when
+    std::string failed; ///< of an undecided outcome: the criteria that two rods fail, with their numbers
+    std::string reason; ///< in words, with the numbers
     Certificate certificate = Certificate::open; ///< by simulate_certified (certificate.hpp)
 };
 
