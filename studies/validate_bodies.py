@@ -126,10 +126,10 @@ def extremes(lab):
     for name, text, wanted in CELLS:
         began = cpu()
         try:
-            done = lab.call("rods", lab.write("cell.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "cell", good=(), timeout=20)
+            done = lab.call("rods", lab.write("cell.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "cell", good=(), timeout=120)
         except subprocess.TimeoutExpired:
             wrong += 1
-            lines.append([name, "**no end in 20 s**", "", "20"])
+            lines.append([name, "**no end in 120 s**", "", "120"])
             continue
         if done.returncode == 0:
             outcome = told(lab.folder / "cell", "outcome")
