@@ -135,7 +135,7 @@ def extremes(lab):
             outcome = told(lab.folder / "cell", "outcome")
             end, more = outcome["outcome"], f"{outcome['solver']['steps']} steps, gap {outcome['min_gap']:.3g}"
         else:
-            end, more = {2: "refused"}.get(done.returncode, f"exit code {done.returncode}"), done.stderr.strip().splitlines()[0][-90:]
+            end, more = {2: "refused"}.get(done.returncode, f"exit code {done.returncode}"), done.stderr.strip().splitlines()[0].split(".toml:")[-1][-90:]
         good = wanted in done.stderr if end == "refused" and wanted else end == wanted or (wanted is None and done.returncode == 0)
         wrong += not good
         lines.append([name, end if good else f"**{end}**, not {wanted}", more, f"{cpu() - began:.1f}"])
