@@ -272,6 +272,7 @@ void add_unused_lines(const scene::Scene& scene, Lines& lines) {
 bool may_collide(const ScanPlan& scan) {
     const auto& run = scan.base.rods_run;
     return scan.subject == scene::ScanSubject::rods && run && !run->contact_distance && scan.base.coupling &&
+           !scene::bodies_of(scan.base).any() &&
            std::ranges::count(scan.keys, "rods_run.contact_distance", &ScanPlan::VariedKey::key) == 0;
 }
 
