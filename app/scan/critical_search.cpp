@@ -384,8 +384,7 @@ ordered_json triple_points_of(const ScanPlan& plan, const std::vector<scan::Resu
                     groups.back().second = to;
                     all.push_back({{"value", v.value},
                                    {"kind", critical_kinds[static_cast<std::size_t>(values[i].outcome)]},
-                                   {"below", outcome_text(plan, below)},
-                                   {"above", outcome_text(plan, above)}});
+                                   {"outcomes", {outcome_text(plan, below), outcome_text(plan, above)}}});
                 }
                 sides.push_back({{"at", at_of(plan, points, chain.places[side])}, {"values", all}});
             }

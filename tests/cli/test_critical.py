@@ -102,9 +102,9 @@ class CriticalTest(ScanTest):
                    '[[scan.axes]]\nkey = "medium.alpha"\nvalues = [0.6875, 0.875]\n', rtol="1e-8")
         below, above = self.told("triple")["triple_points"][0]
         self.assertEqual([side["at"]["medium.alpha"] for side in (below, above)], [0.6875, 0.875])
-        self.assertEqual([(one["kind"], one["below"], one["above"]) for one in below["values"]],
+        self.assertEqual([(one["kind"], *one["outcomes"]) for one in below["values"]],
                          [("separatrix", "pursuit", "orbit"), ("grazing", "orbit", "contact")])
-        self.assertEqual([(one["kind"], one["below"], one["above"]) for one in above["values"]], [("separatrix", "pursuit", "contact")])
+        self.assertEqual([(one["kind"], *one["outcomes"]) for one in above["values"]], [("separatrix", "pursuit", "contact")])
 
     def test_similarity(self):
         """Lengths times alpha remove alpha: kappa_c at 2.1 from 2.5 is that at 1.05 from 5."""
