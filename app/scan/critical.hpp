@@ -48,7 +48,8 @@ struct CriticalValue {
         return std::tuple{
             field("value", &R::value, {"{solved key}", "critical value"}),
             field("low", &R::low,
-                  {"{solved key}", "lower end of its range: the bracket, and the value at rtol/100"}),
+                  {"{solved key}",
+                   "lower end of its range: the bracket, and 1.5 times the change at rtol/100"}),
             field("high", &R::high, {"{solved key}", "upper end of its range"}),
             field("closest_below", &R::closest_below,
                   {"{scan length}",

@@ -121,7 +121,7 @@ std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
     }
     std::vector<double> logs, times;
     const double root = std::midpoint(bracket.low.at, bracket.high.at);
-    for (int decade = 3; decade <= 10; ++decade) {
+    for (int decade = 5; decade <= 12; ++decade) { // farther out the flow is not linear at the fixed point
         const double step = scale * std::pow(10.0, -decade);
         const auto time = departure_time(follow(encounters, encounters.at(root + step)), *saddle);
         if (time) {

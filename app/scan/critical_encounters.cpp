@@ -20,7 +20,8 @@ Encounters::Encounters(const ScanPlan& plan, const scan::Point& point, const std
     const auto number = [&](std::string_view name) {
         return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     };
-    time_ = number("time"), closest_ = number("min_separation"), orbit_ = number("separation");
+    time_ = number("time"), closest_ = number("min_separation"), apart_ = number("final_separation"),
+    orbit_ = number("separation");
 }
 
 Bracket Encounters::both(double low, double high) {
@@ -36,8 +37,10 @@ Bracket Encounters::both(double low, double high) {
         ++count;
         Encounter& one = all[k];
         one = {points[k].at[axis_], static_cast<Ending>(result.outcome),
-               critical_group(*plan_.critical, result.outcome), result.values[time_] / units_.time};
+               critical_group(*plan_.critical, result.outcome)};
+        one.time = result.values[time_] / units_.time;
         one.closest = result.values[closest_] / units_.length;
+        one.parted = one.ending == Ending::undecided && result.values[apart_] / units_.length > one.time;
         if (one.ending == Ending::orbit) {
             one.orbit = result.values[orbit_] / units_.length;
             one.closest = std::min(one.closest, one.orbit);

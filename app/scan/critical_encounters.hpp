@@ -17,6 +17,7 @@ struct Encounter {
     double at = 0.0;
     Ending ending = Ending::undecided;
     int group = 2;
+    bool parted = false; ///< undecided, but half the run's length or farther apart, each in the other's trail
     double time = 0.0;
     double orbit = std::numeric_limits<double>::quiet_NaN(); ///< separation of the orbit in which rods end
     double closest = 0.0; ///< of an orbit that shrinks its own separation; of a contact not known
@@ -69,7 +70,7 @@ private:
     const std::function<bool()>& stop_;
     scan::Evaluate evaluate_;
     PointProblem problem_;
-    std::size_t axis_, time_ = 0, closest_ = 0, orbit_ = 0;
+    std::size_t axis_, time_ = 0, closest_ = 0, apart_ = 0, orbit_ = 0;
     OutputUnits units_;
 };
 
@@ -82,6 +83,15 @@ struct Path {
     std::vector<rods::Pose> poses;
 };
 Path follow(Encounters& encounters, const Encounter& one);
+
+/// The fold at which an orbit vanishes within the bracket.
+std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket);
+
+/// Where the orbit in which rods end has shrunk to the contact distance: the root of its own separation, as
+/// encounters end ever later near it. Secants follow the orbit, which shrinks by at most 30 % in each.
+/// Nothing if the rods come closer on the way, or if the orbit does not lead from one end of the bracket to
+/// the other.
+std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracket);
 
 struct Departure {
     double value; ///< the separatrix, to rounding at this tolerance

@@ -285,6 +285,19 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
 
 namespace {
 
+/// The axes' values at a place.
+ordered_json at_of(const ScanPlan& plan, const scan::PointList& points, std::size_t place) {
+    ordered_json at = ordered_json::object();
+    const scan::Point point =
+        points.at_place(static_cast<std::int64_t>(place * plan.design.axes.back().values.size()));
+    for (std::size_t k = 0; k + 1 < plan.design.axes.size(); ++k) {
+        const scan::Axis& axis = plan.design.axes[k];
+        at[axis.name] = axis.words.empty() ? ordered_json(point.at[k])
+                                           : ordered_json(axis.words[static_cast<std::size_t>(point.at[k])]);
+    }
+    return at;
+}
+
 /// Values of neighbouring points on one branch have one number: between the same outcomes, and nearest to
 /// each other, a branch taking one value of a point.
 std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Result>& values) {
@@ -332,6 +345,56 @@ std::vector<int> branches_of(const ScanPlan& plan, const std::vector<scan::Resul
     return branches;
 }
 
+/// Where curves meet between two neighbours along the first axis: the values of each that the other does not
+/// continue with the same kind, if both sides lead from one group to the same other one. (A curve that leaves
+/// the range does not.)
+ordered_json triple_points_of(const ScanPlan& plan, const std::vector<scan::Result>& values,
+                              const std::vector<int>& branches, std::size_t places) {
+    const scan::PointList points(plan.design);
+    std::map<std::size_t, std::vector<std::size_t>> at; // values of a place, ascending
+    for (std::size_t i = 0; i < values.size(); ++i)
+        at[static_cast<std::size_t>(point_of_bracket(plan, values[i].point.id))].push_back(i);
+    const auto ending = [&](std::size_t place, std::size_t other) {
+        std::vector<std::size_t> found = at[place];
+        std::erase_if(found, [&](std::size_t i) {
+            return std::ranges::any_of(at[other], [&](std::size_t j) {
+                return branches[i] == branches[j] && values[i].outcome == values[j].outcome;
+            });
+        });
+        return found;
+    };
+    ordered_json triples = ordered_json::array();
+    if (!plan.design.axes[0].words.empty()) // without neighbours
+        return triples;
+    for (const PredictionChain& chain : chains_of(plan, places))
+        for (std::size_t k = 0; k + 1 < chain.places.size(); ++k) {
+            std::vector<Groups> groups; // of what ends here and of what begins there
+            ordered_json sides = ordered_json::array();
+            for (const std::size_t side : {k, k + 1}) {
+                ordered_json all = ordered_json::array();
+                const std::size_t before = groups.size();
+                for (const std::size_t i : ending(chain.places[side], chain.places[2 * k + 1 - side])) {
+                    const CriticalValue v = value_of(values[i]);
+                    const auto below = static_cast<std::int32_t>(v.below),
+                               above = static_cast<std::int32_t>(v.above);
+                    const int from = critical_group(*plan.critical, below),
+                              to = critical_group(*plan.critical, above);
+                    if (groups.size() == before)
+                        groups.emplace_back(from, to);
+                    groups.back().second = to;
+                    all.push_back({{"value", v.value},
+                                   {"kind", critical_kinds[static_cast<std::size_t>(values[i].outcome)]},
+                                   {"outcomes", {outcome_text(plan, below), outcome_text(plan, above)}}});
+                }
+                sides.push_back({{"at", at_of(plan, points, chain.places[side])}, {"values", all}});
+            }
+            if (groups.size() == 2 ? groups[0] == groups[1]
+                                   : groups.size() == 1 && groups[0].first == groups[0].second)
+                triples.push_back(sides);
+        }
+    return triples;
+}
+
 } // namespace
 
 void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, const scan::Ledger& ledger,
@@ -369,13 +432,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
     const scan::PointList list(plan.design);
     ordered_json points = ordered_json::array();
     for (std::size_t place = 0; place < outcomes.size(); ++place) {
-        ordered_json at = ordered_json::object(), seen = ordered_json::object();
-        const scan::Point point = list.at_place(static_cast<std::int64_t>(place * axis.values.size()));
-        for (std::size_t k = 0; k < others; ++k)
-            at[plan.design.axes[k].name] =
-                plan.design.axes[k].words.empty()
-                    ? ordered_json(point.at[k])
-                    : ordered_json(plan.design.axes[k].words[static_cast<std::size_t>(point.at[k])]);
+        ordered_json seen = ordered_json::object();
         for (std::size_t k = 0; k < plan.columns.outcomes.size(); ++k)
             if (const auto times = std::ranges::count(outcomes[place], static_cast<std::int32_t>(k));
                 times > 0)
@@ -401,7 +458,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
                                      ? "outcomes"
                                      : plan.critical->between[0] + " and " + plan.critical->between[1],
                                  axis.from, axis.to);
-        points.push_back({{"at", at},
+        points.push_back({{"at", at_of(plan, list, place)},
                           {"status", failed              ? "incomplete"
                                      : counts[place] > 0 ? "found"
                                                          : "none"},
@@ -413,6 +470,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
     for (const scan::Result& one : search.values)
         encounters += value_of(one).encounters;
     const scan::Audit audit{search.audited, search.missed};
+    const ordered_json triples = triple_points_of(plan, search.values, branches, outcomes.size());
     const ordered_json out = {{"solve_for", axis.name},
                               {"from", axis.from},
                               {"to", axis.to},
@@ -428,6 +486,7 @@ void write_critical(const std::filesystem::path& folder, const ScanPlan& plan, c
                                 {"found", search.missed},
                                 {"missed_rate_high", search.audited > 0 ? ordered_json(audit.upper_bound())
                                                                         : ordered_json(nullptr)}}},
+                              {"triple_points", triples},
                               {"points", points}};
     store::write_atomically(folder / "critical.json", json_text(out, 2) + "\n");
 }

@@ -2,8 +2,6 @@
 
 #include "critical_encounters.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/rods/pair_branches.hpp"
-#include "rodwake/rods/pair_equilibria.hpp"
 #include "scan_parts.hpp"
 
 #include <boost/math/tools/toms748_solve.hpp>
@@ -162,106 +160,6 @@ Root fixed_point_root(Encounters& brief, CriticalKind kind, double value, const 
     return root;
 }
 
-/// The number of the pair's flow that the key changes, if it is one alone, at the ends of a bracket.
-struct FlowParameter {
-    rods::BranchParameter parameter;
-    double low, high;
-};
-std::optional<FlowParameter> flow_parameter(const rods::RodProblem& low, const rods::RodProblem& high) {
-    using enum rods::BranchParameter;
-    const FlowParameter all[] = {{kappa, low.couplings.kappa, high.couplings.kappa},
-                                 {gamma1, low.couplings.gamma1, high.couplings.gamma1},
-                                 {gamma2, low.couplings.gamma2, high.couplings.gamma2},
-                                 {eta, low.medium->eta, high.medium->eta},
-                                 {alpha, 1.0 / low.medium->xi, 1.0 / high.medium->xi}};
-    std::optional<FlowParameter> found;
-    for (const FlowParameter& one : all)
-        if (one.low != one.high) {
-            if (found)
-                return std::nullopt;
-            found = one;
-        }
-    return found;
-}
-
-/// The fold at which an orbit vanishes within the bracket.
-std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) {
-    const double from = bracket.low.at, to = bracket.high.at;
-    const rods::RodProblem low = encounters.problem_at(from), high = encounters.problem_at(to);
-    if (!has_fixed_points(low))
-        return std::nullopt;
-    const auto key = flow_parameter(low, high);
-    if (!key)
-        return std::nullopt;
-    // An orbit that goes on to the other end, little changed, has no fold.
-    const bool below = bracket.low.ending == Ending::orbit;
-    const rods::RodProblem &of_orbit = below ? low : high, &other = below ? high : low;
-    const rods::Pose pose = follow(encounters, below ? bracket.low : bracket.high).poses.back();
-    const auto here = rods::equilibrium_near(*of_orbit.medium, of_orbit.couplings, pose);
-    const auto there =
-        here ? rods::equilibrium_near(*other.medium, other.couplings, here->pose) : std::nullopt;
-    if (there && there->kind == rods::EquilibriumKind::orbit && there->stable() &&
-        std::abs(there->separation[0] - here->separation[0]) < 0.1 * here->separation[0])
-        return std::nullopt;
-    // The key is linear in the parameter, or in its inverse, as xi is in alpha.
-    const auto value_of = [&](double parameter) {
-        const auto share = [&](double at, double first, double last) {
-            return (at - first) / (last - first);
-        };
-        const bool inverse = std::abs(key->low * from - key->high * to) < 1e-9 * std::abs(key->low * from);
-        return std::lerp(from, to,
-                         inverse ? share(1.0 / parameter, 1.0 / key->low, 1.0 / key->high)
-                                 : share(parameter, key->low, key->high));
-    };
-    const auto [least, most] = std::minmax(key->low, key->high);
-    for (const rods::PairBranch& branch :
-         rods::pair_branches(*low.medium, low.couplings, key->parameter, least, most))
-        for (const rods::BranchPoint& point : branch.points)
-            if (point.fold && point.equilibrium.kind == rods::EquilibriumKind::orbit)
-                return value_of(point.parameter);
-    return std::nullopt;
-}
-
-/// Where the orbit in which rods end has shrunk to the contact distance: the root of its own separation, as
-/// encounters end ever later near it. Secants follow the orbit, which shrinks by at most 30 % in each.
-/// Nothing if the rods come closer on the way, or if the orbit does not lead from one end of the bracket to
-/// the other.
-std::optional<double> shrunk_orbit(Encounters& encounters, const Bracket& bracket) {
-    const double contact = encounters.contact_distance(bracket.low.at);
-    const bool below = bracket.low.ending == Ending::orbit;
-    const Encounter& orbiting = below ? bracket.low : bracket.high;
-    const double end = below ? bracket.high.at : bracket.low.at;
-    if (const double other = encounters.contact_distance(bracket.high.at); other != contact) // the key itself
-        return std::lerp(bracket.low.at, bracket.high.at, (orbiting.orbit - contact) / (other - contact));
-    if (!has_fixed_points(encounters.problem_at(orbiting.at)))
-        return std::nullopt;
-    rods::Pose pose = follow(encounters, orbiting).poses.back();
-    const auto separation = [&](double value) -> std::optional<double> {
-        const rods::RodProblem& problem = encounters.problem_at(value);
-        const auto orbit = rods::equilibrium_near(*problem.medium, problem.couplings, pose);
-        if (!orbit || orbit->kind != rods::EquilibriumKind::orbit)
-            return std::nullopt;
-        pose = orbit->pose;
-        return orbit->separation[0];
-    };
-    double before = orbiting.at, at = before + 1e-4 * (end - before);
-    auto wide = separation(before), narrow = separation(at);
-    for (int turn = 0; turn < 100; ++turn) {
-        if (!wide || !narrow || !((end - at) * (at - orbiting.at) > 0.0))
-            return std::nullopt;
-        const double target = std::max(contact, 0.7 * *narrow),
-                     next = at + (target - *narrow) * (at - before) / (*narrow - *wide);
-        if (target == contact && std::abs(next - at) <= 1e-13 * std::abs(at))
-            return next;
-        if (!((end - next) * (next - orbiting.at) > 0.0))
-            return std::nullopt;
-        pose.x *= target / *narrow, pose.y *= target / *narrow;
-        before = at, wide = narrow;
-        at = next, narrow = separation(at);
-    }
-    return std::nullopt;
-}
-
 /// Narrows a bracket until its kind is known and it is `width` wide. `brief`: the same encounters, with
 /// little time to be decided.
 Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double width) {
@@ -298,8 +196,8 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
             }
         }
         // Undecided rods tell no side: then the bracket is the range.
-        const bool stuck =
-            one.ending == undecided && bracket.low.ending != undecided && bracket.high.ending != undecided;
+        const bool stuck = one.ending == undecided && !one.parted && bracket.low.ending != undecided &&
+                           bracket.high.ending != undecided;
         parts = one.ending == escape;
         if (!stuck)
             bracket.take(one);
@@ -409,8 +307,8 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
     found.below = static_cast<double>(root.bracket.low.ending);
     found.above = static_cast<double>(root.bracket.high.ending);
     found.rest = root.bracket.high.at;
-    found.low = std::min(root.bracket.low.at, root.value),
-    found.high = std::max(root.bracket.high.at, root.value);
+    found.low = std::min(root.bracket.low.at, root.value - 0.5 * width),
+    found.high = std::max(root.bracket.high.at, root.value + 0.5 * width);
     const int low = root.bracket.low.group, high = root.bracket.high.group;
     if (plan.critical->between.size() == 2 && std::min(low, high) + std::max(low, high) != 1) {
         kind = CriticalKind::other; // a third group lies between
@@ -420,8 +318,10 @@ CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan&
     if (!root.of_fixed_point) {
         Encounters checked(tight, point, stop);
         if (const auto check = again(checked, brief_encounters, root, from, to, width)) {
-            found.low = std::min(found.low, *check);
-            found.high = std::max(found.high, *check);
+            const double beyond =
+                *check + 0.5 * (*check - root.value); // its own error is a part of the change
+            found.low = std::min(found.low, beyond);
+            found.high = std::max(found.high, beyond);
         } else // the check ends otherwise: nothing narrower than the coarse bracket is certain
             found.low = from, found.high = to;
         kind = root.kind;

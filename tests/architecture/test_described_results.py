@@ -59,6 +59,7 @@ QUOTED = {
     "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
     "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
+    "final_separation": {"app/scan/critical_encounters.cpp"},
     "separation": {PAIRS, "app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},

@@ -60,15 +60,51 @@ class CriticalTest(ScanTest):
         self.near(shrunk, 24.2495989, 1e-7)
 
     def test_straight_walkers(self):
-        """At right angles, the closest approach is |x - 5|/sqrt(2): two roots in closed form."""
+        """At right angles, the closest approach is |x - 5|/sqrt(2), and at a difference h of the headings sqrt(50) |cos(h/2 + pi/4)| from
+        (5, -5): two roots each in closed form."""
         self.write("straight.toml", STRAIGHT)
-        self.scan("straight.toml", "out")
-        rows = self.values("out")
-        self.assertEqual([row["kind"] for row in rows], ["grazing"] * 2)
-        for row, x in zip(rows, (5.0 - 0.1 * math.sqrt(2.0), 5.0 + 0.1 * math.sqrt(2.0))):
-            self.near(row, x, 5e-12)  # ten times the tolerance, 1e-13 of x
-            for side in ("closest_below", "closest_above"):
-                self.assertAlmostEqual(float(row[side]), 0.1, delta=1e-11)
+        away = 0.1 * math.sqrt(2.0)
+        half = 2.0 * math.asin(0.1 / math.sqrt(50.0))
+        for run, roots, settings in (("place", (5.0 - away, 5.0 + away), ()),
+                                     ("heading", (math.pi / 2.0 - half, math.pi / 2.0 + half),
+                                      ("scan.solve_for=rods.1.heading", "rods.1.position.0=5", "scan.from=0.2", "scan.to=3"))):
+            self.scan("straight.toml", run, *(word for one in settings for word in ("-s", one)))
+            rows = self.values(run)
+            self.assertEqual([row["kind"] for row in rows], ["grazing"] * 2)
+            for row, root in zip(rows, roots):
+                self.near(row, root, 1e-12)
+                for side in ("closest_below", "closest_above"):
+                    self.assertAlmostEqual(float(row[side]), 0.1, delta=1e-11)
+
+    def test_against_an_independent_integrator(self):
+        """Values made in long double: Gragg-Bulirsch-Stoer extrapolation to 1e-16, Bessel functions of Boost, bisection to 1e-14. The last
+        is of rods that at some values part each in the other's trail, which nothing decides."""
+        for number, (kind, ends, value, settings) in enumerate((
+                ("separatrix", ("contact", "pursuit"), 2.2238337888404217,
+                 "medium.alpha=1.217 medium.eta=1.086 coupling.kappa=39.23 coupling.gamma2=1.89 rods.1.position.0=-1.255 rods.1.position.1=-1.565 "
+                 "rods_run.contact_distance=0.247 scan.solve_for=rods.1.heading scan.from=1.5 scan.to=3"),
+                ("grazing", ("escape", "contact"), 1.6253974724333972,
+                 "medium.alpha=1.013 coupling.kappa=-49.81 coupling.gamma1=-5.88 rods.1.position.0=1.368 rods.1.position.1=-4.73 "
+                 "rods.1.heading=1.169 rods_run.contact_distance=0.171 scan.solve_for=medium.eta scan.from=1 scan.to=3"),
+                ("grazing", ("escape", "contact"), -2.2653098349718898,
+                 "medium.alpha=2.283 medium.eta=1.76 coupling.kappa=-52.84 coupling.gamma1=-2.28 rods.1.position.0=0.721 "
+                 "rods.1.heading=1.62 rods_run.contact_distance=0.158 scan.solve_for=rods.1.position.1 scan.from=-3 scan.to=-2"))):
+            one, = self.solve(f"made{number}", 'from = 1.0\nto = 2.0\ncount = 4\naudit = 0\nbetween = ["contact", "other"]\ntolerance = 1e-9\n',
+                              *(word for one in settings.split() for word in ("-s", one)))
+            self.assertEqual((one["kind"], one["below"], one["above"]), (kind, *ends))
+            self.near(one, value, 1e-8 * abs(value))
+            self.assertLessEqual(float(one["low"]), value)
+            self.assertGreaterEqual(float(one["high"]), value)
+
+    def test_a_triple_point(self):
+        """Between two values of alpha the orbits end: two curves become one."""
+        self.solve("triple", 'from = 22.0\nto = 26.0\ncount = 5\naudit = 0\ntolerance = 1e-5\nbetween = ["any"]\n'
+                   '[[scan.axes]]\nkey = "medium.alpha"\nvalues = [0.6875, 0.875]\n', rtol="1e-8")
+        below, above = self.told("triple")["triple_points"][0]
+        self.assertEqual([side["at"]["medium.alpha"] for side in (below, above)], [0.6875, 0.875])
+        self.assertEqual([(one["kind"], *one["outcomes"]) for one in below["values"]],
+                         [("separatrix", "pursuit", "orbit"), ("grazing", "orbit", "contact")])
+        self.assertEqual([(one["kind"], *one["outcomes"]) for one in above["values"]], [("separatrix", "pursuit", "contact")])
 
     def test_similarity(self):
         """Lengths times alpha remove alpha: kappa_c at 2.1 from 2.5 is that at 1.05 from 5."""
