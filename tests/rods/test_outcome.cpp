@@ -65,7 +65,8 @@ TEST_CASE("the reason of an undecided run names the criteria that failed, with t
     pair.x = 0.0;
     pair.y = -3.0;
     pair.heading[1] = 0.05;
-    CHECK_THAT(failed(pair), Catch::Contains("the rear rod is 0.999 of the separation off the axis, limit 0.2"));
+    CHECK_THAT(failed(pair),
+               Catch::Contains("the rear rod is 0.999 of the separation off the axis, limit 0.2"));
 
     // Of a run, and of the same pair in a batch.
     const rods::RodProblem problem{
