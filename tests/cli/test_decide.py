@@ -59,6 +59,9 @@ class DecideTest(ScanTest):
     def test_a_limit(self):
         self.scan("short.toml", "out", "-s", "scan.decide=true", "-s", "rods_run.t_end_limit=6")
         self.assertEqual([(row["outcome"], row["time"]) for row in self.rows("out")[:2]], [("undecided", "6")] * 2)
+        log = (self.folder / "out/log.txt").read_text()
+        self.assertIn("scan: 2 points are undecided at rods_run.t_end_limit", log)
+        self.assertRegex(log, r"1  rods 0 and 1 show no pursuit \(.*\), no escape \(.*\), no orbit \(.*\)\n.*this was at coupling.kappa = 3\n")
 
     def test_refused(self):
         self.refuse_scan("t_end_limit needs scan.decide = true", "short.toml", "out", "-s", "rods_run.t_end_limit=6")

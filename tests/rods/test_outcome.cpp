@@ -50,6 +50,48 @@ TEST_CASE("escape needs growing distance and torques too weak to turn back") {
     CHECK(classify({{-3, 0, 0}, {3, 0, M_PI}}, 0.0, changing) == Ending::undecided); // approaching
 }
 
+TEST_CASE("the reason of an undecided run names the criteria that failed, with their numbers") {
+    const auto failed = [](const PairEnd& pair) { return failed_criteria(pair, {}); };
+    PairEnd pair{3.0, 0.1, 1.0, 0.0, {0.0, 0.2}, 0.2, changing};
+    CHECK(failed(pair) == "no pursuit (the headings differ by 0.2 rad, limit 0.1), no escape (met)");
+    pair.late.max_turning = 0.1;
+    CHECK_THAT(failed(pair),
+               Catch::Contains("turn by 1.5 of the angle between them while it doubles, limit 0.05"));
+    pair.angle = 0.05;
+    CHECK_THAT(failed(pair), Catch::Contains("varied by 1 of its mean at last, limit 0.05"));
+    pair.vx = -0.5;
+    CHECK_THAT(failed(pair), Catch::Contains("the separation does not grow, its rate is -0.5 of v0"));
+    pair.late = steady;
+    pair.x = 0.0;
+    pair.y = -3.0;
+    pair.heading[1] = 0.05;
+    CHECK_THAT(failed(pair),
+               Catch::Contains("the rear rod is 0.999 of the separation off the axis, limit 0.2"));
+
+    // Of a run, and of the same pair in a batch.
+    const rods::RodProblem problem{
+        elastic::Medium{1.0, 1.0 / 0.3}, {23.5, 0.0, 0.0}, {{0, 0, 0}, {0, -5, M_PI / 2}}, 4.0, {}, 0.1};
+    const std::string reason = rods::simulate(problem, {}).outcome.reason;
+    CHECK_THAT(reason, Catch::StartsWith("rods 0 and 1 show no pursuit (the headings differ by ") &&
+                           Catch::Contains("), no escape (") && Catch::Contains("), no orbit (") &&
+                           Catch::EndsWith(" by t = 4; a longer t_end may decide"));
+    const rods::PairProblem pairs[] = {*rods::to_pair_problem(problem)};
+    rods::PairResult results[1];
+    rods::simulate_pairs(pairs, {}, results);
+    CHECK(rods::outcome_of(pairs[0], results[0]).reason.substr(0, 60) == reason.substr(0, 60));
+}
+
+TEST_CASE("the reason of an open outcome says that another run ends otherwise") {
+    // side by side and pushed apart: rounding breaks the mirror symmetry in bdf
+    const rods::RodProblem problem{
+        elastic::Medium{1.0, 1.0}, {-1e4, 0.0, 0.0}, {{0, 2.5, 0}, {0, -2.5, 0}}, 60.0, {}, 0.1};
+    rods::RodOptions options;
+    options.ode.method = integrate::Method::bdf;
+    const rods::RodOutcome outcome = rods::simulate_certified(problem, options).outcome;
+    CHECK(outcome.ending == Ending::undecided);
+    CHECK_THAT(outcome.reason, Catch::EndsWith("; a run with method erk ends in escape"));
+}
+
 TEST_CASE("rods that part at a small angle have not escaped while their wakes may still close it") {
     // at 30 000 they are in pursuit: they turn back by the last thousandth of a radian
     for (const auto& [t_end, ending] :

@@ -315,6 +315,22 @@ TEST_CASE("rods on their way into a stable orbit are told, others are not") {
           Approx(e.separation[0]).epsilon(1e-7)); // exp(-0.027 600)
 }
 
+TEST_CASE(
+    "rounding far beside a rod is no fixed point, and branches stay within the domain of eta and alpha") {
+    for (const double kappa : {-1.0, 30.0})
+        for (const double eta : {-0.9, -0.99})
+            CHECK(found_as({{eta, 1.0}, {.kappa = kappa}}, rods::EquilibriumKind::parallel).empty());
+    CHECK(found_as({{-0.99, 1.0}, {.kappa = -1.0}}, orbit).size() == 1);
+    using P = rods::BranchParameter;
+    for (const auto& [over, least, most] :
+         {std::tuple{P::eta, -0.9, 50.0}, std::tuple{P::alpha, 0.01, 100.0}}) {
+        const auto branches = rods::pair_branches({1.0, 1.0}, {.kappa = 30.0}, over, least, most);
+        REQUIRE_FALSE(branches.empty());
+        for (const auto& branch : branches)
+            CHECK((branch.first_end != "lost" && branch.last_end != "lost"));
+    }
+}
+
 TEST_CASE("pairs that cannot be looked at are refused") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     CHECK_THROWS_AS(rods::pair_equilibria({-1.0, 1.0}, {.kappa = 1.0}), InputError);
