@@ -148,7 +148,7 @@ py::tuple saved(const Run& run) {
                           std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
                                       s.error_test_failures, s.convergence_failures},
                           static_cast<int>(o.certificate), or_none(o.separation), or_none(o.omega), o.grows,
-                          o.stable, or_none(o.min_gap), o.min_gap_time);
+                          o.stable, or_none(o.min_gap), o.min_gap_time, o.failed);
 }
 
 /// Bit for bit, so that a solve that failed on NaN equals its copy too.
@@ -188,6 +188,7 @@ Run restored(const py::tuple& v) {
              v[20].cast<std::optional<bool>>(),
              v[21].cast<std::optional<double>>().value_or(std::nan("")),
              number(22),
+             text(23),
              text(10),
              static_cast<Certificate>(v[16].cast<int>())},
             text(11),
