@@ -306,7 +306,9 @@ std::vector<BodyContact> BodyForces::contacts(integrate::State y, double reach) 
         if (near.gap < reach)
             found.push_back(near);
     });
-    std::ranges::sort(found, {}, [](const BodyContact& one) { return std::pair(one.first, one.second); });
+    std::sort(found.begin(), found.end(), [](const BodyContact& one, const BodyContact& other) {
+        return std::pair(one.first, one.second) < std::pair(other.first, other.second);
+    });
     return found;
 }
 
