@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 """Does strain turn rods where there are no rows? Pairs of walking rods in beds of two sizes, a liquid and a solid, and in a crystal
-whose beads have a spread of 5 %. The table of docs/findings.md, section 14.
+whose beads have a spread of 5 %. The table of docs/findings.md, section 15.
 
     studies/validate_verdict.py [--program build/release/rodwake] [--only pairs,ends,weigh] [--runs 50] [-j 1] [--keep DIR]
 
-pairs  two rods side by side, 15 and 18 a apart, over half the box, and 20 runs that start at right angles; 3 (liquid), 60 (solid) and 20
+pairs  two rods side by side, 15 and 18 a apart, over half the box, and 20 runs that start at right angles; 3 (liquid), 25 (solid) and 8
        (crystal) CPU seconds a run. The rods at whole steps are the rows of studies/verdict_tracks.csv; batches of five runs that have
        rows are not made again, so another --runs adds to them.
 ends   of what is kept: change of the distance, contacts, how far which rod turned.
@@ -17,39 +17,22 @@ import shutil
 import numpy as np
 
 from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, text, told, tracks
-from validate_mechanism import A, FIT, MEDIA, NUMBERS, RIVALS, SIGMA_HEADING, SIGMA_POSITION, TOUCH, TRACK, apart_yet, speed_of
-from validate_two_sizes import BED
+from validate_mechanism import A, FIT, MEDIA, NUMBERS, RIVALS, SIGMA_HEADING, SIGMA_POSITION, TRACK, apart_yet, speed_of
 
 TRACKS, BATCH = SOURCE / "studies/verdict_tracks.csv", 5
-TWO_SIZES = BED.partition("[granular.output]")[0]
-ONE_SIZE = """schema = 1
-title = "A crystal with a spread of 5 %"
+SCENE = """schema = 1
+title = "Two rods in a {name}"
 [granular]
 phi_b = {phi}
-box = "{box} a"
-start = "lattice"
+box = "78 a"
+start = "{start}"
 equilibrate = "{equilibrate} s"
-duration = "{duration} s"
+duration = "{walk} s"
 seed = {seed}
-bead_spread = 0.05
-"""
-# The step of tracks, s, is about 2 a of walking.
-BEDS = {
-    "liquid": {"scene": TWO_SIZES, "phi": 0.66, "gap": 1.55, "thick": 1.4, "equilibrate": 5, "walk": 12, "step": 0.25},
-    "solid": {"scene": TWO_SIZES, "phi": 0.84, "gap": 1.55, "thick": 1.4, "equilibrate": 20, "walk": 60, "step": 1.0},
-    "crystal": {"scene": ONE_SIZE, "phi": 0.78, "thick": 1.1, "equilibrate": 1, "walk": 30, "step": 0.5},
-}
-# Of both rods: x, y in a, heading in degrees; how many runs unless --runs asks for less.
-STARTS = {
-    "15": (((20, 46.5, 0), (20, 31.5, 0)), 50),
-    "18": (((20, 48, 0), (20, 30, 0)), 50),
-    "across": (((15, 60, 0), (25, 34, 90)), 20),
-}
-OUTPUT = """runs = {runs}
-{stop}
+runs = {runs}
+{more}
 [granular.plates]
-{plates}
-{kinds}
+gap = "{gap} mm"
 [granular.output]
 formats = []
 last_period = false
@@ -59,17 +42,27 @@ position = ["{x} a", "{y} a"]
 heading = "{heading} deg"
 thick_diameter = "{thick} mm"
 """
-KINDS = '[[granular.bead_kinds]]\nradius = "0.4 mm"\nshare = 0.5\n[[granular.bead_kinds]]\nradius = "0.56 mm"\nshare = 0.5\n'
+TWO_SIZES = '[[granular.bead_kinds]]\nradius = "0.4 mm"\nshare = 0.5\n[[granular.bead_kinds]]\nradius = "0.56 mm"\nshare = 0.5\n'
+# The step of tracks, s, is about 2 a of walking.
+BEDS = {
+    "liquid": {"phi": 0.66, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 5, "walk": 12, "step": 0.25, "kinds": TWO_SIZES, "more": ""},
+    "solid": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": ""},
+    "crystal": {"phi": 0.78, "gap": 1.2, "thick": 1.1, "start": "lattice", "equilibrate": 1, "walk": 30, "step": 0.5, "kinds": "", "more": "bead_spread = 0.05"},
+}
+# Of both rods: x, y in a, heading in degrees; how many runs unless --runs asks for less.
+STARTS = {
+    "15": (((20, 46.5, 0), (20, 31.5, 0)), 50),
+    "18": (((20, 48, 0), (20, 30, 0)), 50),
+    "across": (((15, 60, 0), (25, 34, 90)), 20),
+}
 
 
-def scene_of(bed, start, seed, runs):
+def scene_of(name, start, seed, runs):
     """Two rods in a bed: rods side by side stop after half a box, others after the longest time."""
-    rods, _ = STARTS[start]
-    head = bed["scene"].partition("[granular.plates]")[0].format(**bed, box=78, duration=bed["walk"], seed=seed)
-    mixed = bed["scene"] is TWO_SIZES
-    output = OUTPUT.format(runs=runs, stop="" if start == "across" else 'stop_at_travel = "39 a"',
-                           plates=f'gap = "{bed["gap"]} mm"' if mixed else "", kinds=KINDS if mixed else "")
-    return head + output + "".join(ROD.format(x=x, y=y, heading=heading, thick=bed["thick"]) for x, y, heading in rods)
+    bed, (rods, _) = BEDS[name], STARTS[start]
+    more = bed["more"] if start == "across" else bed["more"] + '\nstop_at_travel = "39 a"'
+    head = SCENE.format(**bed | {"name": name, "seed": seed, "runs": runs, "more": more})
+    return head + bed["kinds"] + "".join(ROD.format(x=x, y=y, heading=heading, thick=bed["thick"]) for x, y, heading in rods)
 
 
 def rows_at_steps(track, step):
@@ -87,7 +80,7 @@ def pairs(lab):
             for name, bed in BEDS.items():
                 if (name, start, batch) in there or batch > most // BATCH:
                     continue
-                out = lab.make(f"{name}_{start}_{batch}", scene_of(bed, start, batch, BATCH), verbs=("dem",))
+                out = lab.make(f"{name}_{start}_{batch}", scene_of(name, start, batch, BATCH), verbs=("dem",))
                 seconds = round(told(out, "summary")["cpu_seconds"] / BATCH)
                 for run, track in enumerate(tracks(out), 1):
                     for row in rows_at_steps(track, bed["step"]):
