@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 namespace rodwake::rods {
@@ -403,7 +402,11 @@ struct PairBox {
 PairBox box_of(std::span<const PairProblem> pairs) {
     PairBox box{pairs[0], {}, {}, {}};
     const auto middle_and_half = [&](const auto& number) {
-        const auto [least, most] = std::ranges::minmax(pairs | std::views::transform(number));
+        double least = number(pairs[0]), most = least;
+        for (const PairProblem& pair : pairs) {
+            least = std::min(least, number(pair));
+            most = std::max(most, number(pair));
+        }
         return std::pair(0.5 * (least + most), 0.5 * (most - least));
     };
     for (std::size_t rod = 0; rod < 2; ++rod) {
