@@ -35,8 +35,9 @@ public:
             value(fmt::format("{}.values[{}]", key, i), axis.values[i]);
     }
 
-    /// What the gap between shaken plates stops: findings.md, section 13. Beads revive from 2.5 radii on; a
-    /// rod walks at a tenth of its speed where its thick end fills 0.7 of the gap, at a third for 0.84.
+    /// Beads and rods that the gap between shaken plates stops are named (findings.md, section 13): beads
+    /// revive from 2.5 radii on; a rod walks at a tenth of its speed where its thick end fills 0.7 of the
+    /// gap, at a third for 0.84.
     void gap(const Granular& bed) {
         constexpr double dead = 2.5, thin = 0.8;
         const double width = bed.plates.gap, largest = bead_mix(bed).largest();

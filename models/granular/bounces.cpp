@@ -256,9 +256,9 @@ double next_touch(const RodApproach& approach, double left, double rest, bool lo
 
 Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0, &step}; }
 
-/// Of a contact that rests on a plate at rest, where there is no impact to follow: the impulse that stops the
-/// point if friction can hold it, else one that ends its approach and acts against the slip as it is now.
-/// Nothing if that would give energy.
+/// A contact that rests on a plate at rest follows no impact. It gets the impulse that stops the point if
+/// friction can hold it, else one that ends its approach and acts against the slip as it is now; nothing if
+/// that would give energy.
 std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const Vector3& relative,
                                      double side, double friction) {
     // K P = -v by Cramer's rule; K is symmetric

@@ -41,7 +41,7 @@ public:
     void move(double time, double gravity);
     void shift(const Eigen::Vector3d& way) { body_.position += way; }
     void push(const Eigen::Vector3d& impulse, const Eigen::Vector3d& arm);
-    /// What moves it is gone, but for the imposed speed of a held rod.
+    /// The rod loses all motion but the imposed speed of a held one.
     void stop();
 
     /// Kinetic and potential (above z = 0), J.
