@@ -1,6 +1,7 @@
 #include "bounces.hpp"
 
 #include "bodies.hpp"
+#include "fixed_order.hpp"
 #include "rodwake/core/repeatable_math.hpp"
 #include "touches.hpp"
 
@@ -343,7 +344,7 @@ Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, P
     // rest
     const bool calm = step.still() && !lossless;
     if (calm && lies_still(rod, step)) {
-        const Vector3 weight(0.0, 0.0, rod.clump().mass * step.gravity * step.time_step);
+        Vector3 weight(0.0, 0.0, rod.clump().mass * step.gravity * step.time_step);
         rod.stop();
         tally.floor_impulse += weight.z();
         return weight;
