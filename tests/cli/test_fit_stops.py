@@ -10,7 +10,7 @@ from rodwake import PAIR, wait_until
 
 
 class ResumeTest(FitTest):
-    STARTS = ("-s", "fit.starts=100", "-s", "fit.box=78.0", "-s", "fit.likelihood=[\"eta\"]")
+    STARTS = ("-s", "fit.starts=60", "-s", "fit.box=78.0", "-s", "fit.likelihood=[\"eta\"]")
 
     def setUp(self):
         super().setUp()

@@ -117,7 +117,7 @@ class NoiseTest(ProgramTest):
         self.assertEqual(*((self.folder / name / "rods.csv").read_bytes() for name in ("quiet", "zero")))
 
     def test_stopped_and_taken_up(self):
-        self.write("pair.toml", PAIR.format(runs=2000))
+        self.write("pair.toml", PAIR.format(runs=600))
         self.expect(0, "rods", "pair.toml", "-o", "whole", "--quiet")
         progress = self.folder / "out/noise.log"
         with self.started("rods", "pair.toml", "-o", "out", "-j", "1", "--quiet") as process:
@@ -128,7 +128,7 @@ class NoiseTest(ProgramTest):
         self.assertFalse((self.folder / "out/noise.json").exists())
         again = self.expect(0, "rods", "pair.toml", "-o", "out")
         done = int(re.search(r"noise: resuming from run (\d+)", again.stderr)[1])
-        self.assertTrue(0 < done < 2000, done)
+        self.assertTrue(0 < done < 600, done)
         self.assertEqual(self.results("out"), self.results("whole"))
         self.assertFalse(progress.exists())
 

@@ -75,10 +75,10 @@ class PosteriorTest(FitTest):
         self.assertTrue(0.85 < share <= 1.0, share)  # 0.95 of 53 points, three standard deviations
 
     def test_ctrl_c_and_the_same_command(self):
-        longer = ("fit", "fit.toml", "-o", "out", "--quiet", "-s", "fit.posterior.samples=40000")
+        longer = ("fit", "fit.toml", "-o", "out", "--quiet", "-s", "fit.posterior.samples=16000")
         with self.started(*longer) as process:
             ledger = self.folder / "out/fit.log"
-            self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 20000, 30), "no block was done")
+            self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 8000, 30), "no block was done")
             self.stop(process, signal.SIGINT, 20.0)
         self.assertFalse((self.folder / "out/posterior.json").exists())
         self.expect(0, *longer)
@@ -86,10 +86,10 @@ class PosteriorTest(FitTest):
         self.assertTrue((self.folder / "out/posterior.json").exists())
 
     def test_a_killed_one_goes_on_to_the_same_bytes(self):
-        longer = ("fit", "fit.toml", "-o", "out", "--quiet", "-s", "fit.posterior.samples=40000")
+        longer = ("fit", "fit.toml", "-o", "out", "--quiet", "-s", "fit.posterior.samples=16000")
         with self.started(*longer) as process:
             ledger = self.folder / "out/fit.log"
-            self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 20000, 30), "no block was done")
+            self.assertTrue(wait_until(lambda: ledger.exists() and ledger.stat().st_size > 8000, 30), "no block was done")
             self.assertIsNone(process.poll(), "it ended before it could be stopped: make it longer")
             self.stop(process, signal.SIGKILL, 5.0)
         self.expect(0, *longer)

@@ -30,8 +30,8 @@ alpha = 2.0
 [field]
 x = [-3.0, 3.0]
 y = [-2.0, 2.0]
-nx = 25
-ny = 17
+nx = 11
+ny = 7
 [[figures]]
 name = "field"
 kind = "extensional_axis"

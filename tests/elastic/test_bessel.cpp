@@ -133,8 +133,8 @@ TEST_CASE("scaled Bessel functions, many points", "[.][long]") {
 TEST_CASE("plain Bessel functions down to z = 1e-120") {
     WorstUlps worst;
     const auto visit = [&](double z) { add_plain(worst, z); };
-    each_binade(-399, 0, 4, 0.0, elastic::series_end, visit);
-    each_binade(-8, 0, 60, 0.0, elastic::series_end, visit);
+    each_binade(-399, 0, 1, 0.0, elastic::series_end, visit);
+    each_binade(-8, 0, 15, 0.0, elastic::series_end, visit);
     around(elastic::series_end, 0.0, elastic::series_end, visit);
     CAPTURE(worst.k0, worst.k1, worst.d1, worst.d2);
     CHECK(worst.k0 <= 3.0); // the header's claims
@@ -147,7 +147,7 @@ TEST_CASE("core Bessel functions in every binade") {
     WorstUlps worst;
     const auto visit = [&](double z) { add_core(worst, z); };
     each_binade(lowest, 0, 1, 0.0, elastic::series_end, visit);
-    each_binade(-8, 0, 60, 0.0, elastic::series_end, visit);
+    each_binade(-8, 0, 15, 0.0, elastic::series_end, visit);
     around(elastic::series_end, 0.0, elastic::series_end, visit);
     CAPTURE(worst.k0, worst.kappa1);
     CHECK(worst.k0 <= 3.0); // the header's claims
@@ -187,7 +187,7 @@ TEST_CASE("the kernels' K0 and K1 in every binade of their table") {
     constexpr int binades = elastic::end_binade - elastic::lowest_binade;
     double mean[2] = {};
     for (int binade = elastic::lowest_binade; binade < elastic::end_binade; ++binade) {
-        const BinadeUlps found = table_ulps(binade, 16);
+        const BinadeUlps found = table_ulps(binade, 6);
         CAPTURE(binade, found.largest[0], found.largest[1]);
         for (int q = 0; q < 2; ++q) {
             CHECK(found.largest[q] <= 2.0); // bessel_table.hpp

@@ -85,7 +85,7 @@ TEST_CASE("heading diffusion: rattling is told apart, a steady turn is told") {
           1.5 * turning.early.value); // (0.5 tau)^2 beside 0.1 tau: mean slopes 0.26, 0.45
 }
 
-TEST_CASE("heading diffusion: the interval holds the truth as often as it says") {
+TEST_CASE("heading diffusion: the interval holds the truth as often as it says", "[.][long]") {
     // 300 sets each; 95 % less three binomial errors of 1.3 % is 91 %.
     int of_runs = 0, of_blocks = 0;
     constexpr int sets = 300;

@@ -82,7 +82,7 @@ TEST_CASE("the kernel of beads that are bound, or held by a Maxwell element, is 
     }
 }
 
-TEST_CASE("errors of the kernel cover: two thirds of the points are within one", "[memory_kernel]") {
+TEST_CASE("errors of the kernel cover: two thirds of the points are within one", "[.][long]") {
     for (const std::size_t runs : {1, 6}) { // errors over groups of beads, over runs
         Agreement all;
         for (const Set& set : sets)

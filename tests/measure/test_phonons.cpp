@@ -200,7 +200,7 @@ TEST_CASE("phonons: frequency, damping and temperature of known modes within 2 %
     CHECK(r.temperature.value == Approx(single).epsilon(0.02));
 }
 
-TEST_CASE("phonons: errors cover the truth as often as they say") {
+TEST_CASE("phonons: errors cover the truth as often as they say", "[.][long]") {
     constexpr int sets = 48;
     int within = 0, of = 0;
     for (int set = 0; set < sets; ++set) {
