@@ -18,7 +18,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace rodwake::app {
@@ -179,27 +178,6 @@ void store_trajectory(Session& session, const std::string& group, const Trajecto
     });
 }
 
-/// Datasets body/spheres, body/length, ... [N], and box [2] of a periodic one.
-void store_bodies_and_box(Session& session, const std::string& group, const rods::RodProblem& problem) {
-    const auto put = [&](const char* name, double unit, const std::string& unit_name, auto number) {
-        std::vector<double> values;
-        for (std::size_t rod = 0; rod < problem.rods.size(); ++rod)
-            values.push_back(unit * static_cast<double>(problem.bodies.of(rod).*number));
-        session.results.dataset(group + "/body/" + name, values, {values.size()}, unit_name);
-    };
-    const double length = session.units.length;
-    const std::string& length_name = session.units.length_name;
-    if (problem.bodies.any()) {
-        put("spheres", 1.0, "1", &rods::BodyShape::spheres);
-        put("length", length, length_name, &rods::BodyShape::length);
-        put("thick_diameter", length, length_name, &rods::BodyShape::thick_diameter);
-        put("thin_diameter", length, length_name, &rods::BodyShape::thin_diameter);
-    }
-    if (problem.box)
-        session.results.dataset(group + "/box", std::array{problem.box->x * length, problem.box->y * length},
-                                {2}, length_name);
-}
-
 void store_attributes(Session& session, const Work& work, const std::string& group, std::int64_t order) {
     store::Hdf5Writer& out = session.results;
     const rods::RodOutcome& outcome = work.result.outcome;
@@ -225,7 +203,7 @@ void store(Session& session, Work& work, std::int64_t order) {
     const TrajectoryTables path = trajectory(work.result, rods, session.units);
     const std::string group = "/rods/" + work.of().name;
     store_trajectory(session, group, path);
-    store_bodies_and_box(session, group, work.problem);
+    store_bodies(session.results, group, work.problem, session.units);
     store_attributes(session, work, group, order);
     session.directory.write(work.of().folder + "rods.csv", rods_csv(path));
     std::optional<DrawnReport> drawn;
