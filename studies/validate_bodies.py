@@ -250,11 +250,13 @@ def crowd_scene(place, density, kappa, start, seed):
 
 
 def crowd_row(out):
-    """Means of a run and their errors by blocks; `touching`: the share of rods that touch another."""
+    """Means of a run and their errors by blocks; `touching`: the share of rods that touch another; fluctuations in cells of about 10 rods."""
     means, sizes = told(out, "rods_order"), rows(out / "clusters.csv")
     found = {}
     for name in ("polar", "nematic", "weighted_size", "largest"):
         found |= {name: round(means[name]["value"], 4), f"{name}_error": round(means[name]["error"], 4)}
+    cells = min(rows(out / "fluctuations.csv"), key=lambda row: abs(math.log(float(row["rods"]) / 10)))
+    found |= {name: round(float(cells[name]), 3) for name in ("fluctuation", "fluctuation_error")}
     alone = sum(float(row["share"]) for row in sizes if row["size"] == "1")
     return found | {"clusters": round(sum(float(row["clusters"]) for row in sizes), 2), "touching": round(1 - alone, 4),
                     "touch_lifetime": round(means.get("touch_lifetime") or math.nan, 3)}
@@ -286,7 +288,8 @@ def crowds(lab):
 
 
 # And digits that are shown.
-CROWD_COLUMNS = {"polar": 2, "nematic": 2, "touching": 2, "clusters": 0, "weighted_size": 1, "largest": 1, "touch_lifetime": 1}
+CROWD_COLUMNS = {"polar": 2, "nematic": 2, "touching": 2, "clusters": 0, "weighted_size": 1, "largest": 1, "touch_lifetime": 1,
+                 "fluctuation": 2}
 
 
 def over_seeds(found, name, digits):
