@@ -200,7 +200,7 @@ std::vector<std::string> trajectory_parameter_names() {
         names.emplace_back(coupling.name);
     for (const rods::OtherTurning& turning : rods::other_turning)
         names.emplace_back(turning.name);
-    names.insert(names.end(), {"eta", "xi", "alpha", "D_r", "D_t"});
+    names.insert(names.end(), {"eta", "xi", "alpha", "stall_overlap", "mobility_ratio", "D_r", "D_t"});
     return names;
 }
 
@@ -208,6 +208,15 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
                            std::vector<Parameter> parameters) {
     check_trajectories(trajectories);
     check_trajectory_parameters(parameters);
+    const bool bodies = std::ranges::any_of(trajectories, [](const auto& t) { return t.bodies.any(); });
+    for (const Parameter& p : parameters)
+        if (!bodies && (p.name == "stall_overlap" || p.name == "mobility_ratio"))
+            throw InputError(fmt::format("fit of trajectories: {} needs rods with bodies", p.name));
+        else if (bodies && rods::is_noise(p.name))
+            throw InputError(
+                fmt::format("fit of trajectories: {} of rods with bodies cannot be fitted: their "
+                            "contacts are not linear in what noise moves them",
+                            p.name));
     if (std::ranges::any_of(parameters, rods::is_noise, &Parameter::name))
         return noisy_problem(trajectories, std::move(parameters));
     if (model.ode.method == integrate::Method::erk)

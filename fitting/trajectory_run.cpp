@@ -26,6 +26,8 @@ const std::map<std::string, Role>& physical_roles() {
                                            {"gamma_flow", {.flow = true}},
                                            {"gamma_rows", {rods::Parameter::rows_gamma}},
                                            {"rows_direction", {rods::Parameter::rows_direction}},
+                                           {"stall_overlap", {rods::Parameter::stall_overlap}},
+                                           {"mobility_ratio", {rods::Parameter::mobility_ratio}},
                                            {"D_r", {.diffusion = Role::Diffusion::rotational}},
                                            {"D_t", {.diffusion = Role::Diffusion::translational}}};
         for (int k = 0; k < static_cast<int>(rods::Parameter::eta); ++k)
@@ -232,6 +234,8 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
                              std::span<const double> values) {
     rods::RodProblem problem;
     problem.medium.emplace();
+    problem.bodies = trajectory.bodies;
+    problem.goes_on = trajectory.bodies.any();
     const std::vector<double>& start = trajectory.states.front();
     for (std::size_t i = 0; i + 2 < start.size(); i += 3)
         problem.rods.push_back({start[i], start[i + 1], start[i + 2]});

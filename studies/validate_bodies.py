@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""Rods with bodies: what stall_overlap and rtol cost and change, extremes, which contacts of two rods last, a crowd of 10^4.
+"""Rods with bodies: what stall_overlap and rtol cost and change, extremes, which contacts of two rods last, crowds with and without wakes.
 
-    studies/validate_bodies.py [--program build/release/rodwake] [--only trade,extremes,bound] [--quick] [--keep DIR] [--report]
+    studies/validate_bodies.py [--program build/release/rodwake] [--only trade,extremes,bound] [--runs 2] [--quick] [--keep DIR] [--report]
 
 trade     two encounters against stall_overlap s, with the limit s -> 0 of hard rods, and against rtol: error, steps, CPU time. A minute.
 extremes  25 cells of bodies and starts, each with the end that it must have; exit code 1 if one has another. Half a minute.
 bound     two rods that meet at an angle: `bound` or not against kappa, angle and taper. Writes studies/bodies_bound.csv. A minute.
 crowd     1000 and 10^4 rods with wakes for one length (chosen by --only): CPU time of 100 lengths. Some minutes.
+crowds    200 rods in a periodic box and 2000 from a square on the plane (chosen by --only): order and clusters against density and kappa, from
+          ordered and from random starts. Rows of studies/crowds.csv; runs that have rows are not made again, so another --runs adds
+          seeds and --runs 0 shows what there is. 60 CPU seconds a run with wakes.
 """
 
 import math
@@ -14,7 +17,7 @@ import resource
 import subprocess
 import sys
 
-from lab import SOURCE, keep_row, parser, rows, run_parts, table, told
+from lab import SOURCE, keep_row, kept_rows, parser, rows, run_parts, table, text as shown, told
 
 SCENE = """schema = 1
 [medium]
@@ -207,7 +210,95 @@ def crowd(lab):
     table("Crowds at 0.2 rods a length squared, s = 0.1, rtol 1e-4", ["rods", "method", "steps a unit of time", "CPU s a unit of time", "CPU min for 100 lengths"], lines)
 
 
-PARTS = {"trade": trade, "extremes": extremes, "bound": bound, "crowd": crowd}
+CROWDS = SOURCE / "studies/crowds.csv"
+LENGTH, BOXED, ON_PLANE = 1.25, 200, 2000  # f/mu; numbers of rods
+DENSITIES, PLANE_DENSITY = (0.15, 0.3, 0.6), 0.3  # rods on a length squared
+STARTS = {"random": "180 deg", "ordered": "5 deg"}
+BOX = """schema = 1
+[medium]
+eta = 1.0
+alpha = 1.0
+periodic = {side}
+field = "table"
+[medium.table]
+tolerance = 1e-5
+[coupling]
+kappa = {kappa}
+[body]
+stall_overlap = 0.1
+[rods_random]
+count = {count}
+extent = {side}
+spread = "{spread}"
+seed = {seed}
+[rods_run]
+t_end = 20.0
+output_interval = 0.25
+rtol = 1e-3
+[rods_order]
+from = 10.0
+"""
+PLANE = {'periodic = {side}\nfield = "table"\n[medium.table]\ntolerance = 1e-5\n': "", "rtol = 1e-3\n": 'rtol = 1e-3\nprecision = "fine"\nturning_tolerance = 1e-3\n',
+         "t_end = 20.0": "t_end = 10.0", "from = 10.0": "from = 7.5"}
+
+
+def crowd_scene(place, density, kappa, start, seed):
+    lines, count = BOX, BOXED if place == "box" else ON_PLANE
+    for old, new in PLANE.items() if place == "plane" else ():
+        lines = lines.replace(old, new)
+    return lines.format(side=round(LENGTH * math.sqrt(count / density), 3), kappa=kappa, count=count, spread=STARTS[start], seed=seed)
+
+
+def crowd_row(out):
+    """Means of a run and their errors by blocks; `touching`: the share of rods that touch another; fluctuations in cells of about 10 rods."""
+    means, sizes = told(out, "rods_order"), rows(out / "clusters.csv")
+    found = {}
+    for name in ("polar", "nematic", "weighted_size", "largest"):
+        found |= {name: round(means[name]["value"], 4), f"{name}_error": round(means[name]["error"], 4)}
+    cells = min(rows(out / "fluctuations.csv"), key=lambda row: abs(math.log(float(row["rods"]) / 10)))
+    found |= {name: round(float(cells[name]), 3) for name in ("fluctuation", "fluctuation_error")}
+    alone = sum(float(row["share"]) for row in sizes if row["size"] == "1")
+    return found | {"clusters": round(sum(float(row["clusters"]) for row in sizes), 2), "touching": round(1 - alone, 4),
+                    "touch_lifetime": round(means.get("touch_lifetime") or math.nan, 3)}
+
+
+def crowds(lab):
+    """The plane, then one seed in the box after the other; of kappa the extremes first."""
+    seeds = 2 if lab.options.runs is None else lab.options.runs
+    box = [[("box", density, kappa, start, seed) for density in DENSITIES for kappa in kappas for start in STARTS]
+           for seed in range(1, seeds + 1) for kappas in ((0.0, 5.0, -5.0), (2.0, -2.0))]
+    plane = [("plane", PLANE_DENSITY, kappa, start, 1) for kappa in (0.0, 5.0, -5.0) for start in STARTS if seeds]
+    cases = plane + [case for one in box for case in one]
+    kept = kept_rows(CROWDS)
+    there = {(row["place"], float(row["density"]), float(row["kappa"]), row["start"], int(row["seed"])) for row in kept}
+    for case in cases[:2] if lab.quick else cases:
+        if case in there:
+            continue
+        began = cpu()
+        row = crowd_row(lab.make("_".join(map(str, case)), crowd_scene(*case), verbs=("rods",)))
+        keep_row(None if lab.quick else CROWDS, dict(zip(("place", "density", "kappa", "start", "seed"), case)) | row | {"cpu_seconds": round(cpu() - began)})
+    heads = {"box": f"{BOXED} rods in a periodic box", "plane": f"{ON_PLANE} rods from a square on the plane"}
+    for place, start in ((place, start) for place in heads for start in STARTS):
+        settings = {}
+        for row in kept_rows(CROWDS):
+            if (row["place"], row["start"]) == (place, start):
+                settings.setdefault((float(row["density"]), float(row["kappa"])), []).append(row)
+        table(f"{heads[place]}, {start} start", ["rods a length squared", "kappa", "seeds", *CROWD_COLUMNS],
+              [[*setting, len(found), *(over_seeds(found, *column) for column in CROWD_COLUMNS.items())] for setting, found in sorted(settings.items())])
+
+
+# And digits that are shown.
+CROWD_COLUMNS = {"polar": 2, "nematic": 2, "touching": 2, "clusters": 0, "weighted_size": 1, "largest": 1, "touch_lifetime": 1,
+                 "fluctuation": 2}
+
+
+def over_seeds(found, name, digits):
+    """Mean, and its error by the blocks of each run."""
+    values, errors = ([float(row.get(column) or "nan") for row in found] for column in (name, f"{name}_error"))
+    return shown((sum(values) / len(values), math.hypot(*errors) / len(errors)), digits=digits)
+
+
+PARTS = {"trade": trade, "extremes": extremes, "bound": bound, "crowd": crowd, "crowds": crowds}
 
 if __name__ == "__main__":
-    run_parts(parser(__doc__, "report", "quick", "keep", parts=PARTS, chosen=("trade", "extremes", "bound")).parse_args(), PARTS)
+    run_parts(parser(__doc__, "report", "quick", "keep", "runs", parts=PARTS, chosen=("trade", "extremes", "bound")).parse_args(), PARTS)

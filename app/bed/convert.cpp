@@ -88,11 +88,14 @@ std::vector<fs::path> trajectories(const fs::path& in) {
         for (const fs::directory_entry& run : fs::directory_iterator(in / "runs"))
             if (fs::exists(run.path() / "trajectory.h5md"))
                 found.push_back(run.path() / "trajectory.h5md");
+    if (found.empty() && fs::exists(in / "result.h5"))
+        return {in / "result.h5"};
     if (found.empty())
-        throw InputError(in.string() +
-                         ": holds no trajectory.h5md, nor do runs in it; a bed writes it with "
-                         "granular.output.formats = [\"h5md\"], and rodwake replay makes it of an "
-                         "archive");
+        throw InputError(
+            in.string() +
+            ": holds no trajectory.h5md, nor do runs in it, and no result.h5; a bed writes it with "
+            "granular.output.formats = [\"h5md\"], and rodwake replay makes it of an "
+            "archive");
     std::ranges::sort(found);
     return found;
 }

@@ -70,6 +70,7 @@ DesignModels::Model DesignModels::model_of(const scene::Scene& scene, long runs)
     data.states.assign(data.times.size(), rods::to_state(rods.rods));
     data.free_start = keys.start_poses != scene::StartPoses::exact;
     data.box = rods.box;
+    data.bodies = rods.bodies;
 
     const double smaller = diffuses(model.keys) ? 1.0 : std::sqrt(static_cast<double>(runs));
     data.sigma_position = *keys.sigma_position / smaller;

@@ -30,7 +30,7 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const std::filesy
 /// Rows before t = 0, when rods of a bed are still held, are left out. Each heading is brought within half a
 /// turn of the row before: files give them modulo 2 pi, or as one angle of many. Throws InputError as above.
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const std::filesystem::path& file,
-                            std::optional<PeriodicBox> box = {});
+                            std::optional<PeriodicBox> box = {}, const rods::RodBodies& bodies = {});
 
 /// f/(zeta v), from the measure.json of a run that such a map is of: the box's area times the drift of the
 /// bed over the speed of the rod, as the force of the rod is the drag on the whole bed. Throws InputError

@@ -181,7 +181,7 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
 }
 
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
-                            std::optional<PeriodicBox> box) {
+                            std::optional<PeriodicBox> box, const rods::RodBodies& bodies) {
     const store::Table table = read_rods(file);
     const RodColumns all = rod_columns(table);
     if (all.size() % 3 != 0)
@@ -200,6 +200,7 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
     out.data.name = out.name;
     out.data.sigma_position = out.sigma_known ? *keys.sigma_position / out.length : 1.0;
     out.data.sigma_heading = keys.sigma_heading.value_or(1.0);
+    out.data.bodies = bodies;
     out.data.free_headings = keys.free_headings;
     out.data.free_start = scene::fits_start(keys);
     if (keys.contact_distance)
@@ -273,8 +274,8 @@ FitInputs read_fit_inputs(const scene::Scene& scene, const fs::path& run_directo
                 read_fit_profile(p, find_fit_file(p.file, scene, run_directory), keys.independent_spacing);
     for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
         if (const scene::FitTrajectory& track = keys.trajectories[i]; !absent(track.file))
-            inputs.tracks[i] =
-                read_fit_track(track, find_fit_file(track.file, scene, run_directory), keys.box);
+            inputs.tracks[i] = read_fit_track(track, find_fit_file(track.file, scene, run_directory),
+                                              keys.box, scene.body ? bodies_of(scene) : rods::RodBodies{});
     for (std::size_t table = 0; table < keys.maps.size(); ++table)
         for (const std::string& name : keys.maps[table].files) {
             if (absent(name)) {

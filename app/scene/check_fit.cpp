@@ -51,7 +51,8 @@ void roles(const Fit& fit, const Report& report) {
 
 /// Where the physics allows a value: eta > -1; lengths, alpha and moduli > 0.
 double lowest(const std::string& name) {
-    static const std::vector<std::string> positive = {"xi", "alpha", "c11", "c22", "c66", "drag_area"};
+    static const std::vector<std::string> positive = {"xi",  "alpha",     "c11",           "c22",
+                                                      "c66", "drag_area", "stall_overlap", "mobility_ratio"};
     return name == "eta" ? -1.0 : contains(positive, name) ? 0.0 : -HUGE_VAL;
 }
 
@@ -169,6 +170,20 @@ void medium(const Scene& scene, const Report& report) {
                    comma_list(fit_used(fit))));
 }
 
+/// Tracks of rods with bodies.
+void tracks_of_bodies(const Scene& scene, const Report& report) {
+    const Fit& fit = *scene.fit;
+    for (const char* name : {"stall_overlap", "mobility_ratio"})
+        if (fit_has(fit, name) && !scene.body)
+            report("fit.parameters", fmt::format("{} is of rods with bodies: give [body]", name));
+    for (const char* name : {"D_r", "D_t"})
+        if (fit_has(fit, name) && scene.body && !fit.trajectories.empty())
+            report("fit.parameters",
+                   fmt::format("{} of rods with bodies cannot be fitted, because their contacts are not "
+                               "linear in what noise moves them: leave it out, or [body]",
+                               name));
+}
+
 void box(const Scene& scene, const Report& report) {
     if (!scene.fit->box || !scene.granular || !scene.fit->box->square())
         return;
@@ -194,6 +209,7 @@ void check_fit(const Scene& scene, const Report& report) {
     likelihood(fit, report);
     compare(fit, report);
     check_fit_data(fit, report);
+    tracks_of_bodies(scene, report);
     check_fit_maps(scene, report);
     check_posterior(fit, report);
 }
@@ -221,7 +237,8 @@ std::string lacks(const Fit& fit, const std::string& name) {
         return "";
     if (maps && (name == "offset" || name == "offset_y"))
         return "";
-    if (rods::find_coupling(name) || rods::find_other_turning(name) || rods::is_noise(name))
+    if (rods::find_coupling(name) || rods::find_other_turning(name) || rods::is_noise(name) ||
+        name == "stall_overlap" || name == "mobility_ratio")
         return tracks ? "" : "[[fit.trajectories]]";
     if (name == "offset")
         return has_profiles(fit, "Ux", fitted_only) ? "" : fmt::format("a profile of Ux{}", role);
@@ -268,7 +285,9 @@ void needed(const Fit& fit, const Report& report) {
     const bool xi = fit_has(fit, "xi"), alpha = fit_has(fit, "alpha");
     need(!profiles || has_wake(fit), "profiles need f_over_mu or f2d_over_mu");
     const bool noise = fit_has(fit, "D_r") || fit_has(fit, "D_t");
-    if (tracks && !has_coupling(fit) && !fit_has(fit, "gamma_rows") && !noise && !fit.parameters.empty())
+    const bool bodies = fit_has(fit, "stall_overlap") || fit_has(fit, "mobility_ratio");
+    if (tracks && !has_coupling(fit) && !fit_has(fit, "gamma_rows") && !noise && !bodies &&
+        !fit.parameters.empty())
         report("fit.parameters", "[[fit.trajectories]]: nothing turns the rods. Put kappa, gamma1, gamma2, "
                                  "gamma_flow or gamma_rows into fit.parameters, fit.fixed or fit.tied");
     need(!fit_has(fit, "rows_direction") || fit_has(fit, "gamma_rows"), "rows_direction needs gamma_rows");

@@ -23,13 +23,15 @@ void parameter_fields(Visitor& v, Fit& fit) {
     v(key("start")
           .one_of(names)
           .absent("1 for f_over_mu, eta, alpha, kappa, amplitude, force, c11, c22 and c66, 10 for xi (1 with "
-                  "trajectories alone), 0.1 for gamma_rows, 0.01 for D_r, 1e-4 for D_t, 0 for others")
+                  "trajectories alone), 0.1 for gamma_rows, 0.05 for stall_overlap, 1 for mobility_ratio, "
+                  "0.01 for D_r, 1e-4 for D_t, 0 for others")
           .doc("where the search starts; of no use for one that is fixed or tied")
           .example("{ f_over_mu = 2.0, eta = 1.0, alpha = 0.2 }"),
       fit.start);
     v(key("bounds")
           .one_of(names)
-          .absent("[1e-6, 1e6] for eta, xi and alpha, [0, 100] for D_r and D_t, none for others")
+          .absent("[1e-6, 1e6] for eta, xi and alpha, [1e-4, 0.5] for stall_overlap, [1e-3, 1e3] for "
+                  "mobility_ratio, [0, 100] for D_r and D_t, none for others")
           .doc("[low, high] within which a parameter is searched")
           .example("{ eta = [0.05, 50.0] }"),
       fit.bounds);

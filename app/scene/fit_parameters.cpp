@@ -47,6 +47,8 @@ const std::vector<FitParameter>& fit_parameter_list() {
         {"gamma_flow", "\\gamma_v", "coupling to the medium's velocity, from trajectories, in mu/f"},
         {"gamma_rows", "\\gamma_6", "turning into the rows of a crystal, from trajectories, in mu v0/f"},
         {"rows_direction", "\\theta_0", "direction of these rows, from trajectories, in rad"},
+        {"stall_overlap", "s", "of [body], from trajectories of rods that touch"},
+        {"mobility_ratio", "b", "of [body], from trajectories of rods that touch"},
         {"D_r", "D_r", "rotational diffusion of the rods, from trajectories, in rad^2 mu v0/f"},
         {"D_t", "D_t", "translational diffusion of the rods, from trajectories, in f v0/mu"},
     };
@@ -74,9 +76,12 @@ double fit_default_start(const Fit& fit, const std::string& parameter) {
     if (parameter == "xi" && fit.profiles.empty()) // tracks alone: in f/mu, so 1/alpha
         return 1.0;
     static const std::map<std::string, double> starts = {
-        {"f_over_mu", 1.0}, {"eta", 1.0},        {"xi", 10.0},       {"alpha", 1.0}, {"drag_area", 1e3},
-        {"kappa", 1.0},     {"gamma_rows", 0.1}, {"amplitude", 1.0}, {"force", 1.0}, {"c11", 1.0},
-        {"c22", 1.0},       {"c66", 1.0},        {"D_r", 0.01},      {"D_t", 1e-4}};
+        {"f_over_mu", 1.0},     {"eta", 1.0},       {"xi", 10.0},
+        {"alpha", 1.0},         {"drag_area", 1e3}, {"kappa", 1.0},
+        {"gamma_rows", 0.1},    {"amplitude", 1.0}, {"force", 1.0},
+        {"c11", 1.0},           {"c22", 1.0},       {"c66", 1.0},
+        {"D_r", 0.01},          {"D_t", 1e-4},      {"stall_overlap", 0.05},
+        {"mobility_ratio", 1.0}};
     const auto it = starts.find(parameter);
     return it == starts.end() ? 0.0 : it->second;
 }
@@ -86,6 +91,8 @@ std::optional<Interval> fit_bounds(const Fit& fit, const std::string& parameter)
         return it->second;
     if (rods::is_noise(parameter))
         return Interval{0.0, 100.0};
+    if (parameter == "stall_overlap" || parameter == "mobility_ratio")
+        return parameter == "stall_overlap" ? Interval{1e-4, 0.5} : Interval{1e-3, 1e3};
     return parameter == "eta" || parameter == "xi" || parameter == "alpha"
                ? std::optional(Interval{1e-6, 1e6})
                : std::nullopt;

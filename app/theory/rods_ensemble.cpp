@@ -2,10 +2,12 @@
 
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/rods/body_shape.hpp"
 #include "rodwake/rods/separation.hpp"
 #include "run/record_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace rodwake::app {
@@ -106,6 +108,26 @@ void store_ensemble(store::Hdf5Writer& results, const std::string& group,
     for (double& t : scaled)
         t *= units.time;
     results.dataset(group + "/t", scaled, {times.size()}, units.time_name);
+}
+
+void store_bodies(store::Hdf5Writer& results, const std::string& group, const rods::RodProblem& problem,
+                  const OutputUnits& units) {
+    const auto put = [&](const char* name, double unit, const std::string& unit_name, auto number) {
+        std::vector<double> values;
+        for (std::size_t rod = 0; rod < problem.rods.size(); ++rod)
+            values.push_back(unit * static_cast<double>(problem.bodies.of(rod).*number));
+        results.dataset(group + "/body/" + name, values, {values.size()}, unit_name);
+    };
+    if (problem.bodies.any()) {
+        put("spheres", 1.0, "1", &rods::BodyShape::spheres);
+        put("length", units.length, units.length_name, &rods::BodyShape::length);
+        put("thick_diameter", units.length, units.length_name, &rods::BodyShape::thick_diameter);
+        put("thin_diameter", units.length, units.length_name, &rods::BodyShape::thin_diameter);
+    }
+    if (problem.box)
+        results.dataset(group + "/box",
+                        std::array{problem.box->x * units.length, problem.box->y * units.length}, {2},
+                        units.length_name);
 }
 
 } // namespace rodwake::app

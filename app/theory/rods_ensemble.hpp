@@ -56,4 +56,9 @@ std::string noise_json(const rods::NoiseSums& sums, const NoisePlan& plan, const
                        const OutputUnits& units);
 std::string noise_csv(const rods::NoiseSums& sums, std::size_t rods, const OutputUnits& units);
 
+/// Bodies of a case into `group` of the results, body/spheres, body/length, ... a number a rod, and the sides
+/// of its periodic box as box.
+void store_bodies(store::Hdf5Writer& results, const std::string& group, const rods::RodProblem& problem,
+                  const OutputUnits& units);
+
 } // namespace rodwake::app

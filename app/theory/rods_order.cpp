@@ -137,6 +137,13 @@ void write_rods_order(const Session& session, const Case& of, const RodOrderSett
     const auto& of_some_instant = longest->orders.front().clusters;
     write("clusters.csv", clusters_csv(mean, std::accumulate(of_some_instant.begin(), of_some_instant.end(),
                                                              std::size_t{0})));
+    std::vector<FluctuationRow> fluctuations;
+    for (std::size_t k = 0; k < mean.fluctuations.size(); ++k) {
+        const measure::NumberFluctuation& of_cells = mean.fluctuations[k];
+        fluctuations.push_back(
+            {of_cells.cell, of_cells.rods, of_cells.fluctuation, mean.fluctuation_errors[k]});
+    }
+    write("fluctuations.csv", csv_of(fluctuations));
     write("rods_order.json", means_json(mean, keys, runs));
     session.log->info("order of the rods{}: polar {:.3g} +- {:.2g}, nematic {:.3g} +- {:.2g}, a rod is in a "
                       "cluster of {:.3g} +- {:.2g}",
@@ -270,6 +277,8 @@ std::vector<FileKind> order_files() {
     return {{"rods_order.csv", Lifetime::result,
              "order parameters of the rods against time, means over the runs", columns_of<OrderRow>()},
             {"clusters.csv", Lifetime::result, "clusters of the rods by size", columns_of<ClusterRow>()},
+            {"fluctuations.csv", Lifetime::result, "number fluctuations of the rods by the size of cells",
+             columns_of<FluctuationRow>()},
             {"rods_order.json", Lifetime::result,
              "means of rods_order.csv from rods_order.from on, with standard errors",
              values_of<OrderReport>()}};

@@ -203,6 +203,7 @@ void store(Session& session, Work& work, std::int64_t order) {
     const TrajectoryTables path = trajectory(work.result, rods, session.units);
     const std::string group = "/rods/" + work.of().name;
     store_trajectory(session, group, path);
+    store_bodies(session.results, group, work.problem, session.units);
     store_attributes(session, work, group, order);
     session.directory.write(work.of().folder + "rods.csv", rods_csv(path));
     std::optional<DrawnReport> drawn;

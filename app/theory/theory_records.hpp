@@ -330,6 +330,24 @@ struct ClusterRow {
     }
 };
 
+/// fluctuations.csv.
+struct FluctuationRow {
+    double cell, rods, fluctuation, fluctuation_error;
+
+    static constexpr auto fields() {
+        using R = FluctuationRow;
+        return std::tuple{field("cell", &R::cell,
+                                {"{order length}", "root of a cell's area; cells divide the periodic box, or "
+                                                   "a square in the middle of the crowd"}),
+                          field("rods", &R::rods, {"1", "mean number in a cell"}),
+                          field("fluctuation", &R::fluctuation,
+                                {"1", "variance of that number over its mean, mean from rods_order.from on; "
+                                      "1: independent places"}),
+                          field("fluctuation_error", &R::fluctuation_error,
+                                {"1", "its standard error, by blocks; empty: not known"})};
+    }
+};
+
 /// rods_order.json.
 struct OrderReport {
     Estimate polar, nematic, mean_size, weighted_size, largest;

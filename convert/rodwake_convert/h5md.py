@@ -5,6 +5,7 @@ import os
 import h5py
 import numpy as np
 
+from . import theory
 from .errors import InputError, reason, shown
 from .frames import EMPTY, UNTRACKED, Frame, Part, box_of
 
@@ -236,6 +237,9 @@ def boxes_of(file, group, d, step):
 
 def read(source):
     file = H5mdFile(source)
+    if file.names("rods") and not file.has("particles"):
+        yield from theory.read(source, file)
+        return
     group = group_of(file, source.options.group)
     beads = Bodies(file, group)
     frames = beads.position.frames

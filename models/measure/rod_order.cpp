@@ -145,15 +145,63 @@ double RodOrder::weighted_size() const {
     return squares / rods;
 }
 
+std::vector<NumberFluctuation> number_fluctuations(std::span<const RodPosition> rods,
+                                                   std::optional<PeriodicBox> box) {
+    const auto count = static_cast<double>(rods.size());
+
+    // Where the cells are: the box, or a square in the middle of the crowd.
+    double left = 0.0, low = 0.0;
+    PeriodicBox sides = box.value_or(PeriodicBox{});
+    if (!box) {
+        double x = 0.0, y = 0.0, square = 0.0;
+        for (const RodPosition& rod : rods) {
+            x += rod.x / count;
+            y += rod.y / count;
+        }
+        for (const RodPosition& rod : rods)
+            square += ((rod.x - x) * (rod.x - x) + (rod.y - y) * (rod.y - y)) / count;
+        const double half = square > 0.0 ? std::sqrt(square) : 0.5; // 0: all in one place
+        left = x - half;
+        low = y - half;
+        sides = PeriodicBox(2.0 * half);
+    }
+
+    // Rods by cells, of which there are four times as many each time.
+    std::vector<NumberFluctuation> found;
+    for (std::size_t m = 2; m * m <= rods.size(); m *= 2) {
+        std::vector<double> number(m * m, 0.0);
+        double inside = 0.0, squares = 0.0;
+        for (const RodPosition& rod : rods) {
+            double u = (rod.x - left) / sides.x, v = (rod.y - low) / sides.y;
+            if (box) {
+                u -= std::floor(u);
+                v -= std::floor(v);
+            } else if (std::min(u, v) < 0.0 || std::max(u, v) > 1.0)
+                continue;
+            const auto at = [m](double part) {
+                return std::min(static_cast<std::size_t>(part * static_cast<double>(m)), m - 1);
+            };
+            number[at(u) * m + at(v)] += 1.0;
+            inside += 1.0;
+        }
+        const auto cells = static_cast<double>(m * m);
+        const double mean = inside / cells;
+        for (const double n : number)
+            squares += (n - mean) * (n - mean);
+        found.push_back({std::sqrt(sides.x * sides.y / cells), mean, squares / ((cells - 1.0) * mean)});
+    }
+    return found;
+}
+
 RodOrder rod_order(std::span<const RodPosition> rods, double link, std::optional<PeriodicBox> box) {
     Sets sets(rods.size());
     each_near_pair(rods, link, box, [&](std::size_t a, std::size_t b) { sets.merge(a, b); });
-    return {alignment(rods, 1.0), alignment(rods, 2.0), sets.sizes(), {}};
+    return {alignment(rods, 1.0), alignment(rods, 2.0), sets.sizes(), {}, number_fluctuations(rods, box)};
 }
 
 RodOrder rod_order(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box,
                    const std::function<bool(std::size_t a, std::size_t b)>& linked) {
-    RodOrder order{alignment(rods, 1.0), alignment(rods, 2.0), {}, {}};
+    RodOrder order{alignment(rods, 1.0), alignment(rods, 2.0), {}, {}, number_fluctuations(rods, box)};
     Sets sets(rods.size());
     each_near_pair(rods, reach, box, [&](std::size_t a, std::size_t b) {
         if (!linked(a, b))
@@ -193,6 +241,15 @@ MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, d
     result.weighted_size = mean([](const RodOrder& o) { return o.weighted_size(); });
     result.largest = mean([](const RodOrder& o) { return static_cast<double>(o.clusters.front()); });
     result.clusters = numbers_by_size(late.orders);
+    for (std::size_t k = 0; k < late.orders.front()->fluctuations.size(); ++k) {
+        const auto level = [&](double NumberFluctuation::*number) {
+            return mean([&](const RodOrder& o) { return o.fluctuations[k].*number; });
+        };
+        const Estimate found = level(&NumberFluctuation::fluctuation);
+        result.fluctuations.push_back(
+            {level(&NumberFluctuation::cell).value, level(&NumberFluctuation::rods).value, found.value});
+        result.fluctuation_errors.push_back(found.error);
+    }
     result.instants = late.orders.size();
     result.blocks = late.block_of.back() + 1;
     return result;

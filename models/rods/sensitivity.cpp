@@ -18,7 +18,8 @@ using integrate::State;
 using Column = Eigen::Index;
 
 bool of_medium(Parameter p) { return p == Parameter::eta || p == Parameter::xi; }
-bool of_rows(Parameter p) { return p > Parameter::xi; }
+bool of_rows(Parameter p) { return p == Parameter::rows_gamma || p == Parameter::rows_direction; }
+bool of_bodies(Parameter p) { return p == Parameter::stall_overlap || p == Parameter::mobility_ratio; }
 
 /// The turning rate is linear in the couplings: its derivative by one is the rate with that one alone.
 Couplings unit_coupling(Parameter p) {
@@ -37,6 +38,7 @@ public:
 private:
     bool in_wakes() const { return request_.strain || request_.polar || medium_wanted_; }
     void add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
+    void add_contacts(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
     using Rates = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
     void add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const;
     void add_own_images(const elastic::Wake& wake, Rates& rates) const;
@@ -46,14 +48,20 @@ private:
     std::shared_ptr<const elastic::WakeField> field_;
     Couplings couplings_;
     Rows rows_;
+    RodBodies bodies_;
+    BodyForces contacts_, half_across_; ///< the latter with half the mobility across the rods
     std::vector<Parameter> parameters_;
     elastic::FieldRequest request_; ///< by the couplings among the parameters
     bool medium_wanted_ = false;    ///< eta or xi among them
 };
 
 ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<const Parameter> parameters)
-    : field_(wakes_of(problem)), couplings_(problem.couplings), rows_(problem.rows),
+    : field_(wakes_of(problem)), couplings_(problem.couplings), rows_(problem.rows), bodies_(problem.bodies),
+      contacts_(bodies_, problem.rods.size(), problem.box),
       parameters_(parameters.begin(), parameters.end()) {
+    RodBodies half = bodies_;
+    half.mobility_ratio /= 2.0;
+    half_across_ = BodyForces(half, problem.rods.size(), problem.box);
     for (const Parameter p : parameters_) {
         request_.strain |= unit_coupling(p).apolar();
         request_.polar |= unit_coupling(p).polar();
@@ -64,6 +72,8 @@ ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<
 void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
     if (in_wakes())
         add_wakes(y, by_parameter);
+    if (contacts_.any() && std::ranges::any_of(parameters_, of_bodies))
+        add_contacts(y, by_parameter);
     for (std::size_t j = 0; j < parameters_.size(); ++j)
         for (std::size_t a = 0; of_rows(parameters_[j]) && a < y.size() / 3; ++a)
             by_parameter(static_cast<Column>(3 * a + 2), static_cast<Column>(j)) =
@@ -92,6 +102,19 @@ void ParameterDerivatives::add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_par
     }
 }
 
+/// Rates by contacts go as stall_overlap^(-3/2), and are linear in the mobility ratio.
+void ParameterDerivatives::add_contacts(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
+    std::vector<double> rates(y.size(), 0.0), half(y.size(), 0.0);
+    contacts_.add_rates(y, rates);
+    half_across_.add_rates(y, half);
+    for (std::size_t j = 0; j < parameters_.size(); ++j)
+        for (std::size_t i = 0; of_bodies(parameters_[j]) && i < y.size(); ++i)
+            by_parameter(static_cast<Column>(i), static_cast<Column>(j)) +=
+                parameters_[j] == Parameter::stall_overlap
+                    ? -1.5 * rates[i] / bodies_.stall_overlap
+                    : (rates[i] - half[i]) / (0.5 * bodies_.mobility_ratio);
+}
+
 void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const {
     elastic::FieldValues field;
     elastic::MediumDerivatives derivatives;
@@ -117,7 +140,7 @@ void ParameterDerivatives::add(const elastic::FieldValues& field,
                                Rates& rates) const {
     for (std::size_t j = 0; j < parameters_.size(); ++j) {
         const Parameter p = parameters_[j];
-        if (of_rows(p))
+        if (of_rows(p) || of_bodies(p))
             continue;
         rates(static_cast<Column>(j)) +=
             !of_medium(p) ? turning_rate(field, unit_coupling(p), heading)
@@ -181,6 +204,9 @@ double& value(RodProblem& problem, Parameter parameter) {
         return problem.couplings.*coupling->number;
     if (of_rows(parameter))
         return parameter == Parameter::rows_gamma ? problem.rows.gamma : problem.rows.direction;
+    if (of_bodies(parameter))
+        return parameter == Parameter::stall_overlap ? problem.bodies.stall_overlap
+                                                     : problem.bodies.mobility_ratio;
     return parameter == Parameter::eta ? problem.medium->eta : problem.medium->xi;
 }
 
@@ -195,7 +221,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
     check(problem, parameters, headings, indices);
     integrate::SensitivityProblem result;
     result.ode = to_ode(problem);
-    if (problem.rods.size() > 1)
+    if (problem.rods.size() > 1 && !problem.bodies.any()) // whose own limit is there
         result.ode.step_limit = step_limit(problem);
     result.parameters = parameters.size() + headings.size() + indices.size();
     // NOLINTBEGIN(performance-unnecessary-value-param): an Eigen::Ref is a view, and the signature is the

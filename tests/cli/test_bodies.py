@@ -3,6 +3,7 @@ touch, the same from Python, and what is refused."""
 
 import csv
 import json
+import math
 
 import rodwake
 from rodwake import SCENES, ProgramTest
@@ -18,6 +19,16 @@ heading = "180 deg"
 %s
 [rods_run]
 t_end = 2.5
+"""
+BODY = "[body]\nspheres = 8\nlength = 1.3\nthick_diameter = 0.32\nthin_diameter = 0.23\n"
+FIT = "schema = 1\n" + BODY + """[fit]
+parameters = ["kappa", "stall_overlap", "mobility_ratio"]
+fixed = { eta = 1.0, alpha = 1.0 }
+[[fit.trajectories]]
+file = "%s"
+start_poses = "exact"
+sigma_position = 0.01
+sigma_heading = 0.01
 """
 DISC = "body = { spheres = 1, length = 0.4, thick_diameter = 0.4, thin_diameter = 0.4 }"
 
@@ -73,8 +84,41 @@ values = ["-90 deg", "97 deg"]
         self.assertNotIn("link", means)
         self.assertGreater(means["mean_size"]["value"], 1)
         self.assertGreater(means["touch_lifetime"], 0)
+        with (self.folder / "out/fluctuations.csv").open(encoding="utf-8") as file:
+            cells = list(csv.DictReader(file))
+        self.assertEqual(len(cells), 2)  # 2 x 2 and 4 x 4 for 30 rods
+        self.assertAlmostEqual(float(cells[0]["cell"]), 2 * float(cells[1]["cell"]), delta=1e-9)
+        self.assertAlmostEqual(float(cells[0]["rods"]), 4 * float(cells[1]["rods"]), delta=1e-9)
+        self.assertGreater(float(cells[1]["fluctuation_error"]), 0)
         no_link = self.expect(2, "check", CROWD, *options(*short, "body=")).stderr
         self.assertIn("rods_order.link is missing", no_link)
+
+    def test_a_film_for_other_programs(self):
+        """Each rod as its discs, in the box."""
+        self.rods(PAIR, "rods_run.t_end=1", "rods_run.output_interval=0.5", "medium.periodic=12")
+        self.expect(0, "convert", self.folder / "out", "-o", self.folder / "film.xyz", "--quiet")
+        frames = (self.folder / "film.xyz").read_text().split("18\n")[1:]  # 8 + 10 discs
+        self.assertEqual([("Lattice=\"12.0 " in frame, f"Time={k / 2}" in frame) for k, frame in enumerate(frames)], [(True, True)] * 3)
+        discs = [[float(word) for word in line.split()[1:]] for line in frames[0].splitlines()[1:]]
+        back, front = discs[0], discs[7]  # of a rod of 1.3 at the origin that heads to 0.2
+        self.assertAlmostEqual(math.dist(back[:2], front[:2]), 1.3 - 0.16 - 0.115, delta=1e-9)
+        self.assertAlmostEqual(math.atan2(front[1] - back[1], front[0] - back[0]), 0.2, delta=1e-9)
+        self.assertEqual((back[4], front[4], discs[8][4]), (0.16, 0.115, 0.17))
+        self.expect(0, "convert", self.folder / "out", "-o", self.folder / "film.csv", "--quiet")
+        self.assertEqual(len((self.folder / "film.csv").read_text().splitlines()), 1 + 3 * 2)  # poses
+        none = self.expect(2, "convert", self.folder / "out", "-o", self.folder / "film.dump", "--group", "other").stderr
+        self.assertIn("no rods of the case other", none)
+
+    def test_fit_of_rods_that_touch(self):
+        """The body's numbers come back from the rods' own tracks."""
+        self.rods(PAIR, "rods.1.body=", "body.stall_overlap=0.1", "body.mobility_ratio=0.6", "rods_run.t_end=3", "rods_run.output_interval=0.1")
+        text = FIT % (self.folder / "out/rods.csv")
+        self.expect(0, "fit", self.write("fit.toml", text), "--quiet", "-o", self.folder / "fit")
+        found = json.loads((self.folder / "fit/fit.json").read_text())["parameters"]
+        for name, value in (("kappa", 2), ("stall_overlap", 0.1), ("mobility_ratio", 0.6)):
+            self.assertAlmostEqual(found[name]["value"], value, delta=1e-4 * value, msg=name)
+        for old, new, why in ((BODY, "", "stall_overlap is of rods with bodies: give [body]"), ('"kappa"', '"D_r"', "not linear in what noise moves them")):
+            self.assertIn(why, self.expect(2, "check", self.write("no.toml", text.replace(old, new))).stderr)
 
     def test_what_is_refused(self):
         for setting, why in (("body.spheres=2", "body.spheres is 2: must be 1 or 3 to 1000"), ("body.spheres=5", "leaves gaps in the row"),

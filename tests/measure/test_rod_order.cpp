@@ -2,6 +2,7 @@
 
 #include "catch2/catch.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/estimate.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/core/rng.hpp"
 #include "rodwake/measure/rod_order.hpp"
@@ -120,6 +121,48 @@ TEST_CASE("sizes of clusters that are known") {
           std::vector<std::size_t>{2, 1, 1, 1, 1}); // at the link: not nearer
 }
 
+TEST_CASE("numbers in cells fluctuate as the places do") {
+    // in a box: a lattice that fills all cells alike, and all in one of them, with images
+    std::vector<RodPosition> lattice, heap;
+    for (int k = 0; k < 64; ++k) {
+        lattice.push_back({0.5 + k % 8 - 8.0 * (k % 3), 0.5 + k / 8, 0.0});
+        heap.push_back({0.1 + 8.0 * (k % 5), 0.1, 0.0});
+    }
+    const auto even = number_fluctuations(lattice, 8.0), one = number_fluctuations(heap, 8.0);
+    REQUIRE(even.size() == 3); // 2 x 2, 4 x 4, 8 x 8
+    for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(even[k].cell == Approx(4.0 / static_cast<double>(1 << k)));
+        CHECK(even[k].rods == Approx(16.0 / static_cast<double>(1 << 2 * k)));
+        CHECK(even[k].fluctuation == 0.0);
+        CHECK(one[k].fluctuation == Approx(64.0)); // (64^2 - 64^2/M)/((M - 1) 64/M)
+    }
+    CHECK(number_fluctuations(std::span(heap).first(3), {}).empty());
+    CHECK(number_fluctuations(std::vector<RodPosition>(4), {}).front().fluctuation == Approx(4.0));
+
+    // independent places: 1, in the box and on the plane in a square and in a disc
+    constexpr int sets = 400;
+    std::vector<double> found[3];
+    for (int k = 0; k < sets; ++k) {
+        RandomStream random(700 + static_cast<std::uint64_t>(k));
+        std::vector<RodPosition> square, disc;
+        while (square.size() < 200)
+            square.push_back({random.uniform(0.0, 10.0), random.uniform(0.0, 10.0), 0.0});
+        while (disc.size() < 200) {
+            const double x = random.uniform(-1.0, 1.0), y = random.uniform(-1.0, 1.0);
+            if (x * x + y * y < 1.0)
+                disc.push_back({5.0 + x, y, 0.0});
+        }
+        found[0].push_back(number_fluctuations(square, 10.0)[1].fluctuation);
+        found[1].push_back(number_fluctuations(square, {})[1].fluctuation);
+        found[2].push_back(number_fluctuations(disc, {})[1].fluctuation);
+    }
+    for (const auto& values : found) {
+        const Estimate mean = mean_of(values);
+        CHECK(std::abs(mean.value - 1.0) < 4.0 * mean.error);
+        CHECK(mean.error < 0.03);
+    }
+}
+
 TEST_CASE("means of a run count from the time on, errors are those of blocks") {
     std::vector<RodOrderSeries> runs(1);
     auto& [times, orders] = runs[0];
@@ -127,8 +170,11 @@ TEST_CASE("means of a run count from the time on, errors are those of blocks") {
         times.push_back(k);
         // before 20 something else; then blocks of 5 alternate between 0.4 and 0.6
         const double polar = k < 20 ? 0.9 : k / 5 % 2 ? 0.6 : 0.4;
-        orders.push_back(
-            {polar, 0.5, k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3}, {}});
+        orders.push_back({polar,
+                          0.5,
+                          k % 2 ? std::vector<std::size_t>{2, 1} : std::vector<std::size_t>{3},
+                          {},
+                          {{4.0, 2.0, polar}}});
     }
     const MeanRodOrder mean = mean_rod_order(runs, 20.0, 5.0);
     CHECK(mean.instants == 20);
@@ -137,6 +183,10 @@ TEST_CASE("means of a run count from the time on, errors are those of blocks") {
     CHECK(mean.polar.error == Approx(0.1 / std::sqrt(3.0))); // scatter 0.1 of four, s/sqrt(n)
     CHECK(mean.nematic.error == Approx(0.0).margin(1e-15));
     CHECK(mean.clusters == std::vector<double>{0.5, 0.5, 0.5});
+    REQUIRE(mean.fluctuations.size() == 1);
+    CHECK(mean.fluctuations[0].cell == 4.0);
+    CHECK(mean.fluctuations[0].fluctuation == Approx(0.5));
+    CHECK(mean.fluctuation_errors[0] == Approx(0.1 / std::sqrt(3.0)));
     CHECK(mean.largest.value == Approx(2.5).margin(0.11));      // blocks of 5 hold 3 of one kind
     CHECK_FALSE(mean_rod_order(runs, 38.0, 5.0).polar.known()); // one block
     CHECK_THROWS_AS(mean_rod_order(runs, 39.5, 5.0), InputError);

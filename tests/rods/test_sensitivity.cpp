@@ -146,6 +146,35 @@ TEST_CASE("a coupling that is zero is differentiated too, with nothing else inte
     CHECK(run.final_sensitivity.rightCols(2).isZero(0.0)); // a medium nobody is coupled to
 }
 
+TEST_CASE("contacts of bodies are differentiated by their numbers, the couplings and the starts") {
+    RodProblem problem; // they cross, turn each other and slide along
+    problem.medium = elastic::Medium{1.0, 1.0};
+    problem.couplings.kappa = 2.0;
+    problem.rods = {{0.0, 0.0, 0.2}, {1.2, -1.0, 1.7}};
+    problem.bodies = {{BodyShape{}}, 0.1, 0.7};
+    problem.t_end = 1.5;
+    constexpr Parameter of_contacts[] = {Parameter::stall_overlap, Parameter::mobility_ratio,
+                                         Parameter::kappa};
+    const auto sensitive = to_sensitivity_problem(problem, of_contacts, std::vector<std::size_t>{1});
+    integrate::OdeOptions options;
+    options.method = integrate::Method::bdf;
+    options.rtol = 1e-10;
+    options.atol = 1e-12;
+    const auto run = integrate::solve_with_sensitivities(sensitive, options, std::vector{problem.t_end});
+    REQUIRE(run.solution.status.ok());
+    const Eigen::MatrixXd got = stacked(run, sensitive.ode);
+    for (Eigen::Index j = 0; j < got.cols(); ++j) {
+        const auto change = [&](RodProblem& moved) -> double& {
+            return j < 3 ? value(moved, of_contacts[j]) : moved.rods[1].heading;
+        };
+        // second derivatives jump at the touch: steps are small
+        const Eigen::VectorXd truth = by_differences(problem, integrate::Method::erk, 1e-5, change);
+        CAPTURE(j);
+        CHECK(truth.head(6).cwiseAbs().maxCoeff() > 1e-2);
+        CHECK(relative(got.col(j), truth) < 1e-5);
+    }
+}
+
 TEST_CASE("sensitivities in a periodic box match differences, through a contact across the boundary too") {
     RodProblem free;
     free.medium = elastic::Medium{1.5, 0.8};

@@ -5,6 +5,8 @@
 //   name                    meaning                                            unit (reduced: f/mu, f/(mu
 //   v0)) kappa, gamma1, gamma2   couplings in the laplacian basis; absent: 0        v0 mu/f; v0 eta medium 1
 //   xi | alpha              medium; alpha = 1/xi                               f/mu; 1
+//   stall_overlap           of rods with bodies (rods/body.hpp)                1
+//   mobility_ratio          of rods with bodies                                1
 //   D_r, D_t                diffusion of the rods (rods/noise.hpp): theirs, not the measurement's   mu v0/f;
 //   f v0/mu heading.<k>.<a>         initial heading of rod a of trajectory k, if free  rad x.<k>.<a>,
 //   y.<k>.<a>    its initial place, with Trajectory::free_start    f/mu
@@ -15,6 +17,7 @@
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/fitting/problem.hpp"
 #include "rodwake/integrate/ode.hpp"
+#include "rodwake/rods/body_shape.hpp"
 
 #include <optional>
 
@@ -35,9 +38,11 @@ struct Trajectory {
     std::vector<std::string> where;      ///< each row's origin for messages
     std::optional<PeriodicBox> box = {}; ///< the periodic box it was measured in, positions unwrapped;
                                          ///< absent: infinite plane
-    double independent = 1.0; ///< independent rows a row is worth, in (0, 1]: below 1 if neighbours share
-                              ///< noise; sigmas of rows are enlarged by 1/sqrt(independent)
-    bool free_start = false;  ///< places and headings of the first row
+    double independent = 1.0;    ///< independent rows a row is worth, in (0, 1]: below 1 if neighbours share
+                                 ///< noise; sigmas of rows are enlarged by 1/sqrt(independent)
+    bool free_start = false;     ///< places and headings of the first row
+    rods::RodBodies bodies = {}; ///< of its rods, whose first row may overlap; its numbers hold unless
+                                 ///< stall_overlap or mobility_ratio is a parameter
 };
 
 /// rtol 1e-10, as fits to 1e-6 need, and few steps, so that a search that strays to violent couplings turns

@@ -7,10 +7,17 @@
 //                    links are a cluster
 //   mean size        N/number of clusters
 //   weighted size    sum over clusters of s^2/N: the mean size of the cluster that a rod is in
+//   fluctuation      sum_c (n_c - n)^2 / ((M - 1) n), n_c rods in cell c of M = m x m equal ones, n = mean of
+//                    n_c: the sample variance over the mean, 1 in the mean for independent places
 //
-// (Vicsek et al., Phys. Rev. Lett. 75, 1226 (1995); Ginelli et al., Phys. Rev. Lett. 104, 184502 (2010).) P
-// and S of N random headings are not 0 but sqrt(pi/(4 N)) in the mean, for N of some tens or more. All are
-// dimensionless; link is in the unit of the places.
+// (Vicsek et al., Phys. Rev. Lett. 75, 1226 (1995); Ginelli et al., Phys. Rev. Lett. 104, 184502 (2010);
+// fluctuations: Narayan, Ramaswamy, Menon, Science 317, 105 (2007).) P and S of N random headings are not 0
+// but sqrt(pi/(4 N)) in the mean, for N of some tens or more. All are dimensionless; link is in the unit of
+// the places.
+//
+// Cells divide the periodic box. On the plane they divide the square round the mean place whose half side is
+// the rods' root-mean-square distance from it, which a disc of even density just holds; the profile of a
+// crowd that is denser in its middle adds to the fluctuation.
 
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/measure/frame.hpp"
@@ -23,11 +30,23 @@
 
 namespace rodwake::measure {
 
+/// Of the numbers of rods in equal cells at one instant.
+struct NumberFluctuation {
+    double cell = 0.0;        ///< root of a cell's area
+    double rods = 0.0;        ///< mean of a cell
+    double fluctuation = 0.0; ///< variance over mean
+};
+
+/// For m = 2, 4, 8, ... while there are as many rods as cells; empty for fewer than 4 rods.
+std::vector<NumberFluctuation> number_fluctuations(std::span<const RodPosition> rods,
+                                                   std::optional<PeriodicBox> box);
+
 /// At one instant.
 struct RodOrder {
     double polar = 0.0, nematic = 0.0;
     std::vector<std::size_t> clusters;                      ///< sizes, the largest first; they add up to N
     std::vector<std::pair<std::size_t, std::size_t>> links; ///< by a rule: first < second, in order
+    std::vector<NumberFluctuation> fluctuations = {};
 
     double mean_size() const;
     double weighted_size() const;
@@ -56,6 +75,8 @@ struct RodOrderSeries {
 struct MeanRodOrder {
     Estimate polar, nematic, mean_size, weighted_size, largest;
     std::vector<double> clusters; ///< number of clusters of size s at an instant, at index s - 1
+    std::vector<NumberFluctuation> fluctuations;
+    std::vector<double> fluctuation_errors;
     std::size_t instants = 0, blocks = 0;
 };
 
