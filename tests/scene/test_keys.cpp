@@ -241,8 +241,10 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.end(), {"figures.0.kind=series", "measure.microrheology=true"});
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
-        if (info.name == "start_file")
+        if (info.name == "start_file" || info.name == "start_frame")
             overrides.push_back("granular.start=file");
+        if (info.name == "start_frame")
+            overrides.push_back("granular.start_file=trajectory.h5md");
         if (full_name(info) == "fit.measured_drag" || full_name(info) == "fit.compare[].line")
             overrides.insert(
                 overrides.begin(),
