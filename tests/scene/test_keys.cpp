@@ -218,7 +218,8 @@ TEST_CASE("every dimensional key refuses a unit of another dimension") {
         const std::string value = pairs  ? "[[\"" + wrong + "\", 0]]"
                                   : list ? "[\"" + wrong + "\", 1]"
                                          : wrong;
-        const auto text = error_text(complete, {override_path(info) + "=" + value});
+        const std::string& scene = info.table.starts_with("tracks") ? filmed : complete;
+        const auto text = error_text(scene, {override_path(info) + "=" + value});
         CHECK_THAT(text, Catch::Contains("found \"" + wrong + "\" (string)"));
     }
 }
