@@ -203,7 +203,8 @@ private:
             files_.keep(simulation_.state());
         meter_.mark(&RunCost::output);
         if (measures_ && now >= 0 && now % bed_.measures->every == 0) {
-            fill_frame(frame_, simulation_.state(), simulation_.time(), bed_.problem.box);
+            fill_frame(frame_, simulation_.state(), simulation_.time(), bed_.problem.box,
+                       measures_->layout());
             measures_->add(frame_);
             meter_.mark(&RunCost::measures);
         }
@@ -263,7 +264,7 @@ private:
         GranularSummary done = summary();
         checkpoint();
         // until the last checkpoint goes, a crash costs nothing: the same command does this again
-        files_.finish(h5md_info(bed_, task_.run, context_.command));
+        files_.finish(h5md_info(bed_, task_.run, done.beads_fraction, context_.command));
         if (bed_.schedule.archive_every > 0)
             write_archive(task_.folder / "archive.rwc", archive());
         if (measures_)
@@ -342,7 +343,9 @@ private:
             s.rods.push_back(rod_summary(i, s.simulated_time));
         if (s.rods.size() == 2)
             s.pair = pair_summary(sums.pair);
-        s.state_hash = granular::state_hash(simulation_.state());
+        const granular::State state = simulation_.state();
+        s.state_hash = granular::state_hash(state);
+        s.beads_fraction = granular::bead_area_fraction(bed_.problem, state.beads.radius);
         s.cost = cost();
         return s;
     }
@@ -370,7 +373,8 @@ private:
 
 } // namespace
 
-store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, const std::string& command) {
+store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, double beads_fraction,
+                          const std::string& command) {
     const granular::GranularProblem& p = bed.problem;
     const PeriodicBox& sides = granular::bed_sides(p);
     store::H5mdInfo info;
@@ -387,7 +391,7 @@ store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, const std::stri
                        {"gravity", p.gravity},
                        {"time_step", p.time_step},
                        {"phi_b", phi_b(bed)},
-                       {"beads_fraction", granular::bead_area_fraction(p)},
+                       {"beads_fraction", beads_fraction},
                        {"order_cutoff", bed.schedule.order_cutoff},
                        {"run", static_cast<double>(run + 1)}};
     if (!sides.square())

@@ -121,6 +121,7 @@ struct GranularSummary {
     std::optional<PairSummary> pair; ///< of two rods
     std::uint32_t run = 0;
     std::uint64_t state_hash = 0;
+    double beads_fraction = 0.0; ///< of the beads that there are; written with what is the same of all runs
     RunCost cost{};
     std::vector<KindSummary> kinds{}; ///< empty if there is one kind; the files then have none
 
@@ -155,7 +156,8 @@ struct GranularResult {
 };
 
 /// What trajectory.h5md says of itself.
-store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, const std::string& command);
+store::H5mdInfo h5md_info(const BedPlan& bed, std::uint32_t run, double beads_fraction,
+                          const std::string& command);
 
 /// Writes summary.json of a run that is over once more, from its last state.
 GranularSummary restore_summary(const GranularPlan& plan, const GranularTask& task);

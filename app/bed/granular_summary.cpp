@@ -52,13 +52,11 @@ struct BedHeader {
     }
 };
 
-ordered_json header(const BedPlan& bed) {
+ordered_json header(const BedPlan& bed, double beads_fraction) {
     const granular::GranularProblem& p = bed.problem;
     const PeriodicBox& sides = granular::bed_sides(p);
-    BedHeader h{p.beads,       phi_b(bed),     granular::bead_area_fraction(p),
-                p.bead_radius, sides.x,        {},
-                p.time_step,   p.plates.gamma, p.plates.frequency,
-                p.plates.gap,  p.orientation,  p.seed};
+    BedHeader h{p.beads,     phi_b(bed),     beads_fraction,     p.bead_radius, sides.x,       {},
+                p.time_step, p.plates.gamma, p.plates.frequency, p.plates.gap,  p.orientation, p.seed};
     if (!sides.square())
         h.box = std::array{sides.x, sides.y};
     if (p.container)
@@ -198,6 +196,7 @@ GranularSummary summary_of(const json& j, std::uint32_t run) {
     s.run = run;
     read_record(j, s);
     s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
+    s.beads_fraction = j.at("beads_fraction");
     if (j.contains("kinds")) // of several kinds of beads
         read_member(j.at("kinds"), s.kinds);
     if (j.contains("cost")) // not in files of earlier versions
@@ -225,7 +224,7 @@ std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
     out["state_hash"] = hash_text(s.state_hash);
     out["run"] = s.run + 1; // as its folder
     out["runs"] = 1;
-    out.update(header(bed));
+    out.update(header(bed, s.beads_fraction));
     out["cost"] = cost_json(s.cost);
     return json_text(out, 2) + "\n";
 }
@@ -242,7 +241,9 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     out["state_hash"] = hash_text(granular::combined_hash(members(runs, &GranularSummary::state_hash)));
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
-    out.update(header(bed));
+    const bool same = granular::bead_mix(bed.problem).equal(); // to the last digit
+    out.update(header(bed, same ? runs[0].beads_fraction
+                                : mean_of(members(runs, &GranularSummary::beads_fraction)).value));
     out["cost"] = cost_json(cost_of(runs));
     return json_text(out, 2) + "\n";
 }

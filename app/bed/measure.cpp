@@ -40,8 +40,11 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
             kind.reset_postprocessing_keys(*key.measure);
     const measure::Layout& layout = plan.sums.layout();
     const std::string second = layout.box.square() ? "" : fmt::format(" x {:.17g}", layout.box.y);
-    return fmt::format("{}box {:.17g}{}, beads {}, rods {}\n{}", scene::to_plain_toml(key), layout.box.x,
-                       second, layout.beads, layout.rods, m.displacement ? force_text(layout) : "");
+    std::string kinds;
+    for (const double radius : layout.kind_radii)
+        kinds += fmt::format(", beads of radius {:.17g}", radius);
+    return fmt::format("{}box {:.17g}{}, beads {}, rods {}{}\n{}", scene::to_plain_toml(key), layout.box.x,
+                       second, layout.beads, layout.rods, kinds, m.displacement ? force_text(layout) : "");
 }
 
 /// Steps between the frames of currents: the largest part of `steps` that takes at most 5 ms, or what the
@@ -105,6 +108,9 @@ measure::Layout layout_of(const granular::GranularProblem& p) {
     for (const granular::RodSpec& rod : p.rods)
         layout.headings.push_back(rod.heading);
     layout.force = force_of(p);
+    if (!granular::bead_mix(p).one_size())
+        for (const granular::BeadKind& kind : p.bead_kinds)
+            layout.kind_radii.push_back(kind.radius);
     return layout;
 }
 

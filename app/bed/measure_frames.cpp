@@ -125,7 +125,8 @@ void fill_frame(measure::Frame& frame, const store::StoredFrame& stored, const P
 
 } // namespace
 
-void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box) {
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box,
+                const measure::Layout& layout) {
     const granular::Beads& beads = state.beads;
     resize(frame, beads.size(), state.rods.size());
     frame.time = time;
@@ -139,6 +140,7 @@ void fill_frame(measure::Frame& frame, const granular::State& state, double time
         frame.vx[i] = beads.vx[i];
         frame.vy[i] = beads.vy[i];
     }
+    frame.kind = measure::kinds_of(beads.radius, layout);
     for (std::size_t r = 0; r < state.rods.size(); ++r) {
         const granular::RodBody& rod = state.rods[r];
         frame.rods[r] = {unwrapped(rod.position.x(), box.x), unwrapped(rod.position.y(), box.y),
@@ -152,6 +154,7 @@ void for_each_frame(const std::filesystem::path& file, const measure::Layout& la
     check_bed(file, reader.info(), layout);
     store::StoredFrame stored;
     measure::Frame frame;
+    frame.kind = measure::kinds_of(reader.info().radius, layout);
     const std::size_t frames = reader.info().frames();
     for (std::size_t i = 0; i < frames; i += stride) {
         reader.read(i, stored);

@@ -12,7 +12,8 @@
 namespace rodwake::app {
 
 /// `frame` is filled anew, its memory used again.
-void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box);
+void fill_frame(measure::Frame& frame, const granular::State& state, double time, const PeriodicBox& box,
+                const measure::Layout& layout);
 
 /// Frames of a stored trajectory from the first, every `stride`, with the fraction done; `use` may return
 /// false to stop. Throws InputError if the file cannot be read or is of another bed.

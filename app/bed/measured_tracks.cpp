@@ -86,7 +86,7 @@ fs::path file_of(const Scene& scene, const char* key, const std::string& name) {
 }
 
 /// With those of rods, where they are not in a file of their own.
-store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
+store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods, bool of_beads) {
     const scene::TracksColumns& c = keys.columns;
     const bool own_times = !keys.frames_per_second && keys.time_column.empty();
     store::TrackColumns columns{c.frame,          c.id, c.x,       c.y,           "", c.kind,
@@ -94,6 +94,11 @@ store::TrackColumns columns_of(const scene::Tracks& keys, bool of_rods) {
     if (of_rods) {
         columns.heading = c.heading;
         columns.ends = c.ends;
+    }
+    if (of_beads) {
+        columns.radius = c.radius;
+        for (const scene::TracksKind& kind : keys.bead_kinds)
+            columns.kinds.push_back({kind.names, kind.radius / keys.pixel});
     }
     return columns;
 }
@@ -112,6 +117,8 @@ void append_rods(TrackRows& rows, TrackRows rods) {
     append(rows.id, rods.id);
     append(rows.y, rods.y);
     append(rows.heading, rods.heading);
+    if (!rows.radius.empty())
+        rows.radius.resize(rows.size() + rods.size(), std::nan(""));
     if (!rows.length.empty() || !rods.length.empty()) {
         rows.length.resize(rows.size(), std::nan(""));
         rods.length.resize(rods.size(), std::nan(""));
@@ -136,7 +143,7 @@ void append_rods(TrackRows& rows, TrackRows rods) {
 TrackRows rows_of(const scene::Tracks& keys, const fs::path& file, TrackFormat format, bool are_rods,
                   const fs::path& folder, const RunContext& context, std::vector<fs::path>& films,
                   const std::function<void(double)>& on_progress) {
-    const store::TrackColumns columns = columns_of(keys, are_rods || keys.rods_file.empty());
+    const store::TrackColumns columns = columns_of(keys, are_rods || keys.rods_file.empty(), !are_rods);
     const auto go_on = [&](double from, double part) {
         on_progress(from + (1.0 - from) * part);
         return !context.stopped();
@@ -153,8 +160,11 @@ TrackRows rows_of(const scene::Tracks& keys, const fs::path& file, TrackFormat f
     if (film.empty())
         return {};
     films.push_back(film);
+    if (!columns.radius.empty())
+        throw InputError(file.string() + ": tracks.columns.radius is for CSV: leave it out, and radii are "
+                                         "those of the file if there are tracks.bead_kinds");
     return store::read_film(film, file.string(), columns.own_times || !columns.time.empty(),
-                            [&](double part) { return go_on(0.8, part); });
+                            !columns.kinds.empty(), [&](double part) { return go_on(0.8, part); });
 }
 
 /// Films of files that the scene named before, or that have changed.
@@ -177,6 +187,8 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
                               rows.length.empty() ? keys.angle : 1.0,
                               keys.thin_end == scene::ThinEnd::ahead,
                               keys.longest_step.length};
+    for (const scene::TracksKind& kind : keys.bead_kinds)
+        scale.kind_radii.push_back(kind.radius);
     const bool own = keys.window.kind == WindowKind::automatic || keys.window.kind == WindowKind::periodic;
     if (own && !keys.box) {
         if (rows.box)
@@ -293,7 +305,7 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     r.interval = tracks.interval;
     r.duration = tracks.time.back() - tracks.time.front();
     r.area = area;
-    r.phi_b = r.beads_per_frame * std::numbers::pi / area;
+    r.phi_b = r.beads_per_frame * std::numbers::pi * tracks.mean_square_radius() / area;
     r.left_out = left_out(kept, tracks);
     return r;
 }
@@ -392,8 +404,9 @@ std::vector<std::string> look_at_tracks(const Scene& scene, const RunContext* co
             format = store::track_format(file);
         std::vector<std::string> hints;
         if (format == TrackFormat::csv) // the reader of the run, stopped at the first row that has a place
-            hints =
-                store::read_track_csv(file, columns_of(keys, of_rods), [](double) { return false; }).warnings;
+            hints = store::read_track_csv(file, columns_of(keys, of_rods, name == keys.file), [](double) {
+                        return false;
+                    }).warnings;
         else if (context)
             hints.push_back("its first frames: " + look_into(keys, file, format, *context));
         for (const std::string& line : hints)
@@ -436,8 +449,8 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
     CaseResults results;
     results.name = case_.name;
     results.bead_radius = tracks->bead_radius;
-    results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) /
-                    seen_area(sums->layout());
+    results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) *
+                    tracks->mean_square_radius() / seen_area(sums->layout());
     results.runs = 1;
     report_measures(std::move(data), results);
     return results;

@@ -153,7 +153,8 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
         progress.update(done.to - done.begun_at);
     }
     done.state_hash = granular::state_hash(simulation.state());
-    files.finish_frames(h5md_info(kept.bed, kept.archive.run, context.command));
+    const double share = granular::bead_area_fraction(kept.bed.problem, simulation.state().beads.radius);
+    files.finish_frames(h5md_info(kept.bed, kept.archive.run, share, context.command));
     remove_progress(folder);
     return done;
 }
@@ -215,7 +216,7 @@ std::optional<measure::Measures> measure_archive(const fs::path& file, const Mea
     measure::Frame frame;
     for (std::int64_t step = p.equilibration_steps; step <= kept.end() && !stopped; step += plan.every) {
         advance(simulation, step, context);
-        fill_frame(frame, simulation.state(), simulation.time(), p.box);
+        fill_frame(frame, simulation.state(), simulation.time(), p.box, measures.layout());
         measures.add(frame);
         stopped =
             !on_progress(static_cast<double>(step - p.equilibration_steps) /

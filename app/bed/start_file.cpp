@@ -1,8 +1,11 @@
 #include "start_file.hpp"
 
+#include "rodwake/app/granular.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/store/csv.hpp"
+#include "rodwake/store/h5md_reader.hpp"
+#include "rodwake/store/track_file.hpp"
 
 #include <fmt/format.h>
 
@@ -52,11 +55,47 @@ fs::path start_file_of(const scene::Granular& bed, const std::string& scene) {
                                  fs::absolute(fs::path(file)).lexically_normal().string()));
 }
 
+namespace {
+
+/// Beads of a film. Between plates that shake heights at one phase mean nothing at another, so they are left
+/// out there.
+granular::GivenBeads beads_of_frame(const scene::Granular& bed, const fs::path& file) {
+    store::H5mdReader reader(file);
+    const store::TrajectoryInfo& film = reader.info();
+    const auto frame = bed.start_frame ? static_cast<std::size_t>(*bed.start_frame) : film.frames() - 1;
+    if (frame >= film.frames())
+        throw InputError(fmt::format("granular.start_frame = {}: {} has frames 0 to {}", frame, file.string(),
+                                     film.frames() - 1));
+    const PeriodicBox box = bed_size(bed).box;
+    const auto differs = [](double a, double b) { return std::abs(a - b) > 1e-9 * b; };
+    if (differs(film.box[0], box.x) || differs(film.box[1], box.y))
+        throw InputError(fmt::format("{}: its box is {:.10g} x {:.10g} m, and that of the scene {:.10g} x "
+                                     "{:.10g} m: a film as start_file needs the same box",
+                                     file.string(), film.box[0], film.box[1], box.x, box.y));
+    store::StoredFrame found;
+    reader.read(frame, found);
+    granular::GivenBeads given{found.x, found.y, found.z, found.vx, found.vy, found.vz, film.radius, {}};
+    if (bed.plates.gamma > 0.0)
+        given.z.clear();
+    const granular::BeadMix mix = scene::bead_mix(bed);
+    for (const double radius : film.radius)
+        given.kind.push_back(static_cast<std::uint8_t>(mix.nearest(radius)));
+    return given;
+}
+
+} // namespace
+
 granular::GivenBeads read_start_file(const scene::Granular& bed, const std::string& path) {
     static const std::array<std::string, 2> required{"x", "y"};
     static const std::array<std::string, 6> optional{"z", "vx", "vy", "vz", "radius", "kind"};
     static constexpr std::array<std::string_view, 8> known{"x", "y", "z", "vx", "vy", "vz", "radius", "kind"};
     const fs::path file = start_file_of(bed, path);
+    if (store::track_format(file) == TrackFormat::h5md)
+        return beads_of_frame(bed, file);
+    if (bed.start_frame)
+        throw InputError(fmt::format("granular.start_frame = {}: {} is a table, which has no frames; leave "
+                                     "start_frame out",
+                                     *bed.start_frame, file.string()));
     for (const std::string& name : store::csv_names(file)) // a misspelt column would be drawn
         if (!name.empty() && std::ranges::find(known, name) == known.end())
             throw InputError(fmt::format("{}: unknown column \"{}\"{}: columns of a start_file are {}",

@@ -21,6 +21,8 @@ void start(const Granular& bed, const Report& report) {
                "beads");
     if (bed.start != GranularStart::file && !bed.start_file.empty())
         report("granular.start_file", "start_file belongs to start = \"file\" only");
+    if (bed.start != GranularStart::file && bed.start_frame)
+        report("granular.start_frame", "start_frame belongs to start = \"file\" only");
     if (bed.start == GranularStart::file && bed.box.fit)
         report("granular.box",
                "box = \"fit\" is made for a lattice, and start_file has places: give its two sides");
@@ -301,8 +303,6 @@ void equal_beads_only(const Measure& m, const Report& report) {
         {"phonons", "phonons", "they are waves of a lattice, which beads of several sizes do not form",
          m.phonons},
         {"mechanics", "mechanics", "it takes the mass of a bead, and here beads have several", m.mechanics},
-        {"microrheology", "microrheology", "it takes the mass of a bead, and here beads have several",
-         m.microrheology},
         {"order_neighbours", "order_neighbours = \"cutoff\"",
          "they have no common first shell; use order_neighbours = \"delaunay\", or give order_cutoff",
          m.order && m.order_neighbours == measure::Neighbours::cutoff && !m.order_cutoff}};

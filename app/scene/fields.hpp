@@ -35,6 +35,7 @@ void fields(Visitor& v, granular::BeadKind& kind);
 void fields(Visitor& v, RandomBedRods& random);
 void fields(Visitor& v, Granular& granular);
 void fields(Visitor& v, TracksColumns& columns);
+void fields(Visitor& v, TracksKind& kind);
 void fields(Visitor& v, Tracks& tracks);
 void fields(Visitor& v, Measure& measure);
 void fields(Visitor& v, FitMask& mask);

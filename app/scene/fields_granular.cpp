@@ -88,9 +88,17 @@ void start_fields(Visitor& v, Granular& bed) {
                "of z (from the mean height of the floor), vx, vy, vz, radius (m, m/s) and kind (number in "
                "bead_kinds, from 0) those that are there; without z beads lie near mid gap and are moved "
                "apart "
-               "where they overlap; what else is missing is drawn as for a random start")
+               "where they overlap; what else is missing is drawn as for a random start. Or the "
+               "trajectory.h5md of a bed in the same box, of which start_frame is taken: its beads without "
+               "their spins, and between plates that shake without their heights")
           .example("\"beads.csv\""),
       bed.start_file);
+    v(key("start_frame")
+          .within(0, 1e6)
+          .absent("the last one")
+          .doc("frame of start_file, if that is a film, counted from 0")
+          .example("20"),
+      bed.start_frame);
     v(key("orientation")
           .unit(angle)
           .doc("wanted angle of the close-packed rows from +x; the lattice that closes in the box and is "

@@ -2,6 +2,7 @@
 
 #include "check.hpp"
 #include "fields.hpp"
+#include "rodwake/granular/bead_kinds.hpp"
 
 #include <fmt/format.h>
 
@@ -72,8 +73,30 @@ void fields(Visitor& v, TracksColumns& columns) {
                "Without columns x and y the middle is the rod's place")
           .example("[\"x1\", \"y1\", \"x2\", \"y2\"]"),
       columns.ends);
+    v(key("radius")
+          .absent("beads have bead_radius, or the radius of their kind")
+          .doc("radius of a bead, in the unit of x and y")
+          .example("\"radius\""),
+      columns.radius);
     name("kind", "bead or rod (0 or 1), or see rod_kinds; without such a column all are beads", "\"kind\"",
          columns.kind);
+}
+
+void fields(Visitor& v, TracksKind& kind) {
+    v(key("radius")
+          .required()
+          .unit(length)
+          .above(0.0, 1.0)
+          .doc("of the beads of this kind")
+          .example("\"0.56 mm\""),
+      kind.radius);
+    v(key("names")
+          .items(0, 100)
+          .doc(
+              "what the column of kinds calls them in CSV; []: a bead is of the kind whose radius is nearest "
+              "to that in columns.radius, or in a file of another format to its own")
+          .example("[\"large\"]"),
+      kind.names);
 }
 
 void fields(Visitor& v, Tracks& tracks) {
@@ -145,6 +168,12 @@ void fields(Visitor& v, Tracks& tracks) {
                "apolar, in CSV 1 too")
           .example("[\"2\"]"),
       tracks.rod_kinds);
+    v.list(
+        key("bead_kinds")
+            .items(0, granular::most_bead_kinds)
+            .doc("One entry for each size of beads: the area fraction counts their radii, and g(r) and the "
+                 "stiffness are measured by kinds. Absent: all beads have one size."),
+        tracks.bead_kinds);
     v(key("group")
           .absent("trajectory, all, or the only one")
           .doc("of H5MD files with several: the particles")
@@ -196,6 +225,10 @@ void check_tracks(const Scene& scene, const Report& report) {
         report("tracks.columns.ends",
                "ends and heading are given: a rod's direction follows from either; leave "
                "one out");
+    for (std::size_t k = 1; k < t.bead_kinds.size(); ++k)
+        if (t.bead_kinds[k].radius == t.bead_kinds[k - 1].radius)
+            report("tracks.bead_kinds", "kinds differ in radius: two of one radius are one kind, which may "
+                                        "have several names");
     if (t.window.kind == WindowKind::rectangle && !(sizes[0] < sizes[2] && sizes[1] < sizes[3]))
         report("tracks.window", "a rectangle is [x0, y0, x1, y1] with x0 below x1 and y0 below y1");
 }

@@ -17,18 +17,21 @@ namespace rodwake::granular {
 // time at which they are apart and one at which one is within the other. Newton's step where it stays between
 // the two, their middle where it does not, so that a gap that curves the wrong way cannot lead it astray.
 
-/// Root of gap(time) between `apart`, where gap > 0, and `within`, where gap <= 0; either may be the earlier.
-/// slope(time) = d gap/dt. Stops when a step is no longer than `tolerance`: Newton doubles the digits with
+struct GapAndSlope {
+    double gap, slope; ///< m; d gap/dt, m/s
+};
+
+/// Root of the gap of `flight`(time) between `apart`, where gap > 0, and `within`, where gap <= 0; either may
+/// be the earlier. Stops when a step is no longer than `tolerance`: Newton doubles the digits with
 /// each, so the error is about tolerance^2 gap''/(2 slope), then rounding.
-template<class Gap, class Slope>
-double touch_time(const Gap& gap, const Slope& slope, double apart, double within, double start,
-                  double tolerance) {
+template<class Flight>
+double touch_time(const Flight& flight, double apart, double within, double start, double tolerance) {
     double time = start;
     for (int i = 0; i < 60; ++i) { // halving alone gives all digits in 53
-        const double here = gap(time);
+        const auto [here, slope] = flight(time);
         (here > 0.0 ? apart : within) = time;
         const auto [low, high] = std::minmax(apart, within);
-        const double newton = time - here / slope(time);
+        const double newton = time - here / slope;
         const double next = newton >= low && newton <= high ? newton : (apart + within) / 2.0;
         if (std::abs(next - time) <= tolerance)
             return next;
@@ -163,43 +166,69 @@ constexpr double rest_share = 1.0 / 8.0; // of a step, between two impulses on a
 constexpr double touching = 1e-7;        // of a radius: nearer than that is in contact
 constexpr int most_rod_bounces = 1000;   // within one step; later ones do not rebound
 
+/// Height and axis of a freely flying rod as time goes on; the same for all its spheres.
+struct RodFlight {
+    double z, vz;
+    double rate, kept, swinging, crossing; ///< z of the axis: kept + swinging cos + crossing sin
+
+    explicit RodFlight(const MovingRod& rod) : z(rod.body().position.z()), vz(rod.body().velocity.z()) {
+        const Vector3 turning = rod.axis_turning();
+        rate = turning.norm();
+        const Vector3& axis = rod.axis();
+        const Vector3 about = rate > 0.0 ? Vector3(turning / rate) : Vector3(Vector3::Zero());
+        kept = about.z() * about.dot(axis);
+        swinging = axis.z() - kept;
+        crossing = about.x() * axis.y() - about.y() * axis.x();
+    }
+};
+
+/// A plate, and where it is so long before the end of the step.
+struct PlateNow {
+    Plate plate;
+    double left, height, speed;
+};
+
 /// Distance between a sphere of a freely flying rod and a plate as time goes on.
 class RodApproach {
 public:
-    RodApproach(const MovingRod& rod, std::size_t sphere, const Plate& plate, double left)
-        : plate_(plate), left_(left), radius_(rod.clump().radius[sphere]), z_(rod.body().position.z()),
-          vz_(rod.body().velocity.z()), arm_(rod.clump().offset[sphere]) {
-        const Vector3 turning = rod.axis_turning();
-        rate_ = turning.norm();
-        const Vector3& axis = rod.axis();
-        const Vector3 about = rate_ > 0.0 ? Vector3(turning / rate_) : Vector3(Vector3::Zero());
-        kept_ = about.z() * about.dot(axis);
-        swinging_ = axis.z() - kept_;
-        crossing_ = about.x() * axis.y() - about.y() * axis.x();
-    }
+    RodApproach(const RodFlight& flight, const Clump& clump, std::size_t sphere, const PlateNow& now)
+        : flight_(flight), now_(now), radius_(clump.radius[sphere]), arm_(clump.offset[sphere]) {}
 
-    /// m; negative inside the plate.
+    /// Gap, m, negative inside the plate, and d gap/dt.
+    GapAndSlope at(double time) const {
+        const auto [sine, cosine] = repeatable::sin_cos(flight_.rate * time);
+        const double before = now_.left - time;
+        return {gap(time, sine, cosine, now_.plate.height(before)),
+                opening(time, sine, cosine, now_.plate.speed(before))};
+    }
     double gap(double time) const {
-        const auto [sine, cosine] = repeatable::sin_cos(rate_ * time);
-        const double rise = kept_ + swinging_ * cosine + crossing_ * sine;
-        const double height = z_ + vz_ * time - plate_.step->gravity * time * time / 2.0 + arm_ * rise;
-        return plate_.side * (height - plate_.height(left_ - time)) - radius_;
+        const auto [sine, cosine] = repeatable::sin_cos(flight_.rate * time);
+        return gap(time, sine, cosine, now_.plate.height(now_.left - time));
     }
-    /// d gap/dt.
-    double opening(double time) const {
-        const auto [sine, cosine] = repeatable::sin_cos(rate_ * time);
-        const double rise = rate_ * (crossing_ * cosine - swinging_ * sine);
-        return plate_.side * (vz_ - plate_.step->gravity * time + arm_ * rise - plate_.speed(left_ - time));
-    }
+    double gap() const { return gap(0.0, 0.0, 1.0, now_.height); }
+    double opening() const { return opening(0.0, 0.0, 1.0, now_.speed); }
     /// -d^2 gap/dt^2 now: positive where the sphere is pressed against the plate.
-    double pressing() const { return plate_.pressing() + plate_.side * arm_ * rate_ * rate_ * swinging_; }
+    double pressing() const {
+        return now_.plate.pressing() +
+               now_.plate.side * arm_ * flight_.rate * flight_.rate * flight_.swinging;
+    }
     double radius() const { return radius_; }
-    double gravity() const { return plate_.step->gravity; }
+    double gravity() const { return now_.plate.step->gravity; }
 
 private:
-    Plate plate_;
-    double left_, radius_, z_, vz_, arm_;
-    double rate_, kept_, swinging_, crossing_; ///< z of the axis: kept + swinging cos + crossing sin
+    double gap(double time, double sine, double cosine, double plate) const {
+        const double rise = flight_.kept + flight_.swinging * cosine + flight_.crossing * sine;
+        const double height = flight_.z + flight_.vz * time - gravity() * time * time / 2.0 + arm_ * rise;
+        return now_.plate.side * (height - plate) - radius_;
+    }
+    double opening(double time, double sine, double cosine, double plate) const {
+        const double rise = flight_.rate * (flight_.crossing * cosine - flight_.swinging * sine);
+        return now_.plate.side * (flight_.vz - gravity() * time + arm_ * rise - plate);
+    }
+
+    const RodFlight& flight_;
+    const PlateNow& now_;
+    double radius_, arm_;
 };
 
 constexpr double never = std::numeric_limits<double>::infinity();
@@ -207,30 +236,32 @@ constexpr double never = std::numeric_limits<double>::infinity();
 /// A lower bound of the gap for all times that count: rotation and plates change the acceleration little
 /// within a step.
 double least_gap(const RodApproach& approach, double left) {
-    return approach.gap(0.0) + std::min(approach.opening(0.0), 0.0) * left -
+    return approach.gap() + std::min(approach.opening(), 0.0) * left -
            std::max(approach.pressing(), 0.0) * left * left;
 }
 
 /// Whether a sphere in contact stays there: what it moves by is what falling for `rest` adds.
 bool stays(const RodApproach& approach, double rest, bool lossless) {
-    const double opening = approach.opening(0.0);
+    const double opening = approach.opening();
     const double slowest = std::max(approach.pressing(), approach.gravity()) * rest;
     return lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
 }
 
 /// When the gap, widened by `lift`, closes between a time outside and one inside.
 double closing(const RodApproach& approach, double lift, double clear, double inside) {
-    return touch_time([&](double time) { return approach.gap(time) + lift; },
-                      [&](double time) { return approach.opening(time); }, clear, inside,
-                      (clear + inside) / 2.0, 1e-15 * inside);
+    const auto flight = [&](double time) {
+        const GapAndSlope at = approach.at(time);
+        return GapAndSlope{at.gap + lift, at.slope};
+    };
+    return touch_time(flight, clear, inside, (clear + inside) / 2.0, 1e-15 * inside);
 }
 
 /// Of a sphere in contact on its way out: it comes back after the top of its hop, if at all within `left`.
 double end_of_hop(const RodApproach& approach, double left) {
-    const double lift = std::max(-approach.gap(0.0), 0.0), pressing = approach.pressing();
+    const double lift = std::max(-approach.gap(), 0.0), pressing = approach.pressing();
     if (!(pressing > 0.0) || approach.gap(left) + lift >= 0.0)
         return never;
-    return closing(approach, lift, std::min(approach.opening(0.0) / pressing, left / 2.0), left);
+    return closing(approach, lift, std::min(approach.opening() / pressing, left / 2.0), left);
 }
 
 /// Of a sphere outside: within `left`, be it that it grazes the plate on the way.
@@ -238,7 +269,7 @@ double first_touch(const RodApproach& approach, double left) {
     if (approach.gap(left) < 0.0)
         return closing(approach, 0.0, 0.0, left);
     const double pressing = approach.pressing();
-    const double nearest = pressing < 0.0 ? approach.opening(0.0) / pressing : never;
+    const double nearest = pressing < 0.0 ? approach.opening() / pressing : never;
     return nearest < left && approach.gap(nearest) < 0.0 ? closing(approach, 0.0, 0.0, nearest) : never;
 }
 
@@ -248,14 +279,12 @@ double next_touch(const RodApproach& approach, double left, double rest, bool lo
     const double contact = touching * approach.radius();
     if (least_gap(approach, left) > contact)
         return never;
-    if (!(approach.gap(0.0) <= contact))
+    if (!(approach.gap() <= contact))
         return first_touch(approach, left);
     if (stays(approach, rest, lossless))
         return std::min(rest, left);
-    return approach.opening(0.0) <= 0.0 ? 0.0 : end_of_hop(approach, left);
+    return approach.opening() <= 0.0 ? 0.0 : end_of_hop(approach, left);
 }
-
-Plate plate_at(const PlateStep& step, int side) { return {side == 0 ? 1.0 : -1.0, &step}; }
 
 /// A contact that rests on a plate at rest follows no impact. It gets the impulse that stops the point if
 /// friction can hold it, else one that ends its approach and acts against the slip as it is now; nothing if
@@ -280,16 +309,16 @@ std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const 
 }
 
 /// One impulse where the sphere touches, if it is in contact and approaches: the impulse.
-std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const Plate& plate, double left,
-                              double rest, const Surface& surface, PlateTally& tally) {
-    const RodApproach now(rod, sphere, plate, left);
-    const double gap = now.gap(0.0);
+std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const RodApproach& now,
+                              const PlateNow& then, double rest, const Surface& surface, PlateTally& tally) {
+    const Plate& plate = then.plate;
+    const double gap = now.gap();
     if (!(gap <= touching * now.radius()))
         return {};
     tally.max_overlap = std::max(tally.max_overlap, -gap / now.radius());
     const Vector3 normal(0.0, 0.0, plate.side);
     const Vector3 arm = rod.clump().offset[sphere] * rod.axis() - (now.radius() + gap) * normal;
-    const Vector3 relative = rod.velocity_at(arm) - Vector3(0.0, 0.0, plate.speed(left));
+    const Vector3 relative = rod.velocity_at(arm) - Vector3(0.0, 0.0, then.speed);
     const double approach = -relative.dot(normal);
     if (!(approach > 0.0))
         return {};
@@ -312,10 +341,13 @@ std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const Plate& p
 
 /// Calls f(sphere, plate) for each sphere of the rod's outline at each plate.
 template<class F>
-void for_each_place(const MovingRod& rod, const PlateStep& step, const F& f) {
-    for (const int side : {0, 1})
+void for_each_place(const MovingRod& rod, const PlateStep& step, double left, const F& f) {
+    const double floor = step.floor.position(left), speed = step.floor.velocity(left);
+    for (const double side : {1.0, -1.0}) {
+        const PlateNow plate{{side, &step}, left, floor + (side > 0.0 ? 0.0 : step.gap), speed};
         for (const std::size_t sphere : rod.outline())
-            f(sphere, plate_at(step, side));
+            f(sphere, plate);
+    }
 }
 
 /// Whether a rod lies on the floor of plates that are still: two places are no higher than a fall in one
@@ -356,8 +388,10 @@ Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, P
     bool acted = true; // the last look gave an impulse; else time must pass
     for (int bounces = 0; left > 0.0;) {
         double next = never;
-        for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
-            next = std::min(next, next_touch(RodApproach(rod, sphere, plate, left), left, rest, lossless));
+        RodFlight flight(rod);
+        for_each_place(rod, step, left, [&](std::size_t sphere, const PlateNow& plate) {
+            next = std::min(
+                next, next_touch(RodApproach(flight, rod.clump(), sphere, plate), left, rest, lossless));
         });
         if (!acted || bounces >= most_rod_bounces)
             next = std::max(next, std::min(rest, left));
@@ -366,13 +400,16 @@ Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, P
             break;
         left = std::max(left - next, 0.0);
         acted = false;
+        flight = RodFlight(rod);
         // two ends that rest push each other: an impulse leaves a quarter of the approach to the next round
         for (int round = 0, before = -1; round < rounds && before != bounces; ++round) {
             before = bounces;
-            for_each_place(rod, step, [&](std::size_t sphere, const Plate& plate) {
-                const auto impulse = bounce(rod, sphere, plate, left, rest, surface, tally);
+            for_each_place(rod, step, left, [&](std::size_t sphere, const PlateNow& plate) {
+                const RodApproach now(flight, rod.clump(), sphere, plate);
+                const auto impulse = bounce(rod, sphere, now, plate, rest, surface, tally);
                 if (!impulse)
                     return;
+                flight = RodFlight(rod);
                 got += *impulse;
                 acted = true;
                 ++bounces;

@@ -271,6 +271,16 @@ double FurthestSquared(const double* position, const double* before, std::size_t
 
 const char* Target() { return hwy::TargetName(HWY_TARGET); }
 
+void SeriesProduct(const double* a, int order, const double* b, double* product) {
+    const hn::CappedTag<double, 8> lanes;
+    for (int k = 0; k < product_lanes; k += static_cast<int>(hn::Lanes(lanes))) {
+        auto sum = hn::Zero(lanes);
+        for (int i = 0; i <= order; ++i)
+            sum = hn::Add(sum, hn::Mul(hn::Set(lanes, a[i]), hn::LoadU(lanes, b + k - i)));
+        hn::StoreU(sum, lanes, product + k);
+    }
+}
+
 } // namespace rodwake::granular::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -281,6 +291,7 @@ HWY_EXPORT(DriftBeads);
 HWY_EXPORT(OverlappingPairs);
 HWY_EXPORT(PairsWithinReach);
 HWY_EXPORT(FurthestSquared);
+HWY_EXPORT(SeriesProduct);
 HWY_EXPORT(Target);
 
 BodyRange BodyRange::empty() {
@@ -348,6 +359,10 @@ std::size_t within_reach(const double* position, const PairList& list, std::size
 double furthest_moved(const Rows& position, const Rows& before, std::size_t begin, std::size_t end) {
     return std::sqrt(HWY_DYNAMIC_DISPATCH(FurthestSquared)(position.data() + 4 * begin,
                                                            before.data() + 4 * begin, end - begin));
+}
+
+void series_product(const double* a, int order, const double* b, double* product) {
+    HWY_DYNAMIC_DISPATCH(SeriesProduct)(a, order, b, product);
 }
 
 const char* vector_target() { return HWY_DYNAMIC_DISPATCH(Target)(); }

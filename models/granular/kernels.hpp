@@ -113,6 +113,11 @@ std::size_t overlapping(const double* position, const PairList& list, std::size_
 std::size_t within_reach(const double* position, const PairList& list, std::size_t begin, std::size_t end,
                          const PeriodicBox& box, double allowance, std::uint32_t* found);
 
+/// product[k] = sum of a[i] b[k - i] over i = 0 to order, rising, for k < product_lanes; b is read from
+/// -order to product_lanes - 1.
+inline constexpr int product_lanes = 32;
+void series_product(const double* a, int order, const double* b, double* product);
+
 /// The largest distance in the plane between the same rows [begin, end) of two arrays.
 double furthest_moved(const Rows& position, const Rows& before, std::size_t begin, std::size_t end);
 

@@ -331,6 +331,15 @@ double bead_area_fraction(const GranularProblem& problem) {
     return fraction;
 }
 
+double bead_area_fraction(const GranularProblem& problem, std::span<const double> radii) {
+    if (bead_mix(problem).equal() || radii.empty())
+        return bead_area_fraction(problem);
+    double squares = 0.0;
+    for (const double radius : radii)
+        squares += radius * radius;
+    return M_PI * squares / bed_area(problem);
+}
+
 double bed_area(const GranularProblem& problem) {
     return problem.container ? problem.container->area() : problem.box.area();
 }

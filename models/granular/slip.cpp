@@ -1,5 +1,6 @@
 #include "slip.hpp"
 
+#include "kernels.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <algorithm>
@@ -334,10 +335,11 @@ void SlipSeries::integrate_normal() {
 }
 
 void SlipSeries::integrate_work() {
-    std::array<double, work_order> product{}; // of r and v_z; by rows, which the compiler vectorises
-    for (int i = 0; i <= order; ++i)
-        for (int j = 0; j <= std::min(order, work_order - 1 - i); ++j)
-            product[i + j] += r_[i] * v_[j];
+    // Of r and v_z; zeros on both sides of v_z stand for terms that it does not have.
+    std::array<double, order + product_lanes> v{};
+    std::array<double, product_lanes> product;
+    std::ranges::copy(v_, v.begin() + order);
+    series_product(r_.data(), order, v.data() + order, product.data());
     w_[0] = 0.0;
     for (int k = 1; k <= work_order; ++k)
         w_[k] = impulse_ * product[k - 1] * reciprocals[k];

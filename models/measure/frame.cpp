@@ -53,6 +53,16 @@ PeriodicBox box_seen_by(std::size_t rod, const Layout& layout) {
     return along_y ? PeriodicBox(layout.box.y, layout.box.x) : layout.box;
 }
 
+std::vector<std::uint8_t> kinds_of(std::span<const double> radii, const Layout& layout) {
+    std::vector<std::uint8_t> kinds;
+    for (std::size_t i = 0; i < radii.size() && !layout.kind_radii.empty(); ++i) {
+        const auto nearest = std::ranges::min_element(
+            layout.kind_radii, {}, [&](double radius) { return std::abs(radius - radii[i]); });
+        kinds.push_back(static_cast<std::uint8_t>(nearest - layout.kind_radii.begin()));
+    }
+    return kinds;
+}
+
 RodPosition place_of(std::size_t rod, const Layout& layout, const Frame& frame) {
     if (!layout.force)
         return frame.rods[rod];
@@ -97,6 +107,10 @@ void check_frame(const Layout& layout, const Frame& frame) {
         want_values("coordinates of beads", *values, beads);
     for (const auto* values : {&frame.vx, &frame.vy})
         want_values("velocities of beads", *values, layout.velocities ? beads : 0);
+    if (frame.kind.size() != (layout.kind_radii.empty() ? 0 : beads) ||
+        std::ranges::any_of(frame.kind, [&](std::size_t kind) { return kind >= layout.kind_radii.size(); }))
+        throw RunError(fmt::format("measure: a frame of {} beads of {} kinds names the kinds of {}", beads,
+                                   layout.kind_radii.size(), frame.kind.size()));
     want_inside(frame.x, layout.box.x, layout.window.has_value());
     want_inside(frame.y, layout.box.y, layout.window.has_value());
     if (frame.rods.size() != layout.rods)

@@ -230,7 +230,7 @@ MicrorheologyResult reduce(Runs runs) {
         result.frames += run.frames();
     }
     result.temperature = sum / static_cast<double>(result.frames);
-    if (runs[0].layout().velocities)
+    if (runs[0].layout().velocities && runs[0].layout().kind_radii.empty()) // else beads have several masses
         result.spring = result.stiffness_zero.scaled(4.0 * runs[0].layout().bead_mass * result.temperature);
     return result;
 }

@@ -35,12 +35,15 @@ void check(const MicrorheologyOptions& options) {
 
 std::size_t first_of(std::size_t group, std::size_t beads) { return group * beads / groups; }
 
-/// Displacements since the first frame without their mean, which is the drift of the whole bed.
-Row displacements(const Row& free, const Row& first, const std::vector<std::size_t>& order) {
+/// Displacements since the first frame without their mean, which is the drift of the whole bed, of the first
+/// `wanted` beads of the order.
+Row displacements(const Row& free, const Row& first, const std::vector<std::size_t>& order,
+                  std::size_t wanted) {
     Row moved(order.size());
     for (std::size_t i = 0; i < order.size(); ++i)
         moved[i] = free[order[i]] - first[i];
     const double mean = std::accumulate(moved.begin(), moved.end(), 0.0) / static_cast<double>(moved.size());
+    moved.resize(wanted);
     for (double& m : moved)
         m -= mean;
     return moved;
@@ -82,9 +85,14 @@ MicrorheologyAccumulator::MicrorheologyAccumulator(const Layout& layout, const M
         throw InputError(fmt::format("measure: microrheology of {} beads: needs at least {}, since their "
                                      "mean displacement is taken off",
                                      layout.beads, groups));
+    set_group_sizes(layout.beads);
+}
+
+void MicrorheologyAccumulator::set_group_sizes(std::size_t beads) {
+    measured_ = beads;
+    group_sizes_.clear();
     for (std::size_t g = 0; g < groups; ++g)
-        group_sizes_.push_back(
-            static_cast<double>(first_of(g + 1, layout.beads) - first_of(g, layout.beads)));
+        group_sizes_.push_back(static_cast<double>(first_of(g + 1, beads) - first_of(g, beads)));
 }
 
 double MicrorheologyAccumulator::interval() const {
@@ -118,6 +126,11 @@ void MicrorheologyAccumulator::start(const Frame& frame) {
     order_.resize(layout_.beads);
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
+    if (options_.kind) {
+        const auto others = std::ranges::stable_partition(
+            order_, [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
+        set_group_sizes(static_cast<std::size_t>(others.begin() - order_.begin()));
+    }
     for (const std::size_t i : order_) {
         first_x_.push_back(frame.unwrapped_x[i]);
         first_y_.push_back(frame.unwrapped_y[i]);
@@ -139,8 +152,8 @@ void MicrorheologyAccumulator::add(const Frame& frame) {
         return add_named(frame);
     push(0, {times_.tick,
              frame.time,
-             displacements(frame.unwrapped_x, first_x_, order_),
-             displacements(frame.unwrapped_y, first_y_, order_),
+             displacements(frame.unwrapped_x, first_x_, order_, measured_),
+             displacements(frame.unwrapped_y, first_y_, order_, measured_),
              {}});
 }
 
@@ -204,6 +217,8 @@ void MicrorheologyAccumulator::save(StateWriter& out) const {
     out.put(order_.size());
     for (const std::size_t bead : order_)
         out.put(bead);
+    if (options_.kind)
+        out.put(measured_);
     out.put(first_x_);
     out.put(first_y_);
     out.put(levels_.size());
@@ -227,6 +242,8 @@ void MicrorheologyAccumulator::load(StateReader& in) {
     times_.load(in);
     temperature_sum_ = in.get();
     order_ = unpack_order(in, frames(), layout_.beads);
+    if (options_.kind)
+        set_group_sizes(in.count());
     first_x_ = in.array(order_.size());
     first_y_ = in.array(order_.size());
     levels_.clear();
@@ -239,8 +256,8 @@ void MicrorheologyAccumulator::load(StateReader& in) {
         std::vector<OctaveFrame>& level = levels_.emplace_back(stored);
         for (OctaveFrame& past : level) {
             past.tick = in.count();
-            past.x = in.array(layout_.beads);
-            past.y = in.array(layout_.beads);
+            past.x = in.array(measured_);
+            past.y = in.array(measured_);
         }
     }
     lags_.clear();

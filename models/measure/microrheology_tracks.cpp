@@ -35,7 +35,8 @@ void MicrorheologyAccumulator::correlate_named(const OctaveFrame& before, const 
         moved[group].beads += 1.0;
     });
     add_halves(sums, moved);
-    const double origins = found / static_cast<double>(layout_.beads);
+    const std::size_t beads = options_.kind ? std::max<std::size_t>(now.bead.size(), 1) : layout_.beads;
+    const double origins = found / static_cast<double>(beads);
     sums.origins += origins;
     sums.time += origins * (now.time - before.time);
 }
@@ -77,7 +78,7 @@ void MicrorheologyAccumulator::add_named(const Frame& frame) {
     n.start_x.resize(layout_.all_beads, std::nan(""));
     n.start_y.resize(layout_.all_beads, 0.0);
     n.group.resize(layout_.all_beads, 0);
-    const Names bead = names_of(frame);
+    Names bead = names_of(frame);
     Row x = first(frame.unwrapped_x, bead.size()), y = first(frame.unwrapped_y, bead.size());
     follow_drift(x, y, bead);
     for (std::size_t i = 0; i < bead.size(); ++i) {
@@ -90,6 +91,18 @@ void MicrorheologyAccumulator::add_named(const Frame& frame) {
         }
         x[i] -= n.start_x[b] + n.drift_x;
         y[i] -= n.start_y[b] + n.drift_y;
+    }
+    if (options_.kind) {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < bead.size(); ++i)
+            if (frame.kind[i] == *options_.kind) {
+                bead[kept] = bead[i];
+                x[kept] = x[i];
+                y[kept++] = y[i];
+            }
+        bead.resize(kept);
+        x.resize(kept);
+        y.resize(kept);
     }
     push(0, {times_.tick, frame.time, x, y, bead});
 }

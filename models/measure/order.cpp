@@ -112,8 +112,9 @@ std::vector<OrderBlock> all_blocks(std::span<const OrderAccumulator> runs) {
         throw InputError("measure: no frames to measure order in: is the trajectory empty?");
     // Two frames of a film, each a block, have a difference, but no scatter.
     if (!runs[0].layout().velocities && blocks.size() == 2 && blocks[0].frames + blocks[1].frames < 3.0) {
-        for (const auto sums : {&OrderBlock::pairs, &OrderBlock::order_pairs, &OrderBlock::order,
-                                &OrderBlock::fine_order, &OrderBlock::weighted})
+        for (const auto sums :
+             {&OrderBlock::pairs, &OrderBlock::order_pairs, &OrderBlock::order, &OrderBlock::fine_order,
+              &OrderBlock::weighted, &OrderBlock::kind_pairs, &OrderBlock::kind_pairs_in_all})
             std::ranges::transform(blocks[0].*sums, blocks[1].*sums, (blocks[0].*sums).begin(), std::plus{});
         for (const auto sum : {&OrderBlock::psi6, &OrderBlock::local, &OrderBlock::neighbours,
                                &OrderBlock::frames, &OrderBlock::full_frames, &OrderBlock::at_border})
@@ -187,6 +188,34 @@ void reduce_g(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run
     }
 }
 
+/// g(r) of each pair of kinds, as of all beads; a bin without a pair has the error of one pair.
+void reduce_kinds(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
+    const std::size_t bins = result.r.size(), kinds = run.layout().kind_radii.size();
+    const std::vector<double> of_one =
+        pair_correlation(std::vector<double>(bins, 1.0), 1.0, 2, seen_area(run.layout()), run.options().bin);
+    for (std::size_t p = 0, pair = 0; p < kinds; ++p)
+        for (std::size_t q = p; q < kinds; ++q, ++pair) {
+            const auto in_all = [pair](const OrderBlock& b) { return b.kind_pairs_in_all[pair]; };
+            std::vector<WeightedSeries> all;
+            double weight = 0.0;
+            for (std::size_t k = 0; k < bins; ++k)
+                all.push_back(series(
+                    blocks, [&](const OrderBlock& b) { return b.kind_pairs[pair * bins + k] * of_one[k]; },
+                    in_all));
+            for (const OrderBlock& block : blocks)
+                weight += in_all(block);
+            if (weight == 0.0) // fewer than two beads
+                continue;
+            KindCorrelation& found = result.kinds.emplace_back(KindCorrelation{p, q, {}, {}});
+            const double growth = common_growth(all);
+            for (std::size_t k = 0; k < bins; ++k) {
+                const Estimate e = estimate(all[k], growth);
+                found.g.push_back(e.value);
+                found.g_error.push_back(e.value == 0.0 ? of_one[k] / weight : e.error);
+            }
+        }
+}
+
 void reduce_order(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
     std::vector<WeightedSeries> all;
     for (std::size_t k = 0; k < blocks.front().order.size(); ++k) {
@@ -225,6 +254,7 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
     if (run.layout().window)
         result.at_border = over_blocks(blocks, &OrderBlock::at_border).value;
     reduce_g(blocks, run, result);
+    reduce_kinds(blocks, run, result);
     reduce_order(blocks, run, result);
 
     double sum = 0.0, count = 0.0;

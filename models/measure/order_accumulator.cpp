@@ -73,6 +73,11 @@ void add_to(std::vector<double>& sums, const std::vector<double>& values, std::s
         sums[k / together] += values[k];
 }
 
+/// With itself and each other; 0 where all beads have one size.
+std::size_t pairs_of_kinds(const Layout& layout) {
+    return layout.kind_radii.size() * (layout.kind_radii.size() + 1) / 2;
+}
+
 /// Pairs of so many beads over those of a frame that has as many as the layout.
 double share_of_all_pairs(const Layout& layout, std::size_t beads) {
     const double n = static_cast<double>(beads), all = static_cast<double>(layout.beads);
@@ -116,8 +121,8 @@ void OrderAccumulator::add(const Frame& frame) {
     if (frame.x.size() < 2) // of tracks: nobody there
         return;
     if (!waits())
-        return count(frame.time, frame.x, frame.y);
-    waiting_.push_back({frame.time, frame.x, frame.y});
+        return count({frame.time, frame.x, frame.y, frame.kind});
+    waiting_.push_back({frame.time, frame.x, frame.y, frame.kind});
     if (waiting_.size() >= options_.cutoff_frames)
         count_waiting();
 }
@@ -143,7 +148,7 @@ Cutoff OrderAccumulator::settled_cutoff() const {
 void OrderAccumulator::count_waiting() {
     cutoff_ = settled_cutoff();
     for (const Waiting& frame : waiting_)
-        count(frame.time, frame.x, frame.y);
+        count(frame);
     waiting_.clear();
 }
 
@@ -155,12 +160,16 @@ OrderAccumulator::OrderBlock& OrderAccumulator::block_at(double time) {
                            std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
         if (layout_.window)
             blocks_.back().weighted.assign(bins, 0.0);
+        const std::size_t kind_pairs = pairs_of_kinds(layout_);
+        blocks_.back().kind_pairs.assign(kind_pairs * bins, 0.0);
+        blocks_.back().kind_pairs_in_all.assign(kind_pairs, 0.0);
         block_number_.push_back(number);
     }
     return blocks_.back();
 }
 
-void OrderAccumulator::count(double time, const std::vector<double>& x, const std::vector<double>& y) {
+void OrderAccumulator::count(const Waiting& frame) {
+    const auto& [time, x, y, kind] = frame;
     const PeriodicBox box = image_box(layout_);
     LocalOrder order = options_.neighbours == Neighbours::delaunay
                            ? order_by_delaunay(x, y, box)
@@ -176,14 +185,43 @@ void OrderAccumulator::count(double time, const std::vector<double>& x, const st
     add_to(block.order_pairs, sums.pairs, together);
     add_to(block.order, sums.order, together);
     add_to(block.fine_order, sums.order, 1);
+    const std::vector<double> weighted = layout_.window ? pairs_for_g(x, y) : std::vector<double>();
     if (layout_.window)
-        add_to(block.weighted, pairs_for_g(x, y), 1);
+        add_to(block.weighted, weighted, 1);
+    if (!kind.empty())
+        count_kinds(frame, layout_.window ? weighted : sums.pairs, block);
     block.psi6 += order.global();
     block.local += order.mean_size();
     block.neighbours += order.mean_neighbours();
     block.frames += 1.0;
     block.full_frames += share_of_all_pairs(layout_, x.size());
     block.at_border += static_cast<double>(x.size() - inner.size()) / static_cast<double>(x.size());
+}
+
+/// Pairs within each kind are counted, and of two kinds they are those of both together less those within.
+void OrderAccumulator::count_kinds(const Waiting& frame, const std::vector<double>& all,
+                                   OrderBlock& block) const {
+    const std::size_t kinds = layout_.kind_radii.size(), bins = all.size();
+    std::vector<std::vector<double>> within(kinds);
+    std::vector<double> beads(kinds);
+    const auto pairs_among = [&](std::size_t p, std::size_t q) {
+        std::vector<std::size_t> which;
+        for (std::size_t i = 0; i < frame.kind.size(); ++i)
+            if (frame.kind[i] == p || frame.kind[i] == q)
+                which.push_back(i);
+        beads[p] = p == q ? static_cast<double>(which.size()) : beads[p];
+        return pairs_for_g(only(frame.x, which), only(frame.y, which));
+    };
+    for (std::size_t p = 0; p < kinds; ++p)
+        within[p] = pairs_among(p, p);
+    for (std::size_t p = 0, pair = 0; p < kinds; ++p)
+        for (std::size_t q = p; q < kinds; ++q, ++pair) {
+            const std::vector<double> together = p == q ? within[p] : kinds == 2 ? all : pairs_among(p, q);
+            for (std::size_t k = 0; k < bins; ++k)
+                block.kind_pairs[pair * bins + k] +=
+                    together[k] - (p == q ? 0.0 : within[p][k] + within[q][k]);
+            block.kind_pairs_in_all[pair] += p == q ? 0.5 * beads[p] * (beads[p] - 1.0) : beads[p] * beads[q];
+        }
 }
 
 std::vector<double> OrderAccumulator::pairs_for_g(const std::vector<double>& x,
@@ -209,6 +247,8 @@ void OrderAccumulator::save(StateWriter& out) const {
         out.put(frame.time);
         out.put(frame.x);
         out.put(frame.y);
+        if (!frame.kind.empty())
+            out.put(std::vector<double>(frame.kind.begin(), frame.kind.end()));
     }
     out.put(blocks_.size());
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -218,6 +258,10 @@ void OrderAccumulator::save(StateWriter& out) const {
         if (layout_.window) {
             out.put(block.weighted);
             out.put(block.at_border);
+        }
+        if (!block.kind_pairs.empty()) {
+            out.put(block.kind_pairs);
+            out.put(block.kind_pairs_in_all);
         }
         for (const double value : {block.psi6, block.local, block.neighbours, block.frames, block_number_[b]})
             out.put(value);
@@ -230,10 +274,14 @@ void OrderAccumulator::load(StateReader& in) {
     waiting_.clear();
     blocks_.clear();
     block_number_.clear();
+    const std::size_t kind_pairs = pairs_of_kinds(layout_);
     for (std::size_t left = in.count(); left > 0; --left) {
         const double time = in.get();
         std::vector<double> x = in.array(layout_.beads);
-        waiting_.push_back({time, std::move(x), in.array(layout_.beads)});
+        waiting_.push_back({time, std::move(x), in.array(layout_.beads), {}});
+        if (kind_pairs > 0)
+            for (const double kind : in.array(layout_.beads))
+                waiting_.back().kind.push_back(static_cast<std::uint8_t>(kind));
     }
     const std::size_t bins = bins_of_g(layout_, options_), order_bins = bins / bins_of_order_bin(options_);
     for (std::size_t left = in.count(); left > 0; --left) {
@@ -241,6 +289,10 @@ void OrderAccumulator::load(StateReader& in) {
         if (layout_.window) {
             block.weighted = in.array(bins);
             block.at_border = in.get();
+        }
+        if (kind_pairs > 0) {
+            block.kind_pairs = in.array(kind_pairs * bins);
+            block.kind_pairs_in_all = in.array(kind_pairs);
         }
         for (double* value : {&block.psi6, &block.local, &block.neighbours, &block.frames})
             *value = in.get();

@@ -180,6 +180,7 @@ private:
         out_.counts.dangling = rows_.dangling;
         out_.warnings = std::move(rows_.warnings);
         out_.bead_radius = scale_.bead_radius;
+        out_.kind_radii = scale_.kind_radii;
         out_.has_images = scale_.box && !rows_.image_x.empty();
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             rows_.x[i] *= scale_.pixel;
@@ -280,7 +281,8 @@ private:
         const double a = scale_.bead_radius,
                      side = std::sqrt(seen_area(layout_of(out_))) +
                             (hull_ ? std::sqrt(std::numbers::pi) * a : 0.0), // a hull is one of centres
-            covered = out_.beads_per_frame() * std::numbers::pi * std::pow(a / side, 2);
+            covered =
+                out_.beads_per_frame() * std::numbers::pi * std::pow(a / side, 2) * out_.mean_square_radius();
         if (!out_.x.empty() && (covered < 1e-3 || covered > 0.91))
             out_.warnings.push_back(fmt::format("{}: beads cover {:.2g} of the window: is tracks.pixel or "
                                                 "tracks.bead_radius right?",
@@ -326,6 +328,8 @@ private:
             out_.bead.push_back(seen.bead);
             out_.x.push_back(seen.place.x);
             out_.y.push_back(seen.place.y);
+            if (!rows_.radius.empty())
+                out_.radius.push_back(seen.radius);
             if (out_.has_images) {
                 out_.image_x.push_back(seen.place.image_x);
                 out_.image_y.push_back(seen.place.image_y);
@@ -346,10 +350,12 @@ private:
             return;
         }
         const bool rod = is_rod(row);
+        const bool own = !rows_.radius.empty() && !std::isnan(rows_.radius[row]);
+        const double radius = own ? rows_.radius[row] * scale_.pixel : scale_.bead_radius;
         if (rows_.id[row] == no_track) {
             ++out_.counts.untracked;
             if (!rod)
-                frame_beads_.push_back({untracked, place});
+                frame_beads_.push_back({untracked, place, radius});
             return;
         }
         const double x = out_.has_images ? std::fma(place.image_x, out_.box.x, place.x) : place.x,
@@ -357,7 +363,7 @@ private:
         Trail& trail = (rod ? rod_trails_ : trails_)[rows_.id[row]];
         follow(trail, rows_.id[row], frame, x, y, rod);
         if (!rod)
-            frame_beads_.push_back({trail.particle, place});
+            frame_beads_.push_back({trail.particle, place, radius});
         else
             add_rod(trail, frame, row, x, y);
     }
@@ -398,6 +404,7 @@ private:
     struct TrackedBead {
         std::uint32_t bead;
         BoxPosition place;
+        double radius; ///< m
     };
 
     TrackRows rows_;
@@ -413,78 +420,8 @@ private:
 
 } // namespace
 
-double Tracks::mean_length() const {
-    const std::size_t tracked = x.size() - static_cast<std::size_t>(std::ranges::count(bead, untracked));
-    return beads > 0 ? static_cast<double>(tracked + counts.missing) / static_cast<double>(beads) : 0.0;
-}
-
-std::size_t Tracks::frames_with_beads() const {
-    std::size_t count = 0;
-    for (std::size_t f = 0; f < frames(); ++f)
-        count += start[f + 1] > start[f];
-    return count;
-}
-
-double Tracks::beads_per_frame() const {
-    return static_cast<double>(x.size()) / static_cast<double>(std::max<std::size_t>(frames_with_beads(), 1));
-}
-
-double Tracks::lost_share() const {
-    const double seen = mean_length() * static_cast<double>(beads);
-    return seen > 0.0 ? static_cast<double>(counts.missing) / seen : 0.0;
-}
-
 Tracks ordered_tracks(TrackRows rows, const TrackScale& scale, const std::string& file) {
     return Ordering(std::move(rows), scale, file).tracks();
-}
-
-Layout layout_of(const Tracks& tracks, std::size_t stride) {
-    Layout layout{tracks.box, tracks.bead_radius, 0.0,
-                  static_cast<std::size_t>(std::max(1.0, std::round(tracks.beads_per_frame()))),
-                  tracks.rods.size()};
-    layout.window = tracks.window;
-    layout.velocities = false;
-    for (const RodTrack& rod : tracks.rods) // where there is none yet, along x
-        layout.headings.push_back(first_heading(rod).value_or(0.0));
-    const bool all = tracks.beads > 0 && tracks.x.size() == tracks.frames() * tracks.beads &&
-                     std::ranges::count(tracks.bead, untracked) == 0;
-    layout.all_beads = all ? 0 : std::max<std::size_t>(tracks.beads, 1);
-    if (!tracks.has_all_frames() || tracks.frames_with_beads() < tracks.frames()) // others are not measured
-        layout.grid = tracks.on_grid ? tracks.interval * static_cast<double>(stride) : 0.0;
-    return layout;
-}
-
-void for_each_frame(const Tracks& tracks, std::size_t stride,
-                    const std::function<bool(const Frame&, double)>& use) {
-    const Layout layout = layout_of(tracks);
-    Unwrapping unwrap_x(tracks.beads), unwrap_y(tracks.beads);
-    RodPlayer rods(tracks);
-    Frame frame;
-    for (std::size_t f = 0; f < tracks.frames(); ++f) {
-        const auto from = static_cast<std::ptrdiff_t>(tracks.start[f]),
-                   to = static_cast<std::ptrdiff_t>(tracks.start[f + 1]);
-        frame.time = tracks.time[f];
-        frame.x.assign(tracks.x.begin() + from, tracks.x.begin() + to);
-        frame.y.assign(tracks.y.begin() + from, tracks.y.begin() + to);
-        frame.unwrapped_x = frame.x;
-        frame.unwrapped_y = frame.y;
-        frame.bead.assign(tracks.bead.begin() + from, tracks.bead.begin() + to);
-        for (std::size_t i = 0; !tracks.window && i < frame.x.size(); ++i)
-            if (const std::uint32_t bead = frame.bead[i]; tracks.has_images) { // as beds do
-                const std::size_t row = tracks.start[f] + i;
-                frame.unwrapped_x[i] = std::fma(tracks.image_x[row], tracks.box.x, frame.x[i]);
-                frame.unwrapped_y[i] = std::fma(tracks.image_y[row], tracks.box.y, frame.y[i]);
-            } else if (bead != untracked) {
-                frame.unwrapped_x[i] = unwrap_x(bead, frame.x[i], tracks.box.x);
-                frame.unwrapped_y[i] = unwrap_y(bead, frame.y[i], tracks.box.y);
-            }
-        if (layout.all_beads == 0)
-            frame.bead.clear();
-        rods.play(f, frame.rods);
-        if (static_cast<std::size_t>(tracks.tick[f]) % stride == 0 &&
-            !use(frame, static_cast<double>(f + 1) / static_cast<double>(tracks.frames())))
-            return;
-    }
 }
 
 } // namespace rodwake::measure

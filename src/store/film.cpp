@@ -62,7 +62,7 @@ void read_box(const Hdf5Input& file, const std::vector<std::int64_t>& step, Trac
 /// Beads or rods: `group` is their place in the file.
 struct FilmBodies {
     Hdf5Table position, id;
-    std::optional<Hdf5Table> image, orientation;
+    std::optional<Hdf5Table> image, orientation, radius;
     std::size_t columns; ///< of the largest frame
 
     FilmBodies(const Hdf5Input& file, const std::string& group, std::size_t frames)
@@ -76,6 +76,8 @@ struct FilmBodies {
         if (file.has(group + "orientation"))
             orientation.emplace(file, group + "orientation/value", H5T_NATIVE_DOUBLE)
                 .want_shape({frames, columns, 4});
+        if (file.has(group + "radius"))
+            radius.emplace(file, group + "radius/value", H5T_NATIVE_DOUBLE).want_shape({frames, columns});
     }
 };
 
@@ -85,13 +87,15 @@ double heading_of(const double* q) {
 }
 
 /// Appends the rows of all frames, some at a time; false after a stop.
-bool append_bodies(const FilmBodies& of, bool are_rods, const std::vector<std::int64_t>& step,
-                   const std::vector<double>& time, TrackRows& rows, const TrackProgress& on_progress) {
+bool append_bodies(const FilmBodies& of, bool are_rods, bool with_radii,
+                   const std::vector<std::int64_t>& step, const std::vector<double>& time, TrackRows& rows,
+                   const TrackProgress& on_progress) {
     const std::size_t frames = step.size(), n = of.columns,
                       at_once = std::max<std::size_t>(1, 65536 / std::max<std::size_t>(1, n));
     std::vector<double> place(3 * n * at_once), turned(of.orientation ? 4 * n * at_once : 0);
     std::vector<std::int64_t> ids(n * at_once);
     std::vector<std::int32_t> image(of.image ? 3 * n * at_once : 0);
+    std::vector<double> radius(n * at_once, std::nan(""));
     for (std::size_t from = 0; from < frames && n > 0; from += at_once) {
         const std::size_t count = std::min(at_once, frames - from);
         of.position.read_rows(from, count, place.data());
@@ -100,6 +104,8 @@ bool append_bodies(const FilmBodies& of, bool are_rods, const std::vector<std::i
             of.image->read_rows(from, count, image.data());
         if (of.orientation)
             of.orientation->read_rows(from, count, turned.data());
+        if (of.radius && with_radii)
+            of.radius->read_rows(from, count, radius.data());
         for (std::size_t i = 0; i < n * count; ++i) {
             if (ids[i] == empty_row)
                 continue;
@@ -115,6 +121,8 @@ bool append_bodies(const FilmBodies& of, bool are_rods, const std::vector<std::i
                 rows.image_x.push_back(image[3 * i]);
                 rows.image_y.push_back(image[3 * i + 1]);
             }
+            if (with_radii)
+                rows.radius.push_back(radius[i]);
             rows.is_rod.push_back(are_rods);
             rows.heading.push_back(of.orientation ? heading_of(&turned[4 * i]) : std::nan(""));
         }
@@ -135,7 +143,7 @@ std::vector<T> column(const Hdf5Input& file, const std::string& path, hid_t type
 } // namespace
 
 TrackRows read_film(const std::filesystem::path& film, const std::string& source, bool own_times,
-                    const TrackProgress& on_progress) {
+                    bool with_radii, const TrackProgress& on_progress) {
     const Hdf5Guard guard;
     const Hdf5Input file(film, "remove it, and the same command makes it again from " + source);
     TrackRows rows;
@@ -152,10 +160,15 @@ TrackRows read_film(const std::filesystem::path& film, const std::string& source
     }
     read_box(file, step, rows);
     const FilmBodies beads(file, spheres, step.size());
-    if (!append_bodies(beads, false, step, time, rows, on_progress))
+    if (with_radii && !beads.radius)
+        throw InputError(source +
+                         ": has no radii of particles, by which tracks.bead_kinds sorts them: convert "
+                         "it to CSV (rodwake convert) and name the kinds in tracks.bead_kinds");
+    if (!append_bodies(beads, false, with_radii, step, time, rows, on_progress))
         return rows;
     if (file.has(store::rods + "position"))
-        append_bodies(FilmBodies(file, store::rods, step.size()), true, step, time, rows, on_progress);
+        append_bodies(FilmBodies(file, store::rods, step.size()), true, with_radii, step, time, rows,
+                      on_progress);
     if (rows.size() == 0)
         throw InputError(
             fmt::format("{}: has no particle with a place in its {} frames", source, step.size()));

@@ -356,10 +356,12 @@ struct H5mdReader::Impl {
             refuse(frame, "velocities that are not finite");
         take(places.place, 0, out.x);
         take(places.place, 1, out.y);
+        take(places.place, 2, out.z);
         take(places.box, 0, out.image_x);
         take(places.box, 1, out.image_y);
         take(velocity.value, 0, out.vx);
         take(velocity.value, 1, out.vy);
+        take(velocity.value, 2, out.vz);
     }
 
     /// One component of the beads.

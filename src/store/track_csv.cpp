@@ -26,6 +26,7 @@ enum ColumnRole : std::size_t {
     y,
     heading,
     kind,
+    radius,
     time,
     thin_x,
     thin_y,
@@ -47,6 +48,7 @@ constexpr RoleNames role_names[roles] = {
     {"y", &TrackColumns::y, {"y", "position_y"}, true},
     {"heading", &TrackColumns::heading, {"theta", "heading"}, false},
     {"kind", &TrackColumns::kind, {"kind"}, false},
+    {"radius", &TrackColumns::radius, {}, false},
     {"time", &TrackColumns::time, {}, false},
     {"ends", nullptr, {}, false},
     {"ends", nullptr, {}, false},
@@ -111,6 +113,13 @@ private:
         guess_ends(names);
         for (std::size_t role = 0; role < roles; ++role)
             find(static_cast<ColumnRole>(role), names);
+        const bool named =
+            columns_.at[kind] != no_column &&
+            std::ranges::none_of(given_.kinds, [](const NamedRadius& of) { return of.names.empty(); });
+        if (!given_.kinds.empty() && columns_.at[radius] == no_column && !named)
+            fail("tracks.bead_kinds need a column of radii, named in tracks.columns = { radius = \"...\" }, "
+                 "or "
+                 "a column of kinds and names of each kind");
         std::size_t last = 0;
         for (const std::size_t at : columns_.at)
             last = at == no_column ? last : std::max(last, at);
@@ -256,6 +265,30 @@ private:
             rows_.heading.push_back(is_missing(cells_[heading]) ? std::nan("") : real(heading));
         if (columns_.at[kind] != no_column)
             rows_.is_rod.push_back(rod(cells_[kind]));
+        if (columns_.at[radius] != no_column || !given_.kinds.empty())
+            rows_.radius.push_back(!rows_.is_rod.empty() && rows_.is_rod.back() ? std::nan("")
+                                                                                : bead_radius());
+    }
+
+    const NamedRadius* named_radius(std::string_view cell) const {
+        const auto found = std::ranges::find_if(given_.kinds, [&](const NamedRadius& of) {
+            return std::ranges::count(of.names, text_in(cell)) > 0;
+        });
+        return found == given_.kinds.end() ? nullptr : &*found;
+    }
+
+    /// NaN where the cell is empty.
+    double bead_radius() const {
+        if (columns_.at[radius] != no_column) {
+            const double value = is_missing(cells_[radius]) ? std::nan("") : real(radius);
+            if (value <= 0.0)
+                wrong(radius, "expected a radius above 0");
+            return value;
+        }
+        const NamedRadius* const of = named_radius(cells_[kind]);
+        if (!of)
+            wrong(kind, "expected one of the names in tracks.bead_kinds or tracks.rod_kinds");
+        return of->radius;
     }
 
     bool ends(std::array<double, 4>& end) const {
@@ -318,6 +351,8 @@ private:
     }
 
     std::uint8_t rod(std::string_view cell) const {
+        if (named_radius(cell))
+            return 0;
         if (!given_.rod_kinds.empty())
             return std::ranges::find(given_.rod_kinds, text_in(cell)) != given_.rod_kinds.end();
         if (is_missing(cell) || cell == "0" || cell == "0.0" || alike(cell, "bead"))
@@ -325,7 +360,9 @@ private:
         if (cell == "1" || cell == "1.0" || alike(cell, "rod") || alike(cell, "motile") ||
             alike(cell, "apolar"))
             return 1;
-        wrong(kind, "expected bead or rod, 0 or 1");
+        wrong(kind, given_.kinds.empty() || columns_.at[radius] != no_column
+                        ? "expected bead or rod, 0 or 1"
+                        : "expected one of the names in tracks.bead_kinds or tracks.rod_kinds");
     }
 
     [[noreturn]] void wrong(ColumnRole role, const std::string& expected) const {

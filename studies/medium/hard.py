@@ -5,6 +5,10 @@
     p sigma^2/(m T_xy) = 9.18 where liquid and hexatic coexist, phi = 0.700 to 0.716 (Engel et al., Phys. Rev. E 87, 042134, 2013)
 
 The plates are 1.01 diameters apart: beads meet at 0.99999 diameters in the mean. Then the bed becomes the paper's, one change at a time.
+Discs of two sizes: spheres whose centres start at one height, with velocities in the plane, stay in it, so plates 2.02 large radii apart do.
+
+    Z = p A/(sum m_i T_i) = (1 - s)/(1 - phi) + s Z_1(phi),  s = <a>^2/<a^2>,  Z_1 of equal discs    (Santos, Yuste and Lopez de Haro 1999)
+
 The range of the fit of g and the level of psi6 that is called the onset were set before the runs; the third step was added when two had
 been seen, the area fractions of a bed were chosen as the order of those before it was known.
 """
@@ -39,6 +43,8 @@ ORDER_RUNS, ORDER_BEADS = 2, 1400
 LARGE = 0.708, 4, 5e-5, (6.0, 8.0)     # phi; times as many beads; step, times, s
 ONSET = 0.4                           # of psi6
 COOLING = 0.72, 1.0                   # phi; s
+MIXTURES = {"1 : 1.4, half and half": (1.4, 2), "1 : 2, three small to one large": (2.0, 4)}  # ratio of radii; one disc in so many is large
+MIXED = (0.3, 0.5, 0.6), 32, 2.5e-5, (0.5, 1.0)  # phi; discs along a side; step, times, s
 FAST = 5                              # times the cost of a shaken bed, of elastic ones at their speed
 
 
@@ -46,7 +52,9 @@ def cost():
     fluids = sum(FAST * RUNS * (SECONDS + SETTLE) * BEADS * 1e-4 / step for phi in FLUID for step in steps(phi))
     beds = sum(len(phis) * ORDER_RUNS * sum(TIMES[still]) * ORDER_BEADS * (FAST if still else 1)
                for phis, still in ((phis, keys == STILL[0]) for keys, _, phis in BEDS.values()))
-    return fluids + beds + FAST * ORDER_BEADS * (sum(TIMES[True]) + COOLING[1] + ORDER_RUNS * LARGE[1] * sum(LARGE[3]) * 1e-4 / LARGE[2])
+    phis, side, step, seconds = MIXED
+    mixtures = FAST * len(MIXTURES) * len(phis) * RUNS * side**2 * sum(seconds) * 1e-4 / step
+    return fluids + mixtures + beds + FAST * ORDER_BEADS * (sum(TIMES[True]) + COOLING[1] + ORDER_RUNS * LARGE[1] * sum(LARGE[3]) * 1e-4 / LARGE[2])
 
 
 def brief(lab, seconds):
@@ -157,6 +165,48 @@ def fluid_tables(lab):
     table("g at contact", ["phi", "from distances", "(Z - 1)/(2 phi) of the same runs", "of Pade", "distances over pressure, %"], contacts)
 
 
+# Two sizes.
+
+
+def discs(lab, phi, ratio, of):
+    """A square grid of discs in one plane, which melts; (folder, sums of N a and N a^2 in units of a)."""
+    _, side, step, (settle, seconds) = MIXED
+    row, column = np.indices((side, side)).reshape(2, -1)
+    large = (row + column) % of == 0
+    radius = np.where(large, ratio, 1.0)
+    spacing = np.sqrt(np.pi * (radius**2).mean() / phi)
+    start = lab.write(f"discs_{ratio:g}_{phi:g}.csv", "x,y,z,vz,radius,kind\n" + "".join(
+        f"{A * spacing * (i + 0.5):.12g},{A * spacing * (j + 0.5):.12g},{1.01 * ratio * A:.12g},0,{A * r:.12g},{k:d}\n"
+        for i, j, r, k in zip(column, row, radius, large)))
+    kinds = "".join(f'[[granular.bead_kinds]]\nradius = "{one:.12g} a"\n' for one in (1.0, ratio))
+    keys = f'box = "{spacing * side:.12g} a"\nstart = "file"\nstart_file = "{start.name}"\ntime_step = {step}\n{STILL[0]}'
+    text_ = scene(keys, brief(lab, seconds), settle, lab.count(RUNS), STILL[1].format(2.02 * ratio) + kinds)
+    return lab.make(f"discs_{ratio:g}_{phi:g}", text_.partition("[measure]")[0]), radius.mean(), (radius**2).mean()
+
+
+def mixture(lab, name, phi):
+    """Z of discs of two sizes, its error between runs, the formula, and what the energy of a run changes by."""
+    mine, key = lab.folder / "mixtures.csv", f"{name}, {phi:g}"
+    for row in (*([] if lab.quick else kept_rows(STORED.with_name("mixtures.csv"))), *kept_rows(mine)):
+        if row["name"] == key:
+            return {column: float(value) for column, value in row.items() if column != "name"}
+    folder, first, second = discs(lab, phi, *MIXTURES[name])
+    kinds, runs = told(folder, "summary")["kinds"], columns(folder / "runs.csv")
+    heat = sum(kind["beads"] * MASS * (kind["radius"] / A)**3 * runs[f"T_xy_kind{k}"] for k, kind in enumerate(kinds))
+    Z = mean((runs["p_xx"] + runs["p_yy"]) / 2 * told(folder, "summary")["box"]**2 / heat)
+    s, (energy,) = first**2 / second, columns(folder / "runs/0001/table.csv", "energy")
+    keep_row(mine, {"name": key, "Z": Z[0], "Z_error": Z[1], "formula": (1 - s) / (1 - phi) + s * pade(phi), "energy": np.ptp(energy) / energy[0],
+                    "T_z": sum(kind["T_z"] for kind in kinds)})
+    return mixture(lab, name, phi)
+
+
+def mixture_table(lab):
+    found = [(name, phi, mixture(lab, name, phi)) for name in MIXTURES for phi in MIXED[0]]
+    table("Z of hard discs of two sizes", ["radii", "phi", "Z", "formula", "over it, %", "change of energy", "T_z, m^2/s^2"],
+          [[name, f"{phi:g}", text(pair(row, "Z"), digits=4), f"{row['formula']:.4f}", excess(pair(row, "Z"), row["formula"]), f"{row['energy']:.0e}",
+            f"{row['T_z']:g}"] for name, phi, row in found])
+
+
 # The order.
 
 
@@ -216,4 +266,5 @@ def order_tables(lab):
 
 def part(lab):
     fluid_tables(lab)
+    mixture_table(lab)
     order_tables(lab)

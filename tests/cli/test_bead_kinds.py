@@ -92,6 +92,14 @@ class BeadKindsTest(BedTest):
         self.mixed("next", *again, *setting(bead_spread=0.03))
         stored, followed = (h5py.File(self.out(run, "trajectory.h5md"))["particles/trajectory/radius"][()] for run in ("out/runs/0001", "next"))
         np.testing.assert_array_equal(followed, stored)
+        # beads of a denser bed that a rod's place takes out: the fraction is that of the beads that are left
+        self.mixed("fewer", *again, *setting(bead_spread=0.03, phi_b=0.6))
+        with h5py.File(self.out("fewer", "trajectory.h5md")) as file:
+            beads = file["particles/trajectory"]
+            radius = beads["radius"][:self.summary("fewer")["beads"]]
+            self.assertAlmostEqual(file["parameters"].attrs["beads_fraction"], np.pi * (radius**2).sum() / (20 * A)**2, delta=1e-12)
+        self.assertAlmostEqual(self.summary("fewer")["beads_fraction"], np.pi * (radius**2).sum() / (20 * A)**2, delta=1e-12)
+        self.assertGreater(abs(self.summary("fewer")["beads_fraction"] - (0.6 - self.shadow())), 1e-5)
         self.assertRegex(self.mixed("third", *again, code=2).stderr, "radii of the beads are .* with a spread of 0.03 there and")
 
     def shadow(self):
@@ -137,6 +145,68 @@ class BeadKindsTest(BedTest):
     def test_told_before_it_runs(self):
         told = self.expect(0, "check", "mixed.toml").stdout
         self.assertRegex(told, r"beads of radius 0.4 mm \(\d+\) and 0.56 mm \(\d+\) and 2700 kg")
+
+
+class MeasuredKindsTest(BedTest):
+    """g(r) and stiffness by kind of a bed, from its film, and of the film as tracks with radii."""
+    KEYS = tuple(word for key in ("measure.order=true", 'measure.order_neighbours="delaunay"', "measure.microrheology=true", "measure.order_interval=0.02", "measure.block=0.2",
+                                  "granular.duration=0.72", "granular.rods=[]") for word in ("-s", key))
+    TRACKS = """schema = 1
+[tracks]
+file = "{}"
+pixel = "1 m"
+{}
+[[tracks.bead_kinds]]
+radius = "0.4 mm"
+[[tracks.bead_kinds]]
+radius = "0.56 mm"
+[measure]
+order = true
+order_interval = 0.02
+microrheology = true
+block = 0.2
+"""
+
+    def table(self, run, name):
+        return np.genfromtxt(self.out(run, name), delimiter=",", names=True, comments="#")
+
+    def test_bed_and_tracks(self):
+        self.write("mixed.toml", MIXED)
+        self.expect(0, "run", "mixed.toml", "-o", "out", "--no-figures", *self.KEYS)
+        g, stiffness = self.table("out", "gr_kinds.csv"), self.table("out", "stiffness_kinds.csv")
+        self.assertEqual(sorted(set(zip(g["kind"], g["other"]))), [(0, 0), (0, 1), (1, 1)])
+        for k, touching in (((0, 0), 2.0), ((0, 1), 2.4), ((1, 1), 2.8)):
+            mine = g[(g["kind"] == k[0]) & (g["other"] == k[1])]
+            self.assertAlmostEqual(mine["r"][mine["g"] > 0.2].min(), touching, delta=0.4)  # spheres at other heights pass closer
+        self.assertTrue((stiffness["stiffness"] > 0).all())
+        np.testing.assert_allclose(stiffness["radius"], [1.0, 1.4])
+        # from its film: the same bits
+        frames = self.out("out", "trajectory.h5md")
+        self.expect(0, "measure", "mixed.toml", *self.KEYS, "-s", f'measure.trajectory="{frames}"', "-o", "again")
+        for name in ("gr_kinds.csv", "msd_kinds.csv", "stiffness_kinds.csv"):
+            self.assertEqual(self.out("again", name).read_bytes(), self.out("out", name).read_bytes())
+        # the film as tracks, of its own radii; the same places as CSV, with a column of radii, or of kinds that have names
+        with h5py.File(frames) as file:
+            beads = file["particles/trajectory"]
+            places, times, radius = beads["position/value"][()], beads["position/time"][()], beads["radius"][()]
+        rows = [f"{t:.17g},{i},{x:.17g},{y:.17g},{radius[i]:.17g},{'large' if radius[i] > 0.5e-3 else 'small'}"
+                for t, frame in zip(times, places) for i, (x, y, _) in enumerate(frame)]
+        self.write("t.csv", "\n".join(["t,particle,x,y,r,kind", *rows]))
+        periodic = 'time_column = "t"\nwindow = "periodic"\nbox = "20 a"\n'
+        named = self.TRACKS.format("t.csv", periodic).replace('"0.4 mm"', '"0.4 mm"\nnames = ["small"]').replace('"0.56 mm"', '"0.56 mm"\nnames = ["large"]')
+        for name, scene in (("film", self.TRACKS.format(frames, "")), ("named", named),
+                            ("radii", self.TRACKS.format("t.csv", periodic + 'rod_kinds = ["rod"]\ncolumns = { radius = "r" }\n'))):
+            self.write(f"{name}.toml", scene)
+            self.expect(0, "run", f"{name}.toml", "-o", name, "--no-figures")
+            np.testing.assert_allclose(self.table(name, "gr_kinds.csv")["g"], g["g"], rtol=1e-9, err_msg=name)
+            np.testing.assert_allclose(self.table(name, "stiffness_kinds.csv")["stiffness"], stiffness["stiffness"], rtol=1e-6, err_msg=name)
+            self.assertAlmostEqual(json.loads(self.out(name, "tracks.json").read_text())["phi_b"], self.summary("out")["beads_fraction"], delta=1e-9)
+        for scene, message in ((named.replace("small", "smal"), 't.csv:.*: kind = "small": expected one of the names in tracks.bead_kinds'),
+                               (self.TRACKS.format("t.csv", periodic), "tracks.bead_kinds need a column of radii"),
+                               (self.TRACKS.format(frames, 'columns = { radius = "r" }'), "tracks.columns.radius is for CSV"),
+                               (named.replace("0.56", "0.4"), "kinds differ in radius")):
+            self.write("refused.toml", scene)
+            self.assertRegex(self.expect(2, "run", "refused.toml", "-o", "refused", "--no-figures").stderr, message)
 
 
 class StartFileTest(BedTest):
@@ -188,6 +258,29 @@ frames = 0.01
         told = self.expect(2, "dem", "given.toml", "-o", "out", "-s", "granular.runs=2")
         self.assertRegex(told.stderr, "another scene")
         self.assertRegex(self.expect(2, "replay", "out", "--verify").stderr, "not the file that the run began from")
+
+    def test_a_frame_of_a_film(self):
+        """Its beads to the bit between plates at rest, near mid gap between others."""
+        self.put()
+        kinds = ("-s", 'granular.bead_kinds=[{ radius = "0.4 mm" }, { radius = "0.5 mm" }]')
+        self.put(kind=np.arange(25) % 2)
+        self.expect(0, "dem", "given.toml", "-o", "out", *kinds)
+        film = ("-s", 'granular.start_file="out/trajectory.h5md"', *kinds)
+        position, velocity = self.positions("out")
+        for frame, key in ((2, ()), (1, ("-s", "granular.start_frame=1"))):
+            self.expect(0, "dem", "given.toml", "-o", f"from_{frame}", *film, *key)
+            for stored, followed in zip((position, velocity), self.positions(f"from_{frame}")):
+                np.testing.assert_array_equal(followed[0], stored[frame])
+            self.assertEqual([kind["beads"] for kind in self.summary(f"from_{frame}")["kinds"]], [13, 12])
+        self.assertIn("all to the bit", self.expect(0, "replay", "from_1", "--verify").stdout)
+        self.expect(0, "dem", "given.toml", "-o", "shaken", *film, "-s", "granular.plates.gamma=7", "-s", "granular.gravity=9.81")
+        self.assertGreater(np.ptp(self.positions("shaken")[0][0, :, 2]), 0.0)
+        for keys, message in (((*film, "-s", "granular.start_frame=3"), r"start_frame = 3: .*out/trajectory.h5md has frames 0 to 2"),
+                              ((*film, "-s", 'granular.box="21 a"'), "its box is 0.008 x 0.008 m, and that of the scene 0.0084 x 0.0084 m"),
+                              (("-s", "granular.start_frame=0", *kinds), "beads.csv is a table, which has no frames"),
+                              ((*film[:2], "-s", "granular.bead_radius=0.00041", "-s", 'granular.box="8 mm"'), "has a radius of 0.0004 m, and that of its kind is 0.00041 m")):
+            with self.subTest(message):
+                self.assertRegex(self.expect(2, "check", "given.toml", *keys).stderr, message)
 
     def test_missing_columns_are_drawn(self):
         self.put(z=None, vx=None, vz=None)

@@ -318,6 +318,7 @@ TEST_CASE("spheres of two sizes in one plane stay in it and have the pressure of
     for (const Case& c : {Case{0.5, 1.4, 2, 4.1084}, Case{0.3, 2.0, 4, 2.0635}}) {
         Discs discs(c.phi, c.ratio, c.of);
         Simulation simulation(discs.problem, discs.state);
+        const double energy = simulation.energy().kinetic;
         simulation.advance(8000); // tens of impacts a disc: the grid melts
         const PlaneTensor then = simulation.tallies().virial;
         const std::int64_t begun = simulation.step(), impacts = simulation.tallies().bead_bead;
@@ -334,6 +335,7 @@ TEST_CASE("spheres of two sizes in one plane stay in it and have the pressure of
                      s = std::pow(1.0 - share + share * large, 2) / (1.0 - share + share * large * large);
         const double Z = (1.0 - s) / (1.0 - c.phi) + s * c.equal_discs;
         INFO("phi " << c.phi << ", 1 : " << c.ratio);
+        CHECK(simulation.energy().kinetic == Approx(energy).epsilon(1e-9));
         CHECK(1.0 + carried / heat == Approx(Z).epsilon(0.01)); // 0.3 % of scatter, 0.5 % of the formula
         // Equipartition: m T is the same of both kinds, to 3 errors of a frame of 100 to 300 of them.
         const auto kinds = simulation.agitation().of_kinds;

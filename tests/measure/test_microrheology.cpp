@@ -129,6 +129,50 @@ MicrorheologyAccumulator accumulator_of(const std::vector<Frame>& frames,
 
 } // namespace
 
+TEST_CASE("each of two kinds of beads has its own stiffness", "[microrheology]") {
+    const double spread[] = {0.1 * a, 0.2 * a}; // <Delta> = 4 spread^2 of a bound bead in the plane
+    Bed bed(400, 3);
+    bed.drift = 2.0 * a;
+    bed.layout.kind_radii = {a, 1.4 * a};
+    std::vector<std::uint8_t> kind;
+    for (std::size_t i = 0; i < 400; ++i)
+        kind.push_back(i % 3 == 0 ? 1 : 0);
+    const auto scaled_frame = [&](double time) {
+        Row x = bed.x, y = bed.y;
+        for (std::size_t i = 0; i < 400; ++i) {
+            bed.x[i] *= spread[kind[i]];
+            bed.y[i] *= spread[kind[i]];
+        }
+        Frame frame = bed.frame(time);
+        bed.x = x;
+        bed.y = y;
+        frame.kind = kind;
+        return frame;
+    };
+    std::vector<MicrorheologyAccumulator> of_kind;
+    for (const std::size_t k : {0U, 1U}) {
+        MicrorheologyOptions options;
+        options.kind = k;
+        of_kind.emplace_back(bed.layout, options);
+    }
+    bed.settle(1.0);
+    for (std::size_t k = 0; k < 400; ++k) {
+        for (MicrorheologyAccumulator& one : of_kind) {
+            one.add(scaled_frame(0.1 * static_cast<double>(k)));
+            if (k == 100)
+                one = through_packing(one, MicrorheologyAccumulator(one.layout(), one.options()));
+        }
+        bed.step_bound(1.0, std::exp(-0.1 / 0.2));
+    }
+    for (const std::size_t k : {0U, 1U}) {
+        const Estimate stiffness = reduced(of_kind[k]).stiffness_zero;
+        INFO("kind " << k << ": " << stiffness.value * a * a << " +- " << stiffness.error * a * a);
+        CHECK(stiffness.value == Approx(1.0 / (4.0 * spread[k] * spread[k])).epsilon(0.03));
+        CHECK(std::abs(stiffness.value * 4.0 * spread[k] * spread[k] - 1.0) <
+              4.0 * stiffness.error * 4.0 * spread[k] * spread[k]);
+    }
+}
+
 TEST_CASE("multi-tau mean-square displacements are the direct ones", "[microrheology]") {
     const std::vector<Frame> frames = drifting_frames(150);
     const MicrorheologyResult result = reduced(accumulator_of(frames));

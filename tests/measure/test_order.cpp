@@ -129,6 +129,60 @@ TEST_CASE("g, g_B and psi_6 equal direct sums", "[order]") {
     }
 }
 
+TEST_CASE("g by kinds equals direct sums, and all kinds together g", "[order]") {
+    const double box = 30.3 * radius;
+    const std::vector<Bed> beds = gas(3, 150, box, 8);
+    for (const std::size_t kinds : {2U, 3U}) {
+        OrderOptions k = options();
+        k.bin = 0.5 * radius;
+        Layout layout = layout_of(beds[0]);
+        for (std::size_t p = 0; p < kinds; ++p)
+            layout.kind_radii.push_back(radius * (1.0 + static_cast<double>(p)));
+        OrderAccumulator accumulator(layout, k);
+        std::vector<double> of_kind(kinds);
+        std::vector<std::uint8_t> kind;
+        for (std::size_t i = 0; i < 150; ++i) {
+            kind.push_back(static_cast<std::uint8_t>(i % 5 % kinds));
+            ++of_kind[kind.back()];
+        }
+        for (std::size_t f = 0; f < beds.size(); ++f) {
+            Frame frame = frame_of(beds[f], 0.5 * static_cast<double>(f));
+            frame.kind = kind;
+            accumulator.add(frame);
+            accumulator = copy_of(accumulator); // frames that wait for a cut-off keep their kinds
+        }
+        const OrderResult result = reduced(accumulator);
+        REQUIRE(result.kinds.size() == kinds * (kinds + 1) / 2);
+        std::vector<double> sum(result.g.size());
+        for (const KindCorrelation& pair : result.kinds) {
+            const double p = of_kind[pair.kind], q = of_kind[pair.other],
+                         in_all = pair.kind == pair.other ? 0.5 * p * (p - 1.0) : p * q;
+            std::vector<double> counted(result.g.size());
+            for (const Bed& bed : beds)
+                for (std::size_t i = 0; i < 150; ++i)
+                    for (std::size_t j = 0; j < i; ++j) {
+                        const double r = std::hypot(std::remainder(bed.x[i] - bed.x[j], box),
+                                                    std::remainder(bed.y[i] - bed.y[j], box));
+                        const auto [low, high] = std::minmax(kind[i], kind[j]);
+                        const bool is_it = low == pair.kind && high == pair.other;
+                        if (const auto bin = static_cast<std::size_t>(r / k.bin);
+                            is_it && bin < counted.size())
+                            counted[bin] += 1.0;
+                    }
+            for (std::size_t b = 0; b < counted.size(); ++b) {
+                const double ring = M_PI * k.bin * k.bin * (2.0 * static_cast<double>(b) + 1.0);
+                REQUIRE(pair.g[b] == Approx(counted[b] * box * box / (3.0 * in_all * ring)).epsilon(1e-12));
+                REQUIRE((pair.g_error[b] > 0.0 || pair.g[b] > 0.0));
+                sum[b] += pair.g[b] * in_all / (0.5 * 150.0 * 149.0);
+            }
+        }
+        for (std::size_t b = 0; b < sum.size(); ++b)
+            REQUIRE(sum[b] == Approx(result.g[b]).epsilon(1e-12));
+        Frame nameless = frame_of(beds[0], 9.0);
+        CHECK_THROWS_WITH(accumulator.add(nameless), Catch::Contains("names the kinds of 0"));
+    }
+}
+
 TEST_CASE("an ideal gas has g = 1 within three sigma in each bin", "[order]") {
     const double box = 80.0 * radius;
     OrderOptions k = options();

@@ -149,6 +149,8 @@ inline const std::string filmed = R"(schema = 1
 file = "tracks.csv"
 frames_per_second = 50.0
 pixel = "12.4 um"
+[[tracks.bead_kinds]]
+radius = "0.4 mm"
 [measure]
 order = true
 )";

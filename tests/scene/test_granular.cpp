@@ -136,7 +136,6 @@ TEST_CASE("kinds of beads, their spread, and what they rule out") {
     CHECK(error_text(bed(measured + "displacement = \"lagrangian\"\n")) == "");
     says(bed(measured + "phonons = true\n"), "they are waves of a lattice");
     says(bed(measured + "mechanics = true\n"), "it takes the mass of a bead");
-    says(bed(measured + "microrheology = true\n"), "it takes the mass of a bead");
     says(bed(measured + "order = true\n"),
          "they have no common first shell; use order_neighbours = \"delaunay\"");
     CHECK(error_text(bed(measured + "order = true\norder_neighbours = \"delaunay\"\n"
@@ -189,6 +188,8 @@ TEST_CASE("beads from a file") {
     CHECK(given.start == GranularStart::file);
     CHECK(given.start_file == "beads.csv");
     check_round_trip(parse(text + "start = \"file\"\nstart_file = \"beads.csv\"\n"));
+    check_round_trip(parse(text + "start = \"file\"\nstart_file = \"bed.h5md\"\nstart_frame = 2\n"));
+    says(text + "beads = 10\nstart_frame = 2\n", "start_frame belongs to start = \"file\" only");
     says(text + "start_file = \"beads.csv\"\n", "start_file belongs to start = \"file\" only");
     says(text + "start = \"file\"\nbeads = 10\n", "start = \"file\" needs start_file");
     says(text + "start = \"file\"\nbeads = 10\nstart_file = \"b.csv\"\n",

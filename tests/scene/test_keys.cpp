@@ -218,7 +218,8 @@ TEST_CASE("every dimensional key refuses a unit of another dimension") {
         const std::string value = pairs  ? "[[\"" + wrong + "\", 0]]"
                                   : list ? "[\"" + wrong + "\", 1]"
                                          : wrong;
-        const auto text = error_text(complete, {override_path(info) + "=" + value});
+        const std::string& scene = info.table.starts_with("tracks") ? filmed : complete;
+        const auto text = error_text(scene, {override_path(info) + "=" + value});
         CHECK_THAT(text, Catch::Contains("found \"" + wrong + "\" (string)"));
     }
 }
@@ -241,8 +242,10 @@ TEST_CASE("the example of every key is legal") {
             overrides.insert(overrides.end(), {"figures.0.kind=series", "measure.microrheology=true"});
         if (info.name == "restart_from")
             overrides.push_back("granular.start=restart");
-        if (info.name == "start_file")
+        if (info.name == "start_file" || info.name == "start_frame")
             overrides.push_back("granular.start=file");
+        if (info.name == "start_frame")
+            overrides.push_back("granular.start_file=trajectory.h5md");
         if (full_name(info) == "fit.measured_drag" || full_name(info) == "fit.compare[].line")
             overrides.insert(
                 overrides.begin(),

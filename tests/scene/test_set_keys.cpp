@@ -158,7 +158,8 @@ const std::vector<std::string> bases{
     in_container("radius = \"20 a\"\nfriction = 0.1\nrestitution = 0.5\n"),
     in_container("kind = \"rectangle\"\nsides = [0.01, 0.02]\n"),
     bed("[granular.rods_random]\ncount = 4\n"),
-    "schema = 1\n[granular]\nbox = \"30 a\"\nduration = 1\nstart = \"file\"\nstart_file = \"b.csv\"\n",
+    "schema = 1\n[granular]\nbox = \"30 a\"\nduration = 1\nstart = \"file\"\nstart_file = \"b.csv\"\n"
+    "start_frame = 3\n",
     bed("[granular.body_force]\nkind = \"gaussian\"\nacceleration = 1.0\nwidth = \"1 a\"\n"
         "position = [0.001, 0.002]\n"),
     replaced(complete, "likelihood = ", "bounds = { f_over_mu = [0.1, 10.0] }\nlikelihood = ") +

@@ -48,12 +48,15 @@ inline bool beads_are(const store::StoredFrame& found, const SampleFrames& sampl
     const auto beads = static_cast<std::size_t>(std::ranges::count(samples.layout.species, 0));
     bool same = found.step == wanted.step && same_bits(found.time, wanted.time) && found.x.size() == beads &&
                 found.y.size() == beads && found.image_x.size() == beads && found.image_y.size() == beads &&
-                found.vx.size() == beads && found.vy.size() == beads;
+                found.vx.size() == beads && found.vy.size() == beads && found.z.size() == beads &&
+                found.vz.size() == beads;
     for (std::size_t i = 0; same && i < beads; ++i)
         same = same_bits(found.x[i], at.place[3 * i]) && same_bits(found.y[i], at.place[3 * i + 1]) &&
                found.image_x[i] == at.image[3 * i] && found.image_y[i] == at.image[3 * i + 1] &&
                same_bits(found.vx[i], wanted.velocity[3 * i]) &&
-               same_bits(found.vy[i], wanted.velocity[3 * i + 1]);
+               same_bits(found.vy[i], wanted.velocity[3 * i + 1]) &&
+               same_bits(found.z[i], at.place[3 * i + 2]) &&
+               same_bits(found.vz[i], wanted.velocity[3 * i + 2]);
     return same;
 }
 

@@ -4,6 +4,7 @@
 #include "rodwake/measure/memory_kernel.hpp"
 
 #include "bed/measure_parts.hpp"
+#include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
 
@@ -26,11 +27,17 @@ void reset_postprocessing_keys(Measure& m) {
     m.bead_drag = m.bead_drag_error = std::nullopt;
 }
 
+/// Of the sums of one kind of several.
+std::string kind_name(std::size_t kind) { return fmt::format("microrheology_kind{}", kind); }
+
 void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<MicrorheologyAccumulator>(
-        plan, "microrheology",
-        measure::MicrorheologyOptions{0.0, scene.measure->s_low, scene.measure->s_high,
-                                      scene.tracks ? scene.tracks->localisation : Localisation{}});
+    measure::MicrorheologyOptions options{0.0, scene.measure->s_low, scene.measure->s_high,
+                                          scene.tracks ? scene.tracks->localisation : Localisation{}};
+    include_sums<MicrorheologyAccumulator>(plan, "microrheology", options);
+    for (std::size_t k = 0; k < plan.sums.layout().kind_radii.size(); ++k) {
+        options.kind = k;
+        include_sums<MicrorheologyAccumulator>(plan, kind_name(k).c_str(), options);
+    }
 }
 
 std::optional<Estimate> drag_of(const Measure& m) {
@@ -59,7 +66,7 @@ std::string line_of(const MicrorheologyResult& r, const Estimate& stiffness, boo
 
 MicrorheologyResult reduced(const MeasuredCase& data, std::span<const MicrorheologyAccumulator> runs) {
     MicrorheologyResult r = measure::reduce(runs);
-    if (!data.tables.empty() && runs[0].layout().velocities)
+    if (!data.tables.empty() && r.spring.count > 0)
         r.use_temperature(mean_of(of_summaries(data, "T_xy", "T_xy")).value);
     return r;
 }
@@ -121,12 +128,33 @@ constexpr ResultColumn<MicrorheologyValues> kernel_columns[] = {
     {{"kernel", "N/m", "memory kernel k~(s), less measure.bead_drag; empty: no drag was given"},
      [](F f) { return f.kernel.kernel; }},
     {{"kernel_error", "N/m", "standard error; empty: unknown"}, [](F f) { return f.kernel.kernel_error; }}};
+/// A row of msd_kinds.csv; of stiffness_kinds.csv without the lag.
+struct KindRow {
+    std::size_t kind;
+    double radius, value, error, lag; ///< lengths in a
+};
+constexpr RowColumn<KindRow> kind_columns[] = {
+    {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
+    {{"radius", "a", "of its beads, mean"}, [](const KindRow& r) { return r.radius; }},
+    {{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}, [](const KindRow& r) { return r.value; }},
+    {{"sigma", "1/a^2", "standard error; empty: unknown"}, [](const KindRow& r) { return r.error; }}};
+constexpr RowColumn<KindRow> kind_msd_columns[] = {
+    {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
+    {{"lag", "s", "time between two places of a bead"}, [](const KindRow& r) { return r.lag; }},
+    {{"msd", "a^2", "mean-square displacement, drift of all beads removed"},
+     [](const KindRow& r) { return r.value; }},
+    {{"sigma", "a^2", "standard error; empty: unknown"}, [](const KindRow& r) { return r.error; }}};
+constexpr auto kind_infos = infos_of(kind_columns);
+constexpr auto kind_msd_infos = infos_of(kind_msd_columns);
 constexpr auto msd_infos = infos_of(msd_columns);
 constexpr auto stiffness_infos = infos_of(stiffness_columns);
 constexpr auto kernel_infos = infos_of(kernel_columns);
-constexpr FileInfo files[] = {{"msd.csv", "mean-square displacement of the beads", msd_infos},
-                              {"stiffness.csv", "stiffness from microrheology", stiffness_infos},
-                              {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos}};
+constexpr FileInfo files[] = {
+    {"msd.csv", "mean-square displacement of the beads", msd_infos},
+    {"stiffness.csv", "stiffness from microrheology", stiffness_infos},
+    {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos},
+    {"msd_kinds.csv", "mean-square displacement of beads of several sizes, by their kinds", kind_msd_infos},
+    {"stiffness_kinds.csv", "stiffness of beads of several sizes, by their kinds", kind_infos}};
 
 /// Only tracks have these; the stage logs them.
 void add_camera(const MicrorheologyResult& r, const Localisation& asked, double a, MeasureReport& report) {
@@ -152,16 +180,41 @@ void add_camera(const MicrorheologyResult& r, const Localisation& asked, double 
         report.line += "; the camera's noise may hide the stiffness";
 }
 
+/// Of each kind of several by itself; one without a stiffness has the reason in the line.
+void add_kinds(const MeasuredCase& data, const std::vector<double>& radii, double a, MeasureReport& report) {
+    std::vector<KindRow> stiffness, msd;
+    for (std::size_t k = 0; k < radii.size(); ++k) {
+        const auto runs = measure::take<MicrorheologyAccumulator>(data.sums, kind_name(k));
+        try {
+            const MicrorheologyResult r = measure::reduce(runs);
+            const Estimate of_kind = r.stiffness_zero.scaled(a * a);
+            for (std::size_t i = 0; i < r.lag.size(); ++i)
+                msd.push_back({k, 0.0, r.msd[i] / (a * a), r.msd_error[i] / (a * a), r.lag[i]});
+            if (!r.no_stiffness.empty())
+                throw InputError(r.no_stiffness);
+            stiffness.push_back({k, radii[k] / a, of_kind.value, of_kind.error, 0.0});
+            report.line += fmt::format("; of kind {} {} /a^2", k, text(of_kind));
+        } catch (const InputError& error) {
+            report.line += fmt::format("; of kind {} no stiffness: {}", k, error.what());
+        }
+    }
+    report.tables.push_back({"msd_kinds.csv",
+                             "mean-square displacement by kinds of beads; lag in s, msd in a^2",
+                             kind_msd_infos, columns_of(kind_msd_columns, msd)});
+    report.tables.push_back({"stiffness_kinds.csv", "1/(s MSD~(s)) at s -> 0 by kinds of beads, in 1/a^2",
+                             kind_infos, columns_of(kind_columns, stiffness)});
+}
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     const auto runs = measure::take<MicrorheologyAccumulator>(data.sums, "microrheology");
     const MicrorheologyResult r = reduced(data, runs);
     const Estimate stiffness = r.stiffness_zero.scaled(a * a);
     const std::optional<Estimate> drag = drag_of(*data.scene.measure);
-    const bool warm = runs[0].layout().velocities; // else nothing is known of forces
+    const measure::Layout& layout = runs[0].layout();
+    const bool warm = layout.velocities && layout.kind_radii.empty(); // else nothing is known of forces
     const MemoryKernel kernel =
-        warm ? measure::memory_kernel(r.spectrum, runs[0].layout().bead_mass, r.temperature, drag)
-             : MemoryKernel{};
+        warm ? measure::memory_kernel(r.spectrum, layout.bead_mass, r.temperature, drag) : MemoryKernel{};
     const MicrorheologyValues f = {r, kernel, drag, a};
     MeasureReport report = {
         .values = values_of(values, f),
@@ -172,10 +225,12 @@ MeasureReport report(const MeasuredCase& data) {
                    {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
                     kernel_infos, columns_of(kernel_columns, f)}},
         .line = line_of(r, stiffness, drag.has_value())};
-    if (!warm) {
+    if (!warm)
         report.tables.pop_back();
+    if (!layout.velocities)
         add_camera(r, runs[0].options().localisation, a, report);
-    }
+    if (!layout.kind_radii.empty())
+        add_kinds(data, layout.kind_radii, a, report);
     return report;
 }
 

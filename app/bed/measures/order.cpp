@@ -108,10 +108,32 @@ constexpr ResultColumn<OrderValues> gB_columns[] = {
     {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
     {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_B_error; }},
     {{"pairs", "1", "pairs behind the value"}, [](F f) { return f.r.order_pairs; }}};
+/// One pair of kinds after the other.
+constexpr auto for_kinds = [](F f, auto of_bin) {
+    Column column;
+    for (const measure::KindCorrelation& pair : f.r.kinds)
+        for (std::size_t k = 0; k < f.r.r.size(); ++k)
+            column.push_back(static_cast<double>(of_bin(pair, k)));
+    return column;
+};
+constexpr ResultColumn<OrderValues> kinds_columns[] = {
+    {{"kind", "1", "number of a kind in bead_kinds, from 0"},
+     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t) { return pair.kind; }); }},
+    {{"other", "1", "number of the kind of the beads around it"},
+     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t) { return pair.other; }); }},
+    {{"r", "a", "distance"},
+     [](F f) { return for_kinds(f, [&](const auto&, std::size_t k) { return f.r.r[k] / f.a; }); }},
+    {{"g", "1", "pair correlation g(r) of the two kinds"},
+     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g[k]; }); }},
+    {{"sigma", "1", "standard error; empty: unknown"},
+     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g_error[k]; }); }}};
 constexpr auto gr_infos = infos_of(gr_columns);
 constexpr auto gB_infos = infos_of(gB_columns);
-constexpr FileInfo files[] = {{"gr.csv", "pair correlation", gr_infos},
-                              {"gB.csv", "bond-orientational correlation", gB_infos}};
+constexpr auto kinds_infos = infos_of(kinds_columns);
+constexpr FileInfo files[] = {
+    {"gr.csv", "pair correlation", gr_infos},
+    {"gr_kinds.csv", "pair correlation of beads of several sizes, by their kinds", kinds_infos},
+    {"gB.csv", "bond-orientational correlation", gB_infos}};
 
 /// The class as a number; not measured if undetermined.
 Estimate class_number(const Value& text) {
@@ -153,11 +175,15 @@ MeasureReport report(const MeasuredCase& data) {
         listed.push_back({"at_border", *r.at_border});
         border += fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
     }
+    std::vector<MeasureTable> tables = {
+        {"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos, columns_of(gr_columns, f)},
+        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value", gB_infos,
+         columns_of(gB_columns, f)}};
+    if (!r.kinds.empty())
+        tables.push_back({"gr_kinds.csv", "pair correlation g(r) by kinds of beads; r in bead radii a",
+                          kinds_infos, columns_of(kinds_columns, f)});
     return {.values = std::move(listed),
-            .tables = {{"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos,
-                        columns_of(gr_columns, f)},
-                       {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",
-                        gB_infos, columns_of(gB_columns, f)}},
+            .tables = std::move(tables),
             .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a{}", text(r.psi6),
                                 to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a, border)};
 }

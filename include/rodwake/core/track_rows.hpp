@@ -34,6 +34,7 @@ struct TrackRows {
     /// Between the ends of rods, where the file has ends, whose direction is the heading; else empty. NaN as
     /// heading.
     std::vector<double> length;
+    std::vector<double> radius;       ///< of beads, in units of the file; NaN: not known. Empty: not read
     std::vector<std::uint8_t> is_rod; ///< empty: no column of kinds, all are beads
     /// Image indices: x + image_x L is unwrapped. Empty: the file does not have them.
     std::vector<std::int32_t> image_x, image_y;

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace rodwake::granular {
@@ -103,6 +104,9 @@ std::vector<std::size_t> kind_counts(const GranularProblem& problem);
 
 /// Share sum pi a_i^2/A of the beads alone in the area of the bed.
 double bead_area_fraction(const GranularProblem& problem);
+/// The same of beads with these radii, m: after a restart those that are left need not have the shares of
+/// the kinds. Where all beads are equal, or there are no radii, as above.
+double bead_area_fraction(const GranularProblem& problem, std::span<const double> radii);
 
 /// The mass of a bead of this radius, m, or of radius a, in kg.
 double bead_mass(const GranularProblem& problem, double radius);

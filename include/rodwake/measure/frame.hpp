@@ -43,6 +43,7 @@ struct Layout {
     /// Of a film whose frames are not evenly spaced: time between neighbours of the grid on which they lie,
     /// some of them missing, s; 0: on none.
     std::optional<double> grid = {};
+    std::vector<double> kind_radii = {}; ///< of beads of several sizes: mean radius of each kind, m
 
     bool operator==(const Layout&) const = default;
 };
@@ -84,10 +85,15 @@ struct Frame {
     /// [beads], rising: which of all beads they are; `untracked` of those seen once only. Empty: all of the
     /// layout.
     std::vector<std::uint32_t> bead = {};
+    std::vector<std::uint8_t> kind = {}; ///< [beads], of several sizes: number in the layout's kind_radii
 };
 
 /// A bead of which nothing is known in other frames; behind all others of its frame.
 inline constexpr std::uint32_t untracked = 0xFFFFFFFF;
+
+/// For each of these radii, m, the kind whose mean radius is nearest, of equal ones the first; empty where
+/// all beads have one size.
+std::vector<std::uint8_t> kinds_of(std::span<const double> radii, const Layout& layout);
 
 /// Of rod `rod`, or of the force.
 RodPosition place_of(std::size_t rod, const Layout& layout, const Frame& frame);

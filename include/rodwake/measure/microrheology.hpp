@@ -57,6 +57,8 @@ struct MicrorheologyOptions {
     /// left. A liquid gives s/(4 D), a line through 0, a bound bead a plateau.
     std::optional<double> s_low, s_high;
     Localisation localisation = {}; ///< of tracks
+    /// Of several kinds of beads the one that is measured; the drift that is taken off is that of all beads.
+    std::optional<std::size_t> kind = {};
 
     bool operator==(const MicrorheologyOptions&) const = default;
 };
@@ -102,6 +104,7 @@ private:
         std::vector<double> x, y;
         std::vector<std::uint32_t> bead;
     };
+    void set_group_sizes(std::size_t beads);
     /// Displacements of a group's beads over one lag, summed.
     struct Moved {
         double x = 0.0, y = 0.0, beads = 0.0;
@@ -122,7 +125,8 @@ private:
     FrameTimes times_;
     double temperature_sum_ = 0.0;
     std::vector<double> first_x_, first_y_; ///< unwrapped places in the first frame, beads by group
-    std::vector<std::size_t> order_;        ///< the beads by group
+    std::vector<std::size_t> order_;        ///< the beads by group; behind them those of other kinds
+    std::size_t measured_ = 0;              ///< beads of the kind that is measured; without one all
     std::vector<double> group_sizes_;
     /// The last 16 frames (64 on no grid) of every 2^level-th frame, newest last.
     std::vector<std::vector<OctaveFrame>> levels_;

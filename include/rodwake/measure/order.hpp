@@ -9,6 +9,9 @@
 // Normalisation: N(N-1)/2 pairs over the box's area L_x L_y, so an ideal gas has g = 1 without a finite-size
 // term. Distances to nearest images, up to L/2. Angles from +x. Rods are no beads: they are holes here.
 //
+// Of beads of several kinds p, q the same for each pair of kinds: g_pq(r) over N_p N_q pairs, or N_p (N_p -
+// 1)/2 within a kind.
+//
 // In a window (frame.hpp) the area is the window's, there are no images, and g(r) weights a pair by the share
 // of the circle about either that lies inside (Ripley's correction), up to half the shorter side of the box
 // that holds the window. Beads within a cut-off of the border may have neighbours that are not seen: they are
@@ -28,6 +31,7 @@
 #include "rodwake/measure/statistics.hpp"
 
 #include <complex>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +89,9 @@ public:
         double full_frames = 0.0; ///< sum over frames of N(N-1), N beads seen, over that of the layout
         double at_border = 0.0;   ///< sum over frames of the share of beads left out of psi_6
         std::vector<double> weighted = {}; ///< pairs for g(r) per bin; empty: `pairs`, as without a window
+        /// Of beads of several kinds, [pair of kinds]: pairs for g(r) per bin, one pair of kinds after the
+        /// other, and how many pairs there are, summed over frames.
+        std::vector<double> kind_pairs = {}, kind_pairs_in_all = {};
     };
     const Layout& layout() const { return layout_; }
     const OrderOptions& options() const { return options_; }
@@ -99,10 +106,12 @@ private:
     struct Waiting {
         double time;
         std::vector<double> x, y;
+        std::vector<std::uint8_t> kind;
     };
     bool waits() const;
     void count_waiting();
-    void count(double time, const std::vector<double>& x, const std::vector<double>& y);
+    void count(const Waiting& frame);
+    void count_kinds(const Waiting& frame, const std::vector<double>& all, OrderBlock& block) const;
     std::vector<double> pairs_for_g(const std::vector<double>& x, const std::vector<double>& y) const;
     OrderBlock& block_at(double time);
 
@@ -130,8 +139,15 @@ struct DecayClass {
     std::string reason; ///< one sentence: which numbers decided
 };
 
+/// g(r) of the beads of one kind around those of another: pairs over those of an ideal gas of as many.
+struct KindCorrelation {
+    std::size_t kind = 0, other = 0; ///< kind <= other
+    std::vector<double> g, g_error;
+};
+
 struct OrderResult {
     std::vector<double> r, g, g_error;           ///< middles of the bins, m
+    std::vector<KindCorrelation> kinds;          ///< of several: (0, 0), (0, 1), ..., (1, 1), ...
     std::vector<double> order_r, g_B, g_B_error; ///< bins with pairs only
     std::vector<double> order_pairs;             ///< how many stand behind g_B
     Estimate psi6, local_psi6, neighbours;

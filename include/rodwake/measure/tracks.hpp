@@ -27,6 +27,7 @@ struct TrackScale {
     /// simulation, or in a periodic box, which no camera sees) are never cut, others where they step by more
     /// than three mean spacings of the particles, or by one after a gap.
     std::optional<double> longest_step = {};
+    std::vector<double> kind_radii = {}; ///< of beads of several sizes: mean radius of each kind, m
 };
 
 /// What happened to the rows. A row is used, or counted once here.
@@ -62,6 +63,7 @@ struct Tracks {
     std::vector<std::size_t> start;             ///< [frames + 1]: rows of a frame
     std::vector<std::uint32_t> bead;            ///< [rows], rising within a frame, `untracked` behind
     std::vector<double> x, y;                   ///< [rows], m, in the layout's box
+    std::vector<double> radius;                 ///< [rows], m; empty: bead_radius
     bool has_images = false;                    ///< else beads and rods are unwrapped by the shortest steps
     std::vector<std::int32_t> image_x, image_y; ///< [rows], with image indices
     std::size_t beads = 0;                      ///< different ones
@@ -70,6 +72,7 @@ struct Tracks {
     std::optional<Window> window; ///< with its box beginning at 0
     PeriodicBox box;
     double bead_radius = 0.0;
+    std::vector<double> kind_radii;    ///< as in TrackScale
     std::string cut_rule;              ///< where tracks were cut, as counts.restarts says
     std::vector<std::string> warnings; ///< of the reader and of the film, a sentence each
 
@@ -82,6 +85,8 @@ struct Tracks {
     double lost_share() const;
     /// On average over the frames that have beads: those with rods alone may be of another camera.
     double beads_per_frame() const;
+    /// Mean over the rows of radius^2/bead_radius^2; 1 if beads have one size.
+    double mean_square_radius() const;
 };
 
 /// Rods: a track that ends, and one that begins later near to where it was going, are of one rod, if there is

@@ -103,10 +103,11 @@ struct Granular {
     double gravity = 9.81;                      ///< m/s^2
     BoxSize box;                                ///< the periodic box; 0: there is a container
     GranularStart start = GranularStart::lattice;
-    std::string restart_from;  ///< checkpoint file; with start = restart only
-    std::string start_file;    ///< CSV of the beads, in place of phi_b and beads; with start = file only
-    double orientation = 0.0;  ///< of the close-packed rows from +x, rad
-    double start_speed = 0.02; ///< m/s
+    std::string restart_from; ///< checkpoint file; with start = restart only
+    std::string start_file; ///< CSV of the beads or film, in place of phi_b and beads; with start = file only
+    std::optional<long> start_frame;   ///< of a film, from 0; absent: the last
+    double orientation = 0.0;          ///< of the close-packed rows from +x, rad
+    double start_speed = 0.02;         ///< m/s
     std::optional<double> time_step;   ///< s; absent: plates.longest_step()
     std::optional<double> equilibrate; ///< s; absent: depends on start and phi_b
     double duration = 0.0;             ///< s

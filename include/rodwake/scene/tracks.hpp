@@ -16,6 +16,7 @@ namespace rodwake::scene {
 /// tracks.columns: names in the file; empty: the usual ones.
 struct TracksColumns {
     std::string frame, id, x, y, heading, kind;
+    std::string radius;            ///< empty: beads have tracks.bead_radius, or that of their kind
     std::vector<std::string> ends; ///< of a rod: x and y of its thin end, then of its thick end
 
     bool operator==(const TracksColumns&) const = default;
@@ -37,6 +38,14 @@ struct TracksWindow {
     bool operator==(const TracksWindow&) const = default;
 };
 
+/// One of [[tracks.bead_kinds]].
+struct TracksKind {
+    double radius = 0.0;            ///< m
+    std::vector<std::string> names; ///< in the column of kinds; empty: beads are of the nearest radius
+
+    bool operator==(const TracksKind&) const = default;
+};
+
 /// [tracks]
 struct Tracks {
     std::string file;
@@ -50,6 +59,7 @@ struct Tracks {
     ThinEnd thin_end = ThinEnd::given;
     TracksColumns columns;
     std::vector<std::string> rod_kinds; ///< values of the column of kinds
+    std::vector<TracksKind> bead_kinds; ///< empty: one
     std::string group;                  ///< of particles in H5MD
     TracksWindow window;
     std::optional<PeriodicBox> box; ///< m; with a periodic window; absent: the file's own

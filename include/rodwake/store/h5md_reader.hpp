@@ -48,8 +48,9 @@ struct StoredFrame {
     std::int64_t step = 0;
     double time = 0.0;                          ///< s
     std::vector<double> x, y;                   ///< [beads], m, in [0, box)
+    std::vector<double> z;                      ///< [beads], m
     std::vector<std::int32_t> image_x, image_y; ///< [beads], number of the box
-    std::vector<double> vx, vy;                 ///< [beads], m/s
+    std::vector<double> vx, vy, vz;             ///< [beads], m/s
     std::vector<StoredRod> rods;                ///< [rods]
 };
 

@@ -19,6 +19,12 @@
 
 namespace rodwake::store {
 
+/// Beads that are named by their kind, and their radius in units of the file.
+struct NamedRadius {
+    std::vector<std::string> names;
+    double radius;
+};
+
 /// Names of the columns of CSV and what they mean; empty: by the usual names, where there are such.
 struct TrackColumns {
     std::string frame, id, x, y, heading, kind;
@@ -27,6 +33,8 @@ struct TrackColumns {
     bool own_times = false;        ///< neither frames nor a column of times count: the file's own times
     std::vector<std::string> rod_kinds;  ///< values of `kind` that are rods; empty: rod, motile, apolar, 1
     std::size_t most_rows = 100'000'000; ///< a CSV with more is refused, before the memory is used up
+    std::string radius = {};             ///< of beads; empty: not read
+    std::vector<NamedRadius> kinds = {}; ///< without a column of radii: radii by `kind`
 };
 
 /// Hears the fraction read now and then; false: stop.
@@ -40,7 +48,7 @@ TrackFormat track_format(const std::filesystem::path& file);
 TrackRows read_track_csv(const std::filesystem::path& file, const TrackColumns& columns,
                          const TrackProgress& on_progress);
 TrackRows read_film(const std::filesystem::path& film, const std::string& source, bool own_times,
-                    const TrackProgress& on_progress);
+                    bool with_radii, const TrackProgress& on_progress);
 
 /// Columns frame (or t, where there are times), particle, x, y, and theta and kind where the rows have them;
 /// an empty cell is a spot of no track or an unknown heading. Numbers read back to the bit; boxes and image
