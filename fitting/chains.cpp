@@ -130,14 +130,6 @@ Eigen::VectorXd kept_at(const ChainBlock& block, std::size_t k) {
                                              static_cast<Eigen::Index>(block.z.size()));
 }
 
-void add(const ChainBlock& block, Draws& out) {
-    for (std::size_t k = 0; k < block.kept_density.size(); ++k) {
-        out.z.push_back(kept_at(block, k));
-        out.log_density.push_back(block.kept_density[k]);
-    }
-    out.accepted += block.accepted * static_cast<double>(block.kept_density.size());
-}
-
 /// What the chains share: earlier blocks, and one at a time to the caller.
 class Progressing {
 public:
@@ -221,8 +213,14 @@ public:
         std::vector<char> done(method_.chains, 1);
         parallel_for(method_.chains, method_.threads, [&](std::size_t c) {
             for (std::size_t i = warm_up_blocks(method_); i < blocks && done[c]; ++i)
-                if ((done[c] = advance(c, i)))
-                    add(at_[c], out.draws[c]);
+                if ((done[c] = advance(c, i))) {
+                    for (std::size_t j = 0; j < at_[c].kept_density.size(); ++j) {
+                        out.draws[c].z.push_back(kept_at(at_[c], j));
+                        out.draws[c].log_density.push_back(at_[c].kept_density[j]);
+                    }
+                    out.draws[c].accepted +=
+                        at_[c].accepted * static_cast<double>(at_[c].kept_density.size());
+                }
             out.draws[c].accepted /= static_cast<double>(out.draws[c].z.size());
         });
         return std::ranges::count(done, 0) > 0 ? std::nullopt : std::optional(std::move(out));

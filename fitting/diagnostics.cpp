@@ -40,27 +40,6 @@ std::string amount(const Move& move, double unit) {
                          : fmt::format("{:.2g}", 0.01 * std::abs(move.amount) * unit);
 }
 
-std::string names_of(const std::vector<Move>& all) {
-    std::string text;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        text += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i].name;
-    return text;
-}
-
-/// "raising eta by 1 % and lowering xi by 0.8 %"
-std::string deeds(const std::vector<Move>& all) {
-    double largest = 0.0;
-    for (const Move& move : all)
-        largest = std::max(largest, std::abs(move.amount));
-    const double unit = (all.front().amount < 0.0 ? -1.0 : 1.0) / largest;
-    std::string text;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        text += fmt::format("{}{} {} by {}", i == 0 ? "" : " and ",
-                            all[i].amount * unit > 0.0 ? "raising" : "lowering", all[i].name,
-                            amount(all[i], std::abs(unit)));
-    return text;
-}
-
 std::string sentence(const std::vector<Move>& all, bool exactly) {
     const char* fix = exactly ? "do not fix" : "hardly fix";
     const char* little = exactly
@@ -70,7 +49,20 @@ std::string sentence(const std::vector<Move>& all, bool exactly) {
         return fmt::format("the data {} {}: {}", fix, all.front().name,
                            exactly ? "the residuals do not depend on it here"
                                    : "the residuals hardly depend on it");
-    return fmt::format("the data {} {} separately: {} {}", fix, names_of(all), deeds(all), little);
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i].name;
+    // The text is "raising eta by 1 % and lowering xi by 0.8 %".
+    double largest = 0.0;
+    for (const Move& move : all)
+        largest = std::max(largest, std::abs(move.amount));
+    const double unit = (all.front().amount < 0.0 ? -1.0 : 1.0) / largest;
+    std::string changes;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        changes += fmt::format("{}{} {} by {}", i == 0 ? "" : " and ",
+                               all[i].amount * unit > 0.0 ? "raising" : "lowering", all[i].name,
+                               amount(all[i], std::abs(unit)));
+    return fmt::format("the data {} {} separately: {} {}", fix, text, changes, little);
 }
 
 /// Of all parameters, those that take part by less than a thousandth left out, largest = 1.
@@ -115,15 +107,6 @@ namespace {
 using Diagnostics = std::vector<std::string>;
 constexpr double poor_chi2 = 0.01; // probability
 
-void add_ending(Diagnostics& diagnostics, const Fit& fit) {
-    if (fit.termination == Termination::failed)
-        diagnostics.push_back(fmt::format("the fit failed: {}", fit.reason));
-    else if (fit.termination == Termination::interrupted)
-        diagnostics.push_back("the fit was interrupted: these are the best values so far");
-    else if (fit.termination == Termination::budget)
-        diagnostics.push_back(fmt::format("not converged ({}): allow more evaluations", fit.reason));
-}
-
 /// Along a flat direction the gradient is worth any number of its huge errors; that it is flat says more.
 void add_distance(Diagnostics& diagnostics, const Fit& fit, const Report& report, bool exact) {
     const bool finished =
@@ -149,32 +132,6 @@ std::string allowed(const Parameter& p, const ParameterEstimate& e) {
                            std::isfinite(p.upper - p.lower) ? "between its bounds" : "beyond the bound");
     return fmt::format("the data allow {} {:.4g} (95 %, one-sided, by the profile likelihood)",
                        e.at_lower ? "values up to" : "values down to", e.at_lower ? e.high : e.low);
-}
-
-void add_bounds(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
-    for (std::size_t i = 0; i < report.estimates.size(); ++i) {
-        const ParameterEstimate& e = report.estimates[i];
-        const Parameter& p = problem.parameters[i];
-        if (e.at_lower || e.at_upper)
-            diagnostics.push_back(fmt::format(
-                "{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
-                "hold for it fixed there; {}",
-                e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed(p, e)));
-        else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
-            diagnostics.push_back(fmt::format(
-                "the data do not constrain {}: its 95 % interval reaches beyond both of its bounds", e.name));
-    }
-}
-
-/// Couplings turn a rod by some radians while it goes f/mu; far above that the data are in other units.
-void add_sizes(Diagnostics& diagnostics, const Report& report) {
-    constexpr double largest = 1e5;
-    for (const ParameterEstimate& e : report.estimates)
-        if (rods::find_coupling(e.name) && std::abs(e.value) > largest)
-            diagnostics.push_back(fmt::format(
-                "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
-                "the tracks right, and their headings in radians?",
-                e.name, e.value));
 }
 
 void add_errors(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
@@ -233,18 +190,6 @@ bool as_low(const Fit& fit, const StartResult& end) {
     return std::abs(end.objective - fit.objective) <= 1e-9 * std::abs(fit.objective) + 1e-12;
 }
 
-void add_equals(Diagnostics& diagnostics, const Fit& fit, const Report& report) {
-    std::vector<StartResult> equal;
-    for (const StartResult& s : fit.starts)
-        if (as_low(fit, s) && elsewhere(report, fit, s))
-            equal.push_back(s);
-    if (!equal.empty())
-        diagnostics.push_back(fmt::format(
-            "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
-            "data do not tell these apart",
-            report.same_optimum, equal.size(), place(report, equal.front())));
-}
-
 void add_others(Diagnostics& diagnostics, const Fit& fit, const Report& report, double rise) {
     std::vector<StartResult> others;
     for (const StartResult& s : fit.starts)
@@ -258,14 +203,6 @@ void add_others(Diagnostics& diagnostics, const Fit& fit, const Report& report, 
         fmt::format("{} of {} starts ended elsewhere and nearly as well; the best of them at {} with an "
                     "objective only {:.3g} above the best",
                     others.size(), fit.starts.size(), place(report, best), best.objective - fit.objective));
-}
-
-void add_failed(Diagnostics& diagnostics, const Fit& fit) {
-    const auto failed =
-        std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
-    if (failed > 0 && fit.termination != Termination::failed)
-        diagnostics.push_back(
-            fmt::format("{} of {} starts found no place with finite residuals", failed, fit.starts.size()));
 }
 
 /// Few starts at the best optimum: perhaps none is at the best there is.
@@ -299,17 +236,52 @@ std::string describe_probability(double probability) {
 std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, const Report& report,
                                         double rise, bool exact) {
     Diagnostics diagnostics = problem.remarks;
-    add_ending(diagnostics, fit);
+    if (fit.termination == Termination::failed)
+        diagnostics.push_back(fmt::format("the fit failed: {}", fit.reason));
+    else if (fit.termination == Termination::interrupted)
+        diagnostics.push_back("the fit was interrupted: these are the best values so far");
+    else if (fit.termination == Termination::budget)
+        diagnostics.push_back(fmt::format("not converged ({}): allow more evaluations", fit.reason));
     for (const FlatDirection& flat : report.flat)
         diagnostics.push_back(flat.text);
     add_distance(diagnostics, fit, report, exact);
-    add_bounds(diagnostics, problem, report);
-    add_sizes(diagnostics, report);
+    for (std::size_t i = 0; i < report.estimates.size(); ++i) {
+        const ParameterEstimate& e = report.estimates[i];
+        const Parameter& p = problem.parameters[i];
+        if (e.at_lower || e.at_upper)
+            diagnostics.push_back(fmt::format(
+                "{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
+                "hold for it fixed there; {}",
+                e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed(p, e)));
+        else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
+            diagnostics.push_back(fmt::format(
+                "the data do not constrain {}: its 95 % interval reaches beyond both of its bounds", e.name));
+    }
+    // Couplings turn a rod by some radians while it goes f/mu; far above that the data are in other units.
+    constexpr double largest = 1e5;
+    for (const ParameterEstimate& e : report.estimates)
+        if (rods::find_coupling(e.name) && std::abs(e.value) > largest)
+            diagnostics.push_back(fmt::format(
+                "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
+                "the tracks right, and their headings in radians?",
+                e.name, e.value));
     add_chi2(diagnostics, problem, report);
     add_errors(diagnostics, problem, fit, report);
-    add_equals(diagnostics, fit, report);
+    std::vector<StartResult> equal;
+    for (const StartResult& s : fit.starts)
+        if (as_low(fit, s) && elsewhere(report, fit, s))
+            equal.push_back(s);
+    if (!equal.empty())
+        diagnostics.push_back(fmt::format(
+            "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
+            "data do not tell these apart",
+            report.same_optimum, equal.size(), place(report, equal.front())));
     add_others(diagnostics, fit, report, rise);
-    add_failed(diagnostics, fit);
+    const auto failed =
+        std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
+    if (failed > 0 && fit.termination != Termination::failed)
+        diagnostics.push_back(
+            fmt::format("{} of {} starts found no place with finite residuals", failed, fit.starts.size()));
     add_starts(diagnostics, problem, fit, report);
     return diagnostics;
 }
@@ -351,18 +323,6 @@ namespace {
 
 constexpr double takes_part = 1e-6; // component of a unit vector; far above the rounding errors of the SVD
 
-std::vector<bool> at_bounds(const SearchSpace& space, const SearchPoint& point,
-                            const Eigen::VectorXd& gradient) {
-    std::vector<bool> held(static_cast<std::size_t>(point.u.size()));
-    for (Eigen::Index k = 0; k < point.u.size(); ++k) {
-        const double near = 1e-9 * std::max(1.0, std::abs(point.u[k]));
-        const double above = point.u[k] - space.lower()[k], below = space.upper()[k] - point.u[k];
-        held[k] = above <= 0.0 || below <= 0.0 || (above <= near && gradient[k] > 0.0) ||
-                  (below <= near && gradient[k] < 0.0);
-    }
-    return held;
-}
-
 void add_errors(Curvature& c, const Eigen::VectorXd& per_length, double largest) {
     const Eigen::Index n = per_length.size();
     c.root = Eigen::MatrixXd::Zero(n, c.rank);
@@ -380,7 +340,13 @@ void add_errors(Curvature& c, const Eigen::VectorXd& per_length, double largest)
 Curvature curvature(const SearchSpace& space, const SearchPoint& point, const Eigen::VectorXd& gradient,
                     double rank_tolerance) {
     Curvature c;
-    c.held = at_bounds(space, point, gradient);
+    c.held.resize(static_cast<std::size_t>(point.u.size()));
+    for (Eigen::Index k = 0; k < point.u.size(); ++k) {
+        const double near = 1e-9 * std::max(1.0, std::abs(point.u[k]));
+        const double above = point.u[k] - space.lower()[k], below = space.upper()[k] - point.u[k];
+        c.held[k] = above <= 0.0 || below <= 0.0 || (above <= near && gradient[k] > 0.0) ||
+                    (below <= near && gradient[k] < 0.0);
+    }
     const Eigen::VectorXd norms = point.jacobian.colwise().stableNorm().transpose();
     std::vector<Eigen::Index> used;
     for (Eigen::Index k = 0; k < norms.size(); ++k)

@@ -281,14 +281,6 @@ FittedMap fitted(const MapModel& model, const Map& map, const MapMask& mask, con
     return out;
 }
 
-bool sigmas_known(const std::vector<Map>& maps) {
-    const auto with = std::ranges::count_if(maps, [](const Map& m) { return !m.sigma_x.empty(); });
-    if (with != 0 && with != static_cast<long>(maps.size()))
-        throw InputError("some maps have standard errors and some have none: their weights cannot be "
-                         "compared; give all of them some, or none");
-    return with != 0;
-}
-
 /// Calls with (row of the residuals, bin, component 0 or 1, 1/sigma).
 template<class Visit>
 void for_each_residual(const FittedMap& f, Visit visit) {
@@ -409,7 +401,11 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     for (const Parameter& p : parameters)
         wanted.push_back(!p.fixed);
     problem.parameters = std::move(parameters);
-    problem.sigma_known = sigmas_known(maps);
+    const auto with = std::ranges::count_if(maps, [](const Map& m) { return !m.sigma_x.empty(); });
+    if (with != 0 && with != static_cast<long>(maps.size()))
+        throw InputError("some maps have standard errors and some have none: their weights cannot be "
+                         "compared; give all of them some, or none");
+    problem.sigma_known = with != 0;
     problem.independent = values / static_cast<double>(problem.residuals);
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,

@@ -306,14 +306,6 @@ struct Stretch {
     Index count(bool inside) const { return std::ranges::count(in, inside); }
 };
 
-Stretch stretch_of(const Problem& problem, std::size_t block, std::size_t blocks) {
-    Stretch stretch{std::vector<bool>(problem.residuals, false)};
-    for (const Series& series : series_of(problem))
-        for (std::size_t i = 0; i < series.residuals.size(); ++i)
-            stretch.in[series.residuals[i]] = blocks * i / series.residuals.size() == block;
-    return stretch;
-}
-
 /// The problem without the residuals of a stretch.
 Problem without(const Problem& problem, const Stretch& stretch) {
     Problem rest = problem;
@@ -396,8 +388,11 @@ std::optional<CrossValidation> cross_validate(const Problem& problem, const Meth
             blocks = std::min(blocks, series.residuals.size());
     CrossValidation out;
     for (std::size_t block = 0; block < blocks; ++block) {
-        const auto log_likelihood =
-            blocks < 2 ? std::nullopt : predicted(problem, method, fit, stretch_of(problem, block, blocks));
+        Stretch stretch{std::vector<bool>(problem.residuals, false)};
+        for (const Series& series : series_of(problem))
+            for (std::size_t i = 0; i < series.residuals.size(); ++i)
+                stretch.in[series.residuals[i]] = blocks * i / series.residuals.size() == block;
+        const auto log_likelihood = blocks < 2 ? std::nullopt : predicted(problem, method, fit, stretch);
         if (!log_likelihood)
             return std::nullopt;
         out.blocks.push_back(*log_likelihood);

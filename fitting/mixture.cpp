@@ -18,15 +18,6 @@ namespace {
 constexpr double freedom = 5.0;
 constexpr std::size_t most_places = 2500;
 
-/// Evenly spread among all.
-std::vector<const Eigen::VectorXd*> some_of(const std::vector<Eigen::VectorXd>& positions) {
-    std::vector<const Eigen::VectorXd*> out;
-    const std::size_t count = std::min(most_places, positions.size());
-    for (std::size_t i = 0; i < count; ++i)
-        out.push_back(&positions[i * positions.size() / count]);
-    return out;
-}
-
 /// By the share that it has in each place; held to what it was by as many places as it has dimensions, so
 /// that a few do not make it flat.
 Mixture::MixtureComponent moved(Mixture::MixtureComponent part,
@@ -128,7 +119,11 @@ Eigen::MatrixXd Mixture::common_root() const {
 }
 
 Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& positions, std::size_t splits) const {
-    const Positions some = some_of(positions);
+    // Some positions, evenly spread, stand for all.
+    std::vector<const Eigen::VectorXd*> some;
+    const std::size_t chosen = std::min(most_places, positions.size());
+    for (std::size_t i = 0; i < chosen; ++i)
+        some.push_back(&positions[i * positions.size() / chosen]);
     const auto d = static_cast<double>(parts_.front().middle.size()),
                count = static_cast<double>(some.size());
     // of a criterion of Schwarz, with a fourth of the places for independent ones

@@ -147,18 +147,6 @@ Belief at_start(const Trajectory& trajectory) {
     return belief;
 }
 
-/// Takes in a row; Joseph's form, which stays positive.
-void take_in(const Eigen::VectorXd& innovation, const Eigen::LLT<Eigen::MatrixXd>& root,
-             const Eigen::VectorXd& variance, Belief& belief) {
-    const Index n = innovation.size();
-    const Eigen::MatrixXd gain = root.solve(belief.covariance).transpose(),
-                          rest = Eigen::MatrixXd::Identity(n, n) - gain;
-    belief.mean += gain * innovation;
-    belief.covariance =
-        (rest * belief.covariance * rest.transpose() + gain * variance.asDiagonal() * gain.transpose())
-            .eval();
-}
-
 class NoisyTrajectories {
 public:
     NoisyTrajectories(const std::vector<Trajectory>& all, const std::vector<Parameter>& parameters)
@@ -259,7 +247,13 @@ private:
         for (Index i = 0; i < n; ++i) // rounding may leave it a little below 1
             r[static_cast<Index>(data_) + at + i] =
                 std::sqrt(std::max(0.0, 1.0 + std::log(std::pow(root.matrixLLT()(i, i), 2) / variance[i])));
-        take_in(innovation, root, variance, belief);
+        // The row is taken in by Joseph's form, which stays positive.
+        const Eigen::MatrixXd gain = root.solve(belief.covariance).transpose(),
+                              rest = Eigen::MatrixXd::Identity(n, n) - gain;
+        belief.mean += gain * innovation;
+        belief.covariance =
+            (rest * belief.covariance * rest.transpose() + gain * variance.asDiagonal() * gain.transpose())
+                .eval();
         return at + n;
     }
 
@@ -292,7 +286,9 @@ private:
     std::size_t data_ = 0;
 };
 
-void check_noisy(const std::vector<Trajectory>& trajectories) {
+} // namespace
+
+Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<Parameter> parameters) {
     for (const Trajectory& trajectory : trajectories) {
         if (trajectory.contact_time)
             throw InputError(trajectory.name +
@@ -305,12 +301,6 @@ void check_noisy(const std::vector<Trajectory>& trajectories) {
         if (trajectory.times.size() < 2)
             throw InputError(trajectory.name + ": a single row says nothing of rods that diffuse");
     }
-}
-
-} // namespace
-
-Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<Parameter> parameters) {
-    check_noisy(trajectories);
     const auto all = std::make_shared<const NoisyTrajectories>(trajectories, parameters);
     Problem problem;
     problem.parameters = std::move(parameters);

@@ -82,12 +82,6 @@ Peak from_prior(const Density& density, const PosteriorMethod& method, std::uint
     return {};
 }
 
-bool same(const Peak& a, const Peak& b) {
-    const Eigen::VectorXd apart = a.z - b.z;
-    return apart.dot((a.covariance + b.covariance).ldlt().solve(apart)) <
-           4.0 * static_cast<double>(apart.size());
-}
-
 } // namespace
 
 Mixture peaks(const Density& density, const Eigen::VectorXd& from, const PosteriorMethod& method) {
@@ -115,7 +109,11 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
     std::vector<Peak> kept;
     for (const Peak& peak : found)
         if (peak.log_mass > most - negligible && kept.size() < most_peaks &&
-            std::ranges::none_of(kept, [&](const Peak& other) { return same(peak, other); }))
+            std::ranges::none_of(kept, [&](const Peak& other) {
+                const Eigen::VectorXd apart = peak.z - other.z;
+                return apart.dot((peak.covariance + other.covariance).ldlt().solve(apart)) <
+                       4.0 * static_cast<double>(apart.size());
+            }))
             kept.push_back(peak);
     std::vector<Mixture::MixtureComponent> parts;
     for (const Peak& peak : kept)

@@ -13,32 +13,6 @@ namespace rodwake::fitting {
 
 namespace {
 
-void check(const PosteriorMethod& method) {
-    if (method.chains < 1 || method.samples % method.chains != 0 || method.samples / method.chains < 8)
-        throw InputError(
-            fmt::format("posterior: samples = {} must be a multiple of chains = {}, with 8 or more per chain",
-                        method.samples, method.chains));
-}
-
-void judge_mixing(const std::vector<std::string>& names, Posterior& out) {
-    for (std::size_t c = 0; c < out.accepted.size(); ++c)
-        if (out.accepted[c] < 0.01)
-            out.remarks.push_back(
-                fmt::format("chain {} is stuck: it took {:.2g} % of its steps; the model may not exist in "
-                            "most of the prior's range: make the priors narrower",
-                            c, 100.0 * out.accepted[c]));
-    for (std::size_t k = 0; k < names.size(); ++k)
-        if (const Marginal& m = out.marginals[k]; !(m.rhat < 1.01))
-            out.remarks.push_back(fmt::format(
-                "the chains of {} do not agree (R-hat {:.3f}, {:.0f} effective samples), and its numbers are "
-                "not to be trusted: take more samples, or a narrower prior if there are places that the "
-                "chains seldom reach",
-                names[k], m.rhat, m.ess));
-    if (out.log_evidence && !(out.log_evidence->error < 0.5))
-        out.remarks.push_back(fmt::format("the log evidence is known to {:.2g} only: take more samples",
-                                          out.log_evidence->error));
-}
-
 /// Part of the prior that lies between its end and a quantile of the samples: `sorted` are normal under it.
 double part_of_prior(const std::vector<double>& sorted, double p, bool lower) {
     const auto at = static_cast<std::size_t>(p * static_cast<double>(sorted.size() - 1));
@@ -78,40 +52,27 @@ void judge_prior(const std::string& name, const Prior& prior, std::vector<double
             fmt::format("the data tell next to nothing of {}: what is known of it is its prior", name));
 }
 
-/// A model without free parameters has nothing to sample: its evidence is its likelihood.
-Posterior without_parameters(const Density& density, const PosteriorMethod& method) {
-    Posterior out;
-    const double value = density.log_likelihood({});
-    out.log_likelihood.assign(method.chains, std::vector<double>(method.samples / method.chains, value));
-    out.accepted.assign(method.chains, 1.0);
-    if (method.evidence)
-        out.log_evidence = {value, 0.0, method.samples};
-    return out;
-}
-
-void take_values(const Density& density, const std::vector<Draws>& chains, Posterior& out) {
-    out.values.assign(out.free.size(), std::vector<std::vector<double>>(chains.size()));
-    out.log_likelihood.resize(chains.size());
-    for (std::size_t c = 0; c < chains.size(); ++c) {
-        for (std::size_t i = 0; i < chains[c].z.size(); ++i) {
-            const Eigen::VectorXd& z = chains[c].z[i];
-            const std::vector<double> values = density.values(z);
-            for (std::size_t k = 0; k < values.size(); ++k)
-                out.values[k][c].push_back(values[k]);
-            out.log_likelihood[c].push_back(chains[c].log_density[i] - density.log_prior_at(z));
-        }
-        out.accepted.push_back(chains[c].accepted);
-    }
-    for (const auto& values : out.values)
-        out.marginals.push_back(marginal(values));
-}
-
 void judge(const Problem& problem, const std::vector<Prior>& priors, const std::vector<Draws>& chains,
            Posterior& out) {
     std::vector<std::string> names;
     for (const std::size_t i : out.free)
         names.push_back(problem.parameters[i].name);
-    judge_mixing(names, out);
+    for (std::size_t c = 0; c < out.accepted.size(); ++c)
+        if (out.accepted[c] < 0.01)
+            out.remarks.push_back(
+                fmt::format("chain {} is stuck: it took {:.2g} % of its steps; the model may not exist in "
+                            "most of the prior's range: make the priors narrower",
+                            c, 100.0 * out.accepted[c]));
+    for (std::size_t k = 0; k < names.size(); ++k)
+        if (const Marginal& m = out.marginals[k]; !(m.rhat < 1.01))
+            out.remarks.push_back(fmt::format(
+                "the chains of {} do not agree (R-hat {:.3f}, {:.0f} effective samples), and its numbers are "
+                "not to be trusted: take more samples, or a narrower prior if there are places that the "
+                "chains seldom reach",
+                names[k], m.rhat, m.ess));
+    if (out.log_evidence && !(out.log_evidence->error < 0.5))
+        out.remarks.push_back(fmt::format("the log evidence is known to {:.2g} only: take more samples",
+                                          out.log_evidence->error));
     for (std::size_t k = 0; k < names.size(); ++k) {
         std::vector<double> z;
         for (const Draws& chain : chains)
@@ -128,17 +89,42 @@ std::optional<Posterior> sample(const Problem& problem, const std::vector<Prior>
     validate(problem);
     Posterior out;
     out.free = free_parameters(problem);
-    check(method);
+    if (method.chains < 1 || method.samples % method.chains != 0 || method.samples / method.chains < 8)
+        throw InputError(
+            fmt::format("posterior: samples = {} must be a multiple of chains = {}, with 8 or more per chain",
+                        method.samples, method.chains));
     const Density density(problem, priors);
-    if (out.free.empty())
-        return without_parameters(density, method);
+    if (out.free.empty()) {
+        // A model without free parameters has nothing to sample: its evidence is its likelihood.
+        Posterior certain;
+        const double value = density.log_likelihood({});
+        certain.log_likelihood.assign(method.chains,
+                                      std::vector<double>(method.samples / method.chains, value));
+        certain.accepted.assign(method.chains, 1.0);
+        if (method.evidence)
+            certain.log_evidence = {value, 0.0, method.samples};
+        return certain;
+    }
     if (method.stop_requested && method.stop_requested())
         return std::nullopt;
     const Mixture start = peaks(density, density.coordinates(from), method);
     const auto chains = run_chains(density, start, method);
     if (!chains)
         return std::nullopt;
-    take_values(density, chains->draws, out);
+    out.values.assign(out.free.size(), std::vector<std::vector<double>>(chains->draws.size()));
+    out.log_likelihood.resize(chains->draws.size());
+    for (std::size_t c = 0; c < chains->draws.size(); ++c) {
+        for (std::size_t i = 0; i < chains->draws[c].z.size(); ++i) {
+            const Eigen::VectorXd& z = chains->draws[c].z[i];
+            const std::vector<double> values = density.values(z);
+            for (std::size_t k = 0; k < values.size(); ++k)
+                out.values[k][c].push_back(values[k]);
+            out.log_likelihood[c].push_back(chains->draws[c].log_density[i] - density.log_prior_at(z));
+        }
+        out.accepted.push_back(chains->draws[c].accepted);
+    }
+    for (const auto& values : out.values)
+        out.marginals.push_back(marginal(values));
     if (method.evidence && !(out.log_evidence = evidence(density, *chains, method)))
         return std::nullopt;
     judge(problem, priors, chains->draws, out);

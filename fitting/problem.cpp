@@ -20,17 +20,14 @@ const Parameter* find(const Problem& problem, const std::string& name) {
     return found == problem.parameters.end() ? nullptr : &*found;
 }
 
-void check_names(const Problem& problem) {
-    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
-        const std::string& name = problem.parameters[i].name;
-        if (name.empty())
-            throw InputError(fmt::format("fit: parameter {} has no name", i));
-        if (find(problem, name) != &problem.parameters[i])
-            throw InputError(fmt::format("fit: two parameters are called \"{}\"", name));
-    }
-}
-
-void check_bounds(const Parameter& p) {
+void check_free(const Parameter& p) {
+    if (!std::isfinite(p.start))
+        throw InputError(fmt::format("fit: the start of {} is not a finite number", p.name));
+    if (!(p.scale >= 0.0) || !std::isfinite(p.scale))
+        throw InputError(
+            fmt::format("fit: the scale of {} is {}: must be above 0, or 0 to choose", p.name, p.scale));
+    if (!p.free())
+        return;
     if (std::isnan(p.lower) || std::isnan(p.upper))
         throw InputError(fmt::format("fit: a bound of {} is not a number", p.name));
     if (p.lower > p.upper)
@@ -41,30 +38,17 @@ void check_bounds(const Parameter& p) {
     if (p.start < p.lower || p.start > p.upper)
         throw InputError(fmt::format("fit: {} starts at {}, outside its bounds [{}, {}]", p.name, p.start,
                                      p.lower, p.upper));
-}
-
-/// A log parameter without a lower bound has the whole positive axis.
-void check_log(const Parameter& p) {
-    if (p.start <= 0.0)
-        throw InputError(fmt::format(
-            "fit: {} is searched in the logarithm, so its start must be above 0, not {}", p.name, p.start));
-    if (std::isfinite(p.lower) && p.lower <= 0.0)
-        throw InputError(
-            fmt::format("fit: {} is searched in the logarithm, so its lower bound must be above 0, not {}",
-                        p.name, p.lower));
-}
-
-void check_free(const Parameter& p) {
-    if (!std::isfinite(p.start))
-        throw InputError(fmt::format("fit: the start of {} is not a finite number", p.name));
-    if (!(p.scale >= 0.0) || !std::isfinite(p.scale))
-        throw InputError(
-            fmt::format("fit: the scale of {} is {}: must be above 0, or 0 to choose", p.name, p.scale));
-    if (!p.free())
-        return;
-    check_bounds(p);
-    if (p.transform == Transform::log)
-        check_log(p);
+    if (p.transform == Transform::log) {
+        // A log parameter without a lower bound has the whole positive axis.
+        if (p.start <= 0.0)
+            throw InputError(
+                fmt::format("fit: {} is searched in the logarithm, so its start must be above 0, not {}",
+                            p.name, p.start));
+        if (std::isfinite(p.lower) && p.lower <= 0.0)
+            throw InputError(fmt::format(
+                "fit: {} is searched in the logarithm, so its lower bound must be above 0, not {}", p.name,
+                p.lower));
+    }
 }
 
 void check_tie(const Problem& problem, const Parameter& p) {
@@ -83,7 +67,13 @@ void check_tie(const Problem& problem, const Parameter& p) {
 } // namespace
 
 void validate(const Problem& problem) {
-    check_names(problem);
+    for (std::size_t i = 0; i < problem.parameters.size(); ++i) {
+        const std::string& name = problem.parameters[i].name;
+        if (name.empty())
+            throw InputError(fmt::format("fit: parameter {} has no name", i));
+        if (find(problem, name) != &problem.parameters[i])
+            throw InputError(fmt::format("fit: two parameters are called \"{}\"", name));
+    }
     for (const Parameter& p : problem.parameters) {
         check_free(p);
         check_tie(problem, p);
@@ -139,8 +129,10 @@ namespace {
 
 using Range = std::pair<std::size_t, std::size_t>;
 
-/// Rows between turns of the direction in which the places go.
-std::vector<Range> stretches(std::span<const double> positions) {
+/// Runs one after the other; rows in no order, of which stretches are short, are one.
+std::vector<Range> runs_in(std::span<const double> positions) {
+    constexpr std::size_t shortest = 4; // in random order a stretch has 2 to 3 rows
+    // Rows between turns of the direction in which the places go.
     std::vector<Range> all;
     std::size_t first = 0;
     int direction = 0;
@@ -155,13 +147,6 @@ std::vector<Range> stretches(std::span<const double> positions) {
         }
     }
     all.emplace_back(first, positions.size());
-    return all;
-}
-
-/// Runs one after the other; rows in no order, of which stretches are short, are one.
-std::vector<Range> runs_in(std::span<const double> positions) {
-    constexpr std::size_t shortest = 4; // in random order a stretch has 2 to 3 rows
-    std::vector<Range> all = stretches(positions);
     return shortest * all.size() > positions.size() ? std::vector<Range>{{0, positions.size()}} : all;
 }
 
@@ -219,18 +204,16 @@ struct ProblemPart {
     std::size_t first_residual = 0;
 };
 
-bool agree(const Parameter& a, const Parameter& b) {
-    return a.start == b.start && a.lower == b.lower && a.upper == b.upper && a.transform == b.transform &&
-           a.scale == b.scale && a.fixed == b.fixed && a.tied_to == b.tied_to && a.tie_factor == b.tie_factor;
-}
-
 std::size_t slot_of(const Parameter& parameter, std::vector<Parameter>& all) {
     const auto found = std::ranges::find(all, parameter.name, &Parameter::name);
     if (found == all.end()) {
         all.push_back(parameter);
         return all.size() - 1;
     }
-    if (!agree(*found, parameter))
+    if (!(found->start == parameter.start && found->lower == parameter.lower &&
+          found->upper == parameter.upper && found->transform == parameter.transform &&
+          found->scale == parameter.scale && found->fixed == parameter.fixed &&
+          found->tied_to == parameter.tied_to && found->tie_factor == parameter.tie_factor))
         throw InputError(
             fmt::format("fit: parameter {} has another start, bounds, scale or tie in one kind of "
                         "data than in the other; it must be the same",
@@ -252,15 +235,6 @@ void evaluate(const ProblemPart& part, std::span<const double> p, Eigen::Ref<Eig
     for (std::size_t j = 0; jacobian && j < own.size(); ++j)
         jacobian->col(static_cast<Eigen::Index>(part.index[j])).segment(first, rows) =
             slopes.col(static_cast<Eigen::Index>(j));
-}
-
-std::string name_of(const std::vector<ProblemPart>& parts, std::size_t i) {
-    const ProblemPart* of = &parts.front();
-    for (const ProblemPart& part : parts)
-        if (part.first_residual <= i)
-            of = &part;
-    const std::size_t own = i - of->first_residual;
-    return of->problem.residual_name ? of->problem.residual_name(own) : fmt::format("{}", own);
 }
 
 } // namespace
@@ -300,7 +274,14 @@ Problem joined(const std::vector<Problem>& problems) {
         for (const ProblemPart& part : *parts)
             evaluate(part, p, r, jacobian);
     };
-    whole.residual_name = [parts](std::size_t i) { return name_of(*parts, i); };
+    whole.residual_name = [parts](std::size_t i) {
+        const ProblemPart* of = &parts->front();
+        for (const ProblemPart& candidate : *parts)
+            if (candidate.first_residual <= i)
+                of = &candidate;
+        const std::size_t own = i - of->first_residual;
+        return of->problem.residual_name ? of->problem.residual_name(own) : fmt::format("{}", own);
+    };
     return whole;
 }
 

@@ -56,21 +56,6 @@ void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, Parame
         e.low = limit.value_or(p.lower);
 }
 
-void follow_ties(const Problem& problem, std::vector<ParameterEstimate>& estimates) {
-    for (std::size_t i = 0; i < estimates.size(); ++i) {
-        const Parameter& p = problem.parameters[i];
-        if (p.tied_to.empty())
-            continue;
-        ParameterEstimate& e = estimates[i];
-        const ParameterEstimate& to = *std::ranges::find(estimates, p.tied_to, &ParameterEstimate::name);
-        e.tied_to = p.tied_to;
-        e.tie_factor = p.tie_factor;
-        e.standard_error = product(std::abs(p.tie_factor), to.standard_error);
-        e.low = product(p.tie_factor, p.tie_factor < 0.0 ? to.high : to.low);
-        e.high = product(p.tie_factor, p.tie_factor < 0.0 ? to.low : to.high);
-    }
-}
-
 /// Of 95 %: normal, or Student's t.
 double quantile95(bool normal, long dof) {
     if (normal)
@@ -95,7 +80,18 @@ std::vector<ParameterEstimate> estimates_of(const Problem& problem, const Fit& f
         set_free(estimates[i], k, errors, problem.parameters[i]);
         set_one_sided(problem, fit, i, estimates[i]);
     }
-    follow_ties(problem, estimates);
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+        const Parameter& p = problem.parameters[i];
+        if (p.tied_to.empty())
+            continue;
+        ParameterEstimate& e = estimates[i];
+        const ParameterEstimate& to = *std::ranges::find(estimates, p.tied_to, &ParameterEstimate::name);
+        e.tied_to = p.tied_to;
+        e.tie_factor = p.tie_factor;
+        e.standard_error = product(std::abs(p.tie_factor), to.standard_error);
+        e.low = product(p.tie_factor, p.tie_factor < 0.0 ? to.high : to.low);
+        e.high = product(p.tie_factor, p.tie_factor < 0.0 ? to.low : to.high);
+    }
     return estimates;
 }
 
@@ -155,20 +151,16 @@ std::size_t same_optimum(const Fit& fit, const Report& report) {
         fit.starts, [&](const StartResult& start) { return at_the_best(fit, report, start); }));
 }
 
-std::vector<double> free_values(const Fit& fit, const SearchSpace& space) {
-    std::vector<double> values;
-    for (const std::size_t i : space.free())
-        values.push_back(fit.values[i]);
-    return values;
-}
-
 } // namespace
 
 Report report(const Problem& problem, const Fit& fit, const ReportOptions& options) {
     const SearchSpace space(problem);
     const LossShape loss{fit.loss, fit.loss_width};
     Evaluator evaluator(problem, space, loss);
-    const SearchPoint point = evaluator(space.coordinates(free_values(fit, space)), true);
+    std::vector<double> values;
+    for (const std::size_t i : space.free())
+        values.push_back(fit.values[i]);
+    const SearchPoint point = evaluator(space.coordinates(values), true);
     evaluator.require_memory();
     if (!point.finite()) {
         Report report = without_curvature(problem, fit);
@@ -338,21 +330,6 @@ std::string correlations(const Problem& problem, const Report& report) {
     return "\nCorrelations\n" + table(rows) + strong;
 }
 
-std::string goodness(const Problem& problem, const Fit& fit, const Report& report) {
-    std::string text = fmt::format("\nchi2 = {:.6g}, {} data", report.chi2, data_count(problem));
-    if (problem.independent < 1.0)
-        text += fmt::format(" worth {} independent ones", independent_values(problem));
-    text += fmt::format(", {} degrees of freedom", report.dof);
-    if (report.dof > 0)
-        text += fmt::format(", chi2/dof = {:.4g}", report.chi2 / static_cast<double>(report.dof));
-    if (problem.sigma_known && report.dof > 0)
-        text += ", probability " + describe_probability(report.probability);
-    if (fit.loss != Loss::squares)
-        text += fmt::format("\nobjective of the loss = {:.6g}", fit.objective);
-    return text + fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,
-                              fit.reason);
-}
-
 /// The waterfall: objectives from the best up, at most ten.
 std::string starts(const Fit& fit, const Report& report) {
     if (fit.starts.size() < 2)
@@ -384,7 +361,19 @@ std::string diagnostics(const Report& report) {
 } // namespace
 
 std::string to_text(const Problem& problem, const Fit& fit, const Report& report) {
-    return estimates(problem, report) + correlations(problem, report) + goodness(problem, fit, report) +
+    std::string text = fmt::format("\nchi2 = {:.6g}, {} data", report.chi2, data_count(problem));
+    if (problem.independent < 1.0)
+        text += fmt::format(" worth {} independent ones", independent_values(problem));
+    text += fmt::format(", {} degrees of freedom", report.dof);
+    if (report.dof > 0)
+        text += fmt::format(", chi2/dof = {:.4g}", report.chi2 / static_cast<double>(report.dof));
+    if (problem.sigma_known && report.dof > 0)
+        text += ", probability " + describe_probability(report.probability);
+    if (fit.loss != Loss::squares)
+        text += fmt::format("\nobjective of the loss = {:.6g}", fit.objective);
+    return estimates(problem, report) + correlations(problem, report) + text +
+           fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,
+                       fit.reason) +
            starts(fit, report) + diagnostics(report);
 }
 

@@ -7,8 +7,6 @@
 
 namespace rodwake::fitting {
 
-namespace {} // namespace
-
 double natural_scale(const Parameter& p) {
     if (p.scale > 0.0)
         return p.scale;
@@ -94,16 +92,12 @@ Eigen::MatrixXd SearchSpace::chain(const Eigen::MatrixXd& in_values, std::span<c
 
 namespace {
 
-/// Of start, or of a coin where both signs are possible.
-double sign_of(const Parameter& p, RandomStream& random) {
-    const double sign = p.start < 0.0 ? -1.0 : 1.0;
-    const bool both = p.transform == Transform::linear && p.lower < 0.0 && p.upper > 0.0;
-    return both && random.uniform() < 0.5 ? -sign : sign;
-}
-
 /// start times a factor in [1/spread, spread], even in the logarithm, within the bounds.
 double by_factor(const Parameter& p, double spread, RandomStream& random) {
-    const double sign = sign_of(p, random);
+    // The sign is that of the start, or that of a coin where both are possible.
+    const double given = p.start < 0.0 ? -1.0 : 1.0;
+    const bool both = p.transform == Transform::linear && p.lower < 0.0 && p.upper > 0.0;
+    const double sign = both && random.uniform() < 0.5 ? -given : given;
     const double size = std::abs(p.start);
     const double nearest = sign > 0.0 ? p.lower : -p.upper, farthest = sign > 0.0 ? p.upper : -p.lower;
     const double low = std::max(size / spread, nearest), high = std::min(size * spread, farthest);

@@ -36,18 +36,6 @@ double sigma_of(const Trajectory& trajectory, std::size_t component) {
            std::sqrt(trajectory.independent);
 }
 
-/// Of the residuals; a time of contact counts in full.
-double mean_independent(const std::vector<Trajectory>& all) {
-    double values = 0.0, residuals = 0.0;
-    for (const Trajectory& trajectory : all) {
-        const ResidualLayout size(trajectory);
-        residuals += static_cast<double>(size.count());
-        values += static_cast<double>(size.contact) +
-                  trajectory.independent * static_cast<double>(size.count() - size.contact);
-    }
-    return values / residuals;
-}
-
 std::string residual_name(const Trajectory& trajectory, std::size_t i) {
     static constexpr const char* names[] = {"x", "y", "theta"};
     const ResidualLayout size(trajectory);
@@ -60,22 +48,6 @@ std::string residual_name(const Trajectory& trajectory, std::size_t i) {
     if (in_rows >= size.rows)
         return trajectory.name + " contact time";
     return fmt::format("{} {}{}", row_name(trajectory, in_rows / n + 1), names[component % 3], component / 3);
-}
-
-/// Of x, y and heading of each rod, from residual `first` on; a time of contact stands alone.
-void add_series(const Trajectory& trajectory, std::size_t first, std::vector<Series>& all) {
-    const ResidualLayout size(trajectory);
-    const std::size_t n = trajectory.states.front().size();
-    for (std::size_t component = 0; component < n; ++component) {
-        Series series{trajectory.name, component % 3 == 2 ? "headings" : "places", {}};
-        if (is_free(trajectory, component))
-            series.residuals.push_back(first + (trajectory.free_start ? component : component / 3));
-        for (std::size_t row = 0; row < size.rows / n; ++row)
-            series.residuals.push_back(first + size.start + row * n + component);
-        all.push_back(std::move(series));
-    }
-    if (size.contact > 0)
-        all.push_back({trajectory.name, "contact time", {first + size.start + size.rows}});
 }
 
 class Trajectories {
@@ -175,15 +147,6 @@ void add_starts(std::vector<Parameter>& parameters, const std::vector<Trajectory
     }
 }
 
-void check_count(const Problem& problem) {
-    const auto free = static_cast<std::size_t>(std::ranges::count_if(problem.parameters, &Parameter::free));
-    if (problem.residuals < free)
-        throw InputError(
-            fmt::format("fit of trajectories: {} data cannot fix {} free parameters; fix some of "
-                        "them or give more rows",
-                        problem.residuals, free));
-}
-
 } // namespace
 
 integrate::OdeOptions trajectory_ode_options() {
@@ -228,17 +191,42 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     problem.parameters = std::move(parameters);
     problem.residuals = all->residuals();
     problem.log_sigma = all->log_sigma();
-    problem.independent = mean_independent(trajectories);
+    // The share of independent values is a mean over the residuals; a time of contact counts in full.
+    double values = 0.0, residuals = 0.0;
+    for (const Trajectory& trajectory : trajectories) {
+        const ResidualLayout size(trajectory);
+        residuals += static_cast<double>(size.count());
+        values += static_cast<double>(size.contact) +
+                  trajectory.independent * static_cast<double>(size.count() - size.contact);
+    }
+    problem.independent = values / residuals;
     std::size_t first = 0;
     for (const Trajectory& trajectory : trajectories) {
-        add_series(trajectory, first, problem.series);
+        // x, y and heading of each rod are series from residual `first` on; a time of contact stands alone.
+        const ResidualLayout size(trajectory);
+        const std::size_t n = trajectory.states.front().size();
+        for (std::size_t component = 0; component < n; ++component) {
+            Series series{trajectory.name, component % 3 == 2 ? "headings" : "places", {}};
+            if (is_free(trajectory, component))
+                series.residuals.push_back(first + (trajectory.free_start ? component : component / 3));
+            for (std::size_t row = 0; row < size.rows / n; ++row)
+                series.residuals.push_back(first + size.start + row * n + component);
+            problem.series.push_back(std::move(series));
+        }
+        if (size.contact > 0)
+            problem.series.push_back({trajectory.name, "contact time", {first + size.start + size.rows}});
         first += ResidualLayout(trajectory).count();
     }
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
     problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                              Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
     problem.residual_name = [all](std::size_t i) { return all->name(i); };
-    check_count(problem);
+    const auto free = static_cast<std::size_t>(std::ranges::count_if(problem.parameters, &Parameter::free));
+    if (problem.residuals < free)
+        throw InputError(
+            fmt::format("fit of trajectories: {} data cannot fix {} free parameters; fix some of "
+                        "them or give more rows",
+                        problem.residuals, free));
     return problem;
 }
 
@@ -270,62 +258,9 @@ void require(bool legal, const std::string& where, const std::string& message) {
         throw InputError(fmt::format("{}: {}", where, message));
 }
 
-void check_row(const Trajectory& trajectory, std::size_t row) {
-    const std::string where = row_name(trajectory, row);
-    const std::vector<double>& state = trajectory.states[row];
-    require(
-        state.size() == trajectory.states.front().size(), where,
-        fmt::format("{} numbers, but the first row has {}", state.size(), trajectory.states.front().size()));
-    require(std::isfinite(trajectory.times[row]), where, "the time must be a finite number");
-    require(row == 0 || trajectory.times[row] > trajectory.times[row - 1], where,
-            fmt::format("the time is {}, not after {} of the row before", trajectory.times[row],
-                        trajectory.times[row == 0 ? 0 : row - 1]));
-    require(std::ranges::all_of(state, [](double v) { return std::isfinite(v); }), where,
-            "positions and headings must be finite numbers");
-}
-
-void check_shape(const Trajectory& trajectory) {
-    require(!trajectory.times.empty() && trajectory.times.size() == trajectory.states.size(), trajectory.name,
-            fmt::format("{} times and {} rows: there must be as many, one at least", trajectory.times.size(),
-                        trajectory.states.size()));
-    const std::size_t size = trajectory.states.front().size();
-    require(size % 3 == 0 && size >= 6, trajectory.name,
-            fmt::format("{} numbers a row: x, y and heading of two rods or more are needed", size));
-    require(trajectory.times.size() > 1 || trajectory.contact_time, trajectory.name,
-            "a single row is only the start: give a second one or contact_time");
-}
-
 void check_sigma(const Trajectory& trajectory, const char* name, double sigma) {
     require(sigma > 0.0 && std::isfinite(sigma), trajectory.name,
             fmt::format("{} = {}: must be above 0 and finite", name, sigma));
-}
-
-void check_domain(const Trajectory& trajectory) {
-    require(!trajectory.box || valid_sides(*trajectory.box), trajectory.name,
-            fmt::format("box = {}: must be above 0 and finite", to_string(trajectory.box.value_or(0.0))));
-    require(trajectory.independent > 0.0 && trajectory.independent <= 1.0, trajectory.name,
-            fmt::format("independent = {}: a row is worth more than 0 and at most 1 row",
-                        trajectory.independent));
-}
-
-void check_contact(const Trajectory& trajectory) {
-    require(!trajectory.contact_time || trajectory.contact_distance, trajectory.name,
-            "contact_time needs a contact_distance");
-    require(!trajectory.contact_time || (*trajectory.contact_time > trajectory.times.front() &&
-                                         std::isfinite(*trajectory.contact_time)),
-            trajectory.name,
-            fmt::format("contact_time = {}: must be finite and after the first row, {}",
-                        trajectory.contact_time.value_or(0.0), trajectory.times.front()));
-    const double start = rods::closest_pair(trajectory.states.front(), trajectory.box).distance;
-    for (std::size_t row = 0; row < trajectory.states.size(); ++row)
-        require(rods::closest_pair(trajectory.states[row], trajectory.box).distance > 0.0,
-                row_name(trajectory, row), "two rods are in the same place");
-    require(
-        !trajectory.contact_distance ||
-            (*trajectory.contact_distance > 0.0 && *trajectory.contact_distance < start),
-        trajectory.name,
-        fmt::format("contact_distance = {}: must be above 0 and below the smallest starting separation, {}",
-                    trajectory.contact_distance.value_or(0.0), start));
 }
 
 } // namespace
@@ -339,14 +274,53 @@ void check_trajectories(const std::vector<Trajectory>& trajectories) {
     if (trajectories.empty())
         throw InputError("fit of trajectories: there are none");
     for (const Trajectory& trajectory : trajectories) {
-        check_shape(trajectory);
-        check_domain(trajectory);
-        for (std::size_t row = 0; row < trajectory.times.size(); ++row)
-            check_row(trajectory, row);
+        require(!trajectory.times.empty() && trajectory.times.size() == trajectory.states.size(),
+                trajectory.name,
+                fmt::format("{} times and {} rows: there must be as many, one at least",
+                            trajectory.times.size(), trajectory.states.size()));
+        const std::size_t size = trajectory.states.front().size();
+        require(size % 3 == 0 && size >= 6, trajectory.name,
+                fmt::format("{} numbers a row: x, y and heading of two rods or more are needed", size));
+        require(trajectory.times.size() > 1 || trajectory.contact_time, trajectory.name,
+                "a single row is only the start: give a second one or contact_time");
+        require(!trajectory.box || valid_sides(*trajectory.box), trajectory.name,
+                fmt::format("box = {}: must be above 0 and finite", to_string(trajectory.box.value_or(0.0))));
+        require(trajectory.independent > 0.0 && trajectory.independent <= 1.0, trajectory.name,
+                fmt::format("independent = {}: a row is worth more than 0 and at most 1 row",
+                            trajectory.independent));
+        for (std::size_t row = 0; row < trajectory.times.size(); ++row) {
+            const std::string where = row_name(trajectory, row);
+            const std::vector<double>& state = trajectory.states[row];
+            require(state.size() == trajectory.states.front().size(), where,
+                    fmt::format("{} numbers, but the first row has {}", state.size(),
+                                trajectory.states.front().size()));
+            require(std::isfinite(trajectory.times[row]), where, "the time must be a finite number");
+            require(row == 0 || trajectory.times[row] > trajectory.times[row - 1], where,
+                    fmt::format("the time is {}, not after {} of the row before", trajectory.times[row],
+                                trajectory.times[row == 0 ? 0 : row - 1]));
+            require(std::ranges::all_of(state, [](double v) { return std::isfinite(v); }), where,
+                    "positions and headings must be finite numbers");
+        }
         check_sigma(trajectory, "sigma_position", trajectory.sigma_position);
         check_sigma(trajectory, "sigma_heading", trajectory.sigma_heading);
         check_sigma(trajectory, "sigma_contact", trajectory.sigma_contact);
-        check_contact(trajectory);
+        require(!trajectory.contact_time || trajectory.contact_distance, trajectory.name,
+                "contact_time needs a contact_distance");
+        require(!trajectory.contact_time || (*trajectory.contact_time > trajectory.times.front() &&
+                                             std::isfinite(*trajectory.contact_time)),
+                trajectory.name,
+                fmt::format("contact_time = {}: must be finite and after the first row, {}",
+                            trajectory.contact_time.value_or(0.0), trajectory.times.front()));
+        const double start = rods::closest_pair(trajectory.states.front(), trajectory.box).distance;
+        for (std::size_t row = 0; row < trajectory.states.size(); ++row)
+            require(rods::closest_pair(trajectory.states[row], trajectory.box).distance > 0.0,
+                    row_name(trajectory, row), "two rods are in the same place");
+        require(!trajectory.contact_distance ||
+                    (*trajectory.contact_distance > 0.0 && *trajectory.contact_distance < start),
+                trajectory.name,
+                fmt::format(
+                    "contact_distance = {}: must be above 0 and below the smallest starting separation, {}",
+                    trajectory.contact_distance.value_or(0.0), start));
     }
 }
 

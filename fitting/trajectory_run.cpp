@@ -122,11 +122,6 @@ std::vector<double> times_to_solve(const Trajectory& trajectory) {
     return times;
 }
 
-integrate::OdeOptions tightened(integrate::OdeOptions options) {
-    options.atol = std::min(options.atol, 0.1 * options.rtol); // as rods::simulate
-    return options;
-}
-
 /// Solves with sensitivities if there is something to differentiate by.
 integrate::SensitivitySolution solve(const rods::RodProblem& rods, const SensitivityColumns& columns,
                                      const integrate::OdeOptions& options, std::span<const double> times) {
@@ -139,25 +134,6 @@ integrate::SensitivitySolution solve(const rods::RodProblem& rods, const Sensiti
         return {integrate::solve(problem.ode, plain, times), {}, {}, {}};
     }
     return integrate::solve_with_sensitivities(problem, options, times);
-}
-
-Eigen::VectorXd slope_at_end(const rods::RodProblem& problem, const integrate::Solution& solution) {
-    Eigen::VectorXd slope(static_cast<Column>(solution.final_state.size()));
-    rods::model_of(problem).rhs(solution.final_state, {slope.data(), solution.final_state.size()});
-    return slope;
-}
-
-/// The end and its derivatives; at a contact those of the moving end.
-void add_end(ModelRun& run, const rods::RodProblem& problem, const integrate::SensitivitySolution& solved,
-             const SensitivityColumns& columns, std::size_t rows) {
-    Eigen::MatrixXd S = solved.final_sensitivity;
-    if (solved.event_time_by_parameter.size() > 0)
-        S += slope_at_end(problem, solved.solution) * solved.event_time_by_parameter.transpose();
-    while (run.states.size() < rows) {
-        run.states.push_back(vector(solved.solution.final_state));
-        if (!columns.empty())
-            run.derivatives.push_back(spread(columns, S));
-    }
 }
 
 /// A run that has not met by the end counts as if its closest pair closed in at speed 1 from there: the
@@ -179,16 +155,6 @@ void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::S
         by = axis * (solved.final_sensitivity.middleRows(a, 2) - solved.final_sensitivity.middleRows(b, 2));
     }
     run.contact_time_by_parameter = spread(columns, by).transpose();
-}
-
-/// Fields are singular where rods meet, and no solve gets past that. Without a contact distance of its own a
-/// model run ends where rods come a hundred times closer than in any row: the rows after it are then far from
-/// the data, with slopes, instead of nowhere.
-double implied_contact(const Trajectory& trajectory) {
-    double smallest = HUGE_VAL;
-    for (const std::vector<double>& state : trajectory.states)
-        smallest = std::min(smallest, rods::closest_pair(state, trajectory.box).distance);
-    return 0.01 * smallest;
 }
 
 constexpr std::array pose_words = {"x", "y", "heading"};
@@ -248,7 +214,13 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
     problem.couplings = rods::with_flow(problem.couplings, gamma_flow_of(roles, values), problem.medium->eta,
                                         problem.medium->xi);
     problem.box = trajectory.box;
-    problem.contact_distance = trajectory.contact_distance.value_or(implied_contact(trajectory));
+    // Fields are singular where rods meet, and no solve gets past that. Without a contact distance of its own
+    // a model run ends where rods come a hundred times closer than in any row: the rows after it are then far
+    // from the data, with slopes, instead of nowhere.
+    double smallest = HUGE_VAL;
+    for (const std::vector<double>& state : trajectory.states)
+        smallest = std::min(smallest, rods::closest_pair(state, trajectory.box).distance);
+    problem.contact_distance = trajectory.contact_distance.value_or(0.01 * smallest);
     problem.t_end = times_to_solve(trajectory).back();
     return problem;
 }
@@ -259,8 +231,9 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
     const rods::RodProblem problem = rod_problem(trajectory, index, roles, values);
     const SensitivityColumns columns =
         wanted ? columns_of(index, roles, values, *wanted, *problem.medium) : SensitivityColumns{};
-    const integrate::SensitivitySolution solved =
-        solve(problem, columns, tightened(options), times_to_solve(trajectory));
+    integrate::OdeOptions tight = options;
+    tight.atol = std::min(tight.atol, 0.1 * tight.rtol); // as rods::simulate
+    const integrate::SensitivitySolution solved = solve(problem, columns, tight, times_to_solve(trajectory));
     if (!solved.solution.status.ok())
         throw RunError(trajectory.name + ": " + solved.solution.status.message());
     ModelRun run;
@@ -270,7 +243,19 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
         if (!columns.empty())
             run.derivatives.push_back(spread(columns, solved.sensitivities[k]));
     }
-    add_end(run, problem, solved, columns, rows);
+    // At a contact the derivatives of the end are those of the moving end.
+    Eigen::MatrixXd S = solved.final_sensitivity;
+    if (solved.event_time_by_parameter.size() > 0) {
+        Eigen::VectorXd slope(static_cast<Column>(solved.solution.final_state.size()));
+        rods::model_of(problem).rhs(solved.solution.final_state,
+                                    {slope.data(), solved.solution.final_state.size()});
+        S += slope * solved.event_time_by_parameter.transpose();
+    }
+    while (run.states.size() < rows) {
+        run.states.push_back(vector(solved.solution.final_state));
+        if (!columns.empty())
+            run.derivatives.push_back(spread(columns, S));
+    }
     if (trajectory.contact_time)
         add_contact(run, trajectory, solved, columns);
     return run;

@@ -206,15 +206,6 @@ std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profi
     return points;
 }
 
-bool sigmas_known(const std::vector<Profile>& profiles) {
-    const auto with = std::ranges::count_if(profiles, [](const Profile& p) { return !p.sigma.empty(); });
-    if (with != 0 && with != static_cast<long>(profiles.size()))
-        throw InputError(
-            "some profiles have a column sigma and some have none: their weights cannot be compared; "
-            "give all of them one, or none");
-    return with != 0;
-}
-
 void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<ProfilePoint>& points,
               std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) {
     const WakeValues wake(model, terms, p);
@@ -288,7 +279,12 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = points->size();
-    problem.sigma_known = sigmas_known(profiles);
+    const auto with = std::ranges::count_if(profiles, [](const Profile& p) { return !p.sigma.empty(); });
+    if (with != 0 && with != static_cast<long>(profiles.size()))
+        throw InputError(
+            "some profiles have a column sigma and some have none: their weights cannot be compared; "
+            "give all of them one, or none");
+    problem.sigma_known = with != 0;
     for (const ProfilePoint& point : *points)
         problem.log_sigma.push_back(std::log(point.sigma));
     std::size_t first = 0;

@@ -32,14 +32,6 @@ std::string sizes_text(const GranularProblem& problem) {
     return mix.spread > 0.0 ? fmt::format("{}, spread {:g} of it,", text, mix.spread) : text;
 }
 
-std::string beads_text(const scene::Granular& bed, const GranularProblem& problem) {
-    const bool with_rods = bed.phi_b && bed.count_rod_area && !bed.rods.empty();
-    const double share = granular::bead_area_fraction(problem);
-    return fmt::format("{} beads of {} and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover {:.4f}",
-                       problem.beads, sizes_text(problem), problem.bead_density, bed.phi_b.value_or(share),
-                       with_rods ? " with the rods' shadows" : "", share);
-}
-
 std::string start_text(const scene::Granular& bed, const GranularProblem& problem) {
     switch (bed.start) {
     case scene::GranularStart::restart:
@@ -96,21 +88,6 @@ PlanLine plates_line(const GranularProblem& problem) {
                     1.0 / (plates.frequency * problem.time_step))};
 }
 
-void add_rod_lines(const GranularProblem& problem, Lines& lines) {
-    if (problem.rods.empty())
-        lines.push_back({false, "rods in the bed: no [[granular.rods]]"});
-    for (std::size_t i = 0; i < problem.rods.size(); ++i)
-        lines.push_back({true, rod_text(i, problem.rods[i], problem.bead_radius)});
-}
-
-void add_order_line(const scene::Granular& bed, const GranularProblem& problem, Lines& lines) {
-    if (const auto cutoff = order_cutoff(bed, granular::bead_area_fraction(problem)))
-        lines.push_back(
-            {true, fmt::format("order psi6 of beads nearer than {:.4g} a", *cutoff / problem.bead_radius)});
-    else
-        lines.push_back({false, "order psi6: no beads"});
-}
-
 std::string time_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format(
         "{} steps of {:g} s from t = 0 ({:g} s) after {} of equilibration ({:g} s) with the rods held; "
@@ -121,25 +98,6 @@ std::string time_text(const scene::Granular& bed, const GranularProblem& problem
                                          *bed.stop_at_travel / bed.bead_radius)
                            : "",
         bed.runs, bed.runs == 1 ? "" : "s");
-}
-
-/// Keys that say how a start is made, beside a start that is not made so.
-void add_unused_lines(const scene::Granular& bed, Lines& lines) {
-    const scene::Granular unset;
-    if (bed.start != scene::GranularStart::lattice && bed.orientation != unset.orientation && !bed.box.fit)
-        lines.push_back({false, "granular.orientation: used with start = \"lattice\" only"});
-    if (bed.start == scene::GranularStart::restart && bed.start_speed != unset.start_speed)
-        lines.push_back({false, "granular.start_speed: not used with start = \"restart\""});
-}
-
-/// What the bed leaves out, whatever the scene says, and why.
-void add_idealisations(const GranularProblem& problem, Lines& lines) {
-    lines.push_back(
-        {false, "duration and elasticity of contacts: bodies are rigid, impacts instantaneous and in pairs"});
-    lines.push_back({false, "rolling friction, cohesion, charge, air: no such force in the contact law"});
-    if (!problem.container)
-        lines.push_back(
-            {false, "side walls: the box is periodic in x and y; [granular.container] has a wall"});
 }
 
 /// Of the stored frames of a run in all their formats.
@@ -239,8 +197,15 @@ void describe_granular(const Plan& plan, Lines& lines) {
     }
     const GranularProblem& problem = plan.beds.front().problem;
     const scene::Granular& bed = *plan.scene.granular;
+    const bool with_rods = bed.phi_b && bed.count_rod_area && !bed.rods.empty();
+    const double share = granular::bead_area_fraction(problem);
     lines.push_back(
-        {problem.beads > 0, problem.beads > 0 ? beads_text(bed, problem) : "beads: there are none"});
+        {problem.beads > 0,
+         problem.beads > 0
+             ? fmt::format("{} beads of {} and {:g} kg/m^3: phi_b = {:g}{}, of which the beads cover {:.4f}",
+                           problem.beads, sizes_text(problem), problem.bead_density,
+                           bed.phi_b.value_or(share), with_rods ? " with the rods' shadows" : "", share)
+             : "beads: there are none"});
     lines.push_back({true, box_text(bed, problem)});
     lines.push_back(plates_line(problem));
     if (problem.gravity == 0.0)
@@ -253,13 +218,31 @@ void describe_granular(const Plan& plan, Lines& lines) {
                            contact_text("rod-wall", c.rod_plate))});
     lines.push_back({true, start_text(bed, problem)});
     lines.push_back({true, time_text(bed, problem)});
-    add_rod_lines(problem, lines);
+    if (problem.rods.empty())
+        lines.push_back({false, "rods in the bed: no [[granular.rods]]"});
+    for (std::size_t i = 0; i < problem.rods.size(); ++i)
+        lines.push_back({true, rod_text(i, problem.rods[i], problem.bead_radius)});
     lines.push_back(body_force_line(problem));
-    add_order_line(bed, problem, lines);
-    add_unused_lines(bed, lines);
+    if (const auto cutoff = order_cutoff(bed, granular::bead_area_fraction(problem)))
+        lines.push_back(
+            {true, fmt::format("order psi6 of beads nearer than {:.4g} a", *cutoff / problem.bead_radius)});
+    else
+        lines.push_back({false, "order psi6: no beads"});
+    // Some keys of the start have no effect on a start of another kind.
+    const scene::Granular unset;
+    if (bed.start != scene::GranularStart::lattice && bed.orientation != unset.orientation && !bed.box.fit)
+        lines.push_back({false, "granular.orientation: used with start = \"lattice\" only"});
+    if (bed.start == scene::GranularStart::restart && bed.start_speed != unset.start_speed)
+        lines.push_back({false, "granular.start_speed: not used with start = \"restart\""});
     if (plan.has(Stage::granular) || plan.has(Stage::measure)) // else a scan varies the bed
         describe_measures(plan.beds.front(), lines);
-    add_idealisations(problem, lines);
+    // No scene has these: the bed leaves them out.
+    lines.push_back(
+        {false, "duration and elasticity of contacts: bodies are rigid, impacts instantaneous and in pairs"});
+    lines.push_back({false, "rolling friction, cohesion, charge, air: no such force in the contact law"});
+    if (!problem.container)
+        lines.push_back(
+            {false, "side walls: the box is periodic in x and y; [granular.container] has a wall"});
 }
 
 } // namespace rodwake::app

@@ -34,21 +34,6 @@ struct FilmPose {
     }
 };
 
-std::vector<FilmPose> rows_of(const measure::HeadingTrack& rod) {
-    std::vector<FilmPose> rows;
-    for (std::size_t f = 0; f < rod.time.size(); ++f) {
-        double speed = std::nan("");
-        if (f > 0) {
-            const double heading = 0.5 * (rod.heading[f - 1] + rod.heading[f]);
-            speed = (std::cos(heading) * (rod.x[f] - rod.x[f - 1]) +
-                     std::sin(heading) * (rod.y[f] - rod.y[f - 1])) /
-                    (rod.time[f] - rod.time[f - 1]);
-        }
-        rows.push_back({rod.x[f], rod.y[f], rod.heading[f], speed});
-    }
-    return rows;
-}
-
 /// The one named "x0", "theta12".
 const Column& column_of(const std::vector<measure::HeadingTrack>& rods, const std::string& name) {
     const std::size_t digits = name.find_first_of("0123456789");
@@ -60,21 +45,6 @@ const Column& column_of(const std::vector<measure::HeadingTrack>& rods, const st
             fmt::format("the film has no {}: it has {} rods, numbered from 0", name, rods.size()));
     const measure::HeadingTrack& rod = rods[number];
     return name[0] == 'x' ? rod.x : name[0] == 'y' ? rod.y : rod.heading;
-}
-
-/// Names of [measure] that go by rods.
-std::vector<std::string_view> wanted_of_rods(const scene::Measure& m) {
-    std::vector<std::string_view> names;
-    const auto add = [&](bool wanted, const char* name) {
-        if (wanted)
-            names.emplace_back(name);
-    };
-    add(m.displacement.has_value(), "displacement");
-    add(m.flow, "flow");
-    add(m.heading_diffusion, "heading_diffusion");
-    add(m.from_travel.has_value(), "from_travel");
-    add(m.pairs, "pairs");
-    return names;
 }
 
 } // namespace
@@ -92,7 +62,17 @@ std::vector<FilmRod> film_rods(const measure::Tracks& tracks) {
 
 void require_rods(const scene::Scene& scene, const measure::Tracks& tracks, const std::string& file) {
     const scene::Measure& m = *scene.measure;
-    const auto wanted = wanted_of_rods(m);
+    // These measures need rods.
+    std::vector<std::string_view> wanted;
+    const auto add = [&](bool asked, const char* name) {
+        if (asked)
+            wanted.emplace_back(name);
+    };
+    add(m.displacement.has_value(), "displacement");
+    add(m.flow, "flow");
+    add(m.heading_diffusion, "heading_diffusion");
+    add(m.from_travel.has_value(), "from_travel");
+    add(m.pairs, "pairs");
     if (wanted.empty())
         return;
     const std::string of = fmt::format("{}: {} in [measure] needs rods, and the file has ", file, wanted[0]);
@@ -137,8 +117,20 @@ std::string FilmRods::csv() const {
     for (const double t : poses_.at(0).time)
         times.push_back({t});
     table.add(times);
-    for (std::size_t rod = 0; rod < poses_.size(); ++rod)
-        table.add(rows_of(poses_[rod]), std::to_string(rod));
+    for (std::size_t rod = 0; rod < poses_.size(); ++rod) {
+        std::vector<FilmPose> rows;
+        for (std::size_t f = 0; f < poses_[rod].time.size(); ++f) {
+            double speed = std::nan("");
+            if (f > 0) {
+                const double heading = 0.5 * (poses_[rod].heading[f - 1] + poses_[rod].heading[f]);
+                speed = (std::cos(heading) * (poses_[rod].x[f] - poses_[rod].x[f - 1]) +
+                         std::sin(heading) * (poses_[rod].y[f] - poses_[rod].y[f - 1])) /
+                        (poses_[rod].time[f] - poses_[rod].time[f - 1]);
+            }
+            rows.push_back({poses_[rod].x[f], poses_[rod].y[f], poses_[rod].heading[f], speed});
+        }
+        table.add(rows, std::to_string(rod));
+    }
     return table.csv();
 }
 

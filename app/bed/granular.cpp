@@ -22,16 +22,6 @@ granular::Surface surface(const granular::Surface& common,
     return {change->friction.value_or(common.friction), change->restitution.value_or(common.restitution)};
 }
 
-granular::ContactTable contact_table(const scene::Contacts& c) {
-    const granular::Surface& common = c.particle_particle;
-    return {surface(common, c.bead_bead), surface(common, c.bead_rod), surface(common, c.rod_rod),
-            c.bead_wall, c.rod_wall};
-}
-
-granular::RodSpec rod_spec(const scene::GranularRod& rod) {
-    return {rod.shape, {rod.position[0], rod.position[1]}, rod.heading, rod.imposed_speed};
-}
-
 std::optional<granular::Container> container_of(const scene::Granular& bed) {
     if (!bed.container)
         return {};
@@ -44,19 +34,16 @@ std::optional<granular::Container> container_of(const scene::Granular& bed) {
                                surface(bed.contacts.rod_wall, change)};
 }
 
-/// Area of the shadow of a rod; what is no rod is named as validate() would.
-double shadow(const granular::RodShape& shape, std::size_t index) {
-    try {
-        return granular::make_clump(shape).projected_area();
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("rod {}: {}", index, error.what()));
-    }
-}
-
 double shadows_of(const scene::Granular& bed) {
     double shadows = 0.0;
-    for (std::size_t i = 0; i < bed.rods.size(); ++i)
-        shadows += shadow(bed.rods[i].shape, i);
+    for (std::size_t i = 0; i < bed.rods.size(); ++i) {
+        // Area of the shadow of a rod; what is no rod is named as validate() would.
+        try {
+            shadows += granular::make_clump(bed.rods[i].shape).projected_area();
+        } catch (const InputError& error) {
+            throw InputError(fmt::format("rod {}: {}", i, error.what()));
+        }
+    }
     return shadows;
 }
 
@@ -115,7 +102,8 @@ granular::Start start_of(const scene::Granular& bed) {
 granular::GranularProblem translate(const scene::Granular& bed, const std::string& path) {
     granular::GranularProblem problem;
     for (const scene::GranularRod& rod : bed.rods)
-        problem.rods.push_back(rod_spec(rod));
+        problem.rods.push_back(
+            granular::RodSpec{rod.shape, {rod.position[0], rod.position[1]}, rod.heading, rod.imposed_speed});
     const BedSize size = bed_size(bed);
     problem.beads = size.beads;
     problem.bead_radius = bed.bead_radius;
@@ -133,7 +121,10 @@ granular::GranularProblem translate(const scene::Granular& bed, const std::strin
         problem.bead_area =
             *bed.phi_b * granular::bed_area(problem) - (bed.count_rod_area ? shadows_of(bed) : 0.0);
     problem.plates = bed.plates;
-    problem.contacts = contact_table(bed.contacts);
+    const granular::Surface& common = bed.contacts.particle_particle;
+    problem.contacts = granular::ContactTable{
+        surface(common, bed.contacts.bead_bead), surface(common, bed.contacts.bead_rod),
+        surface(common, bed.contacts.rod_rod), bed.contacts.bead_wall, bed.contacts.rod_wall};
     problem.body_force = bed.body_force;
     problem.start = start_of(bed);
     problem.orientation = bed.orientation;

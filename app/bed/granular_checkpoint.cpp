@@ -190,23 +190,16 @@ granular::State state_of(const std::vector<std::byte>& bytes, const std::string&
     return state;
 }
 
-namespace {
-
-std::string describe_archive(const std::filesystem::path& file) {
-    const GranularArchive a = load_archive(file);
-    return fmt::format(
-        "{}: archive of a granular run by rodwake {}\nrun {}, seed {}, {} states from step {} to "
-        "{}, {} beads, {} rods; rodwake replay makes frames of it\n\n{}",
-        file.string(), a.build, a.run + 1, a.seed, a.states.size(), a.states.front().step,
-        a.states.back().step, a.states.front().beads.size(), a.states.front().rods.size(), a.scene);
-}
-
-} // namespace
-
 std::string describe_checkpoint(const std::filesystem::path& file) {
     const auto is_archive = [](const store::Block& block) { return block.name == archive_block; };
-    if (file.filename() == "archive.rwc" || std::ranges::any_of(blocks_of(file), is_archive))
-        return describe_archive(file);
+    if (file.filename() == "archive.rwc" || std::ranges::any_of(blocks_of(file), is_archive)) {
+        const GranularArchive a = load_archive(file);
+        return fmt::format(
+            "{}: archive of a granular run by rodwake {}\nrun {}, seed {}, {} states from step {} to "
+            "{}, {} beads, {} rods; rodwake replay makes frames of it\n\n{}",
+            file.string(), a.build, a.run + 1, a.seed, a.states.size(), a.states.front().step,
+            a.states.back().step, a.states.front().beads.size(), a.states.front().rods.size(), a.scene);
+    }
     const auto loaded = load_checkpoint(file);
     const GranularCheckpoint& c = loaded->checkpoint;
     const granular::Counters& t = c.tallies;

@@ -27,13 +27,6 @@ constexpr std::pair<double RunCost::*, double StepTimes::*> step_parts[] = {
     {&RunCost::search, &StepTimes::search},
     {&RunCost::impulses, &StepTimes::impulses}};
 
-double whole(const StepTimes& times) {
-    double sum = 0.0;
-    for (const auto& [mine, theirs] : step_parts)
-        sum += times.*theirs;
-    return sum;
-}
-
 } // namespace
 
 const std::array<CostPart, 9> cost_parts = {{{"start", "start", &RunCost::start},
@@ -93,7 +86,9 @@ void CostMeter::advance(granular::Simulation& simulation, std::int64_t steps) {
 RunCost CostMeter::cost() const {
     RunCost all = marked_;
     const StepTimes& shares = sampled_.steps > 0 ? sampled_ : first_;
-    const double sum = whole(shares);
+    double sum = 0.0;
+    for (const auto& [mine, theirs] : step_parts)
+        sum += shares.*theirs;
     for (const auto& [mine, theirs] : step_parts)
         all.*mine += first_.*theirs + (sum > 0.0 ? stepping_ * shares.*theirs / sum : 0.0);
     all.particle_steps = sphere_steps(problem_) * static_cast<double>(steps_) /

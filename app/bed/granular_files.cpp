@@ -68,26 +68,6 @@ std::vector<double> doubles(const std::vector<std::byte>& record) {
     return values;
 }
 
-/// A frame cut out of its record.
-store::Frame frame_of(const std::vector<double>& record, std::size_t particles, std::size_t rods) {
-    store::Frame frame;
-    const double* at = record.data();
-    const auto take = [&](std::size_t count) {
-        const std::span<const double> part(at, count);
-        at += count;
-        return part;
-    };
-    frame.step = static_cast<std::int64_t>(*at++);
-    frame.time = *at++;
-    frame.position = take(3 * particles);
-    frame.velocity = take(3 * particles);
-    frame.rod_position = take(3 * rods);
-    frame.rod_velocity = take(3 * rods);
-    frame.rod_orientation = take(4 * rods);
-    frame.rod_angular_momentum = take(3 * rods);
-    return frame;
-}
-
 } // namespace
 
 GranularFiles::GranularFiles(std::filesystem::path folder, const granular::GranularProblem& problem,
@@ -218,7 +198,23 @@ void GranularFiles::write_trajectory(const std::string& name, store::Journal& lo
         text.emplace(folder_ / (name + ".xyz"), layout_, problem_.bead_radius);
     for (std::size_t i = 0; i < log.size(); ++i) {
         const std::vector<double> record = doubles(log.read(i));
-        const store::Frame frame = frame_of(record, layout_.particles(), layout_.rods());
+        // The frame is cut out of its record.
+        const std::size_t particles = layout_.particles(), rods = layout_.rods();
+        store::Frame frame;
+        const double* at = record.data();
+        const auto take = [&](std::size_t count) {
+            const std::span<const double> part(at, count);
+            at += count;
+            return part;
+        };
+        frame.step = static_cast<std::int64_t>(*at++);
+        frame.time = *at++;
+        frame.position = take(3 * particles);
+        frame.velocity = take(3 * particles);
+        frame.rod_position = take(3 * rods);
+        frame.rod_velocity = take(3 * rods);
+        frame.rod_orientation = take(4 * rods);
+        frame.rod_angular_momentum = take(3 * rods);
         if (h5md)
             h5md->add_frame(frame);
         if (text)

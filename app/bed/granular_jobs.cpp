@@ -19,13 +19,6 @@ namespace rodwake::app {
 
 namespace {
 
-granular::State stored_state(const std::string& file, const Logger& log) {
-    LoadedCheckpoint loaded = stored_checkpoint(file);
-    if (!loaded.notice.empty())
-        log->warn("{}", loaded.notice);
-    return std::move(loaded.checkpoint.state);
-}
-
 /// Jobs as points of an executor, whose ids are places in the list.
 class JobPoints {
 public:
@@ -106,19 +99,6 @@ private:
     std::vector<std::exception_ptr> thrown_;
 };
 
-/// Those that no earlier command finished.
-std::vector<scan::Point> points_of(const std::vector<GranularJob>& jobs, const RunContext& context) {
-    std::vector<scan::Point> points;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        auto known = context.force ? std::nullopt : finished_before(jobs[i].of->plan, jobs[i].its());
-        if (known)
-            jobs[i].result() = {StageEnd::finished, {}, std::move(*known)};
-        else
-            points.push_back({static_cast<std::int64_t>(i), {}});
-    }
-    return points;
-}
-
 } // namespace
 
 LoadedCheckpoint stored_checkpoint(const std::string& file) {
@@ -134,8 +114,12 @@ std::vector<BedWork> beds_of(const Plan& plan, const std::filesystem::path& fold
     for (const BedPlan& bed : plan.beds) {
         BedWork work{{bed, granular_key(bed.of.scene), {}}, granular_tasks(bed.of, folder), {}};
         const scene::Granular& keys = *bed.of.scene.granular;
-        if (keys.start == scene::GranularStart::restart)
-            work.plan.restart = stored_state(keys.restart_from, log);
+        if (keys.start == scene::GranularStart::restart) {
+            LoadedCheckpoint loaded = stored_checkpoint(keys.restart_from);
+            if (!loaded.notice.empty())
+                log->warn("{}", loaded.notice);
+            work.plan.restart = std::move(loaded.checkpoint.state);
+        }
         if (const auto& from = work.plan.restart; from && from->beads.size() > bed.problem.beads)
             log->info("dem{}: {} of the {} beads of {} are taken out", bed.of.suffix(),
                       from->beads.size() - bed.problem.beads, from->beads.size(), keys.restart_from);
@@ -168,7 +152,16 @@ void execute_jobs(const std::vector<GranularJob>& jobs, const RunContext& contex
     const scan::Execute execute = context.executor
                                       ? context.executor(points.evaluate(), context.stop)
                                       : scan::on_threads(points.evaluate(), threads, context.stop);
-    execute(points_of(jobs, context), [&](std::span<const scan::Result> results) {
+    // Runs that an earlier command finished are not made again.
+    std::vector<scan::Point> unfinished;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        auto known = context.force ? std::nullopt : finished_before(jobs[i].of->plan, jobs[i].its());
+        if (known)
+            jobs[i].result() = {StageEnd::finished, {}, std::move(*known)};
+        else
+            unfinished.push_back({static_cast<std::int64_t>(i), {}});
+    }
+    execute(unfinished, [&](std::span<const scan::Result> results) {
         for (const scan::Result& result : results)
             points.take(result);
     });
@@ -185,18 +178,6 @@ void serve_beds(const Plan& plan, const std::filesystem::path& folder, const Run
 }
 
 namespace fs = std::filesystem;
-
-namespace {
-
-void require_same_scene(const fs::path& file, const std::string& key) {
-    const auto loaded = load_checkpoint(file);
-    if (loaded && loaded->checkpoint.scene != key)
-        throw InputError(fmt::format(
-            "{}: belongs to another scene ({}); choose another folder with -o, or --force to start anew",
-            file.string(), first_difference(loaded->checkpoint.scene, key)));
-}
-
-} // namespace
 
 std::string granular_key(const scene::Scene& scene) {
     scene::Scene key;
@@ -261,8 +242,14 @@ std::optional<GranularSummary> finished_before(const GranularPlan& plan, const G
 }
 
 void require_same_run(const GranularTask& task, const std::string& key) {
-    for (const char* name : {"checkpoint.rwc", "final.rwc"})
-        require_same_scene(task.folder / name, key);
+    for (const char* name : {"checkpoint.rwc", "final.rwc"}) {
+        const fs::path& file = task.folder / name;
+        const auto loaded = load_checkpoint(file);
+        if (loaded && loaded->checkpoint.scene != key)
+            throw InputError(fmt::format(
+                "{}: belongs to another scene ({}); choose another folder with -o, or --force to start anew",
+                file.string(), first_difference(loaded->checkpoint.scene, key)));
+    }
 }
 
 GranularResult execute_task(const GranularPlan& plan, const GranularTask& task, const RunContext& context,

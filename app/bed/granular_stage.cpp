@@ -18,12 +18,6 @@ namespace rodwake::app {
 
 namespace {
 
-bool within(const std::filesystem::path& file, const std::filesystem::path& folder) {
-    const auto below =
-        std::filesystem::weakly_canonical(file).lexically_relative(std::filesystem::weakly_canonical(folder));
-    return !below.empty() && *below.begin() != "..";
-}
-
 double simulated_seconds(const std::vector<GranularJob>& jobs) {
     double sum = 0.0;
     for (const GranularJob& job : jobs)
@@ -75,31 +69,6 @@ private:
     SharedProgress progress_;
 };
 
-void report_one(const Session& session, const GranularSummary& s) {
-    session.log->info(
-        "dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 {:.3f}, pressure "
-        "{:.4g} mN/m, largest overlap {:.4f} a",
-        s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * s.pressure.mean, s.max_overlap);
-    for (std::size_t i = 0; i < s.rods.size(); ++i)
-        session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
-                          s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
-}
-
-/// Of all finished runs, whichever command made them.
-void report_cost(const Session& session, const std::vector<BedWork>& all) {
-    RunCost sum;
-    std::size_t runs = 0;
-    for (const BedWork& bed : all)
-        for (const GranularResult& result : bed.results)
-            if (result.end == StageEnd::finished) {
-                sum += result.summary.cost;
-                ++runs;
-            }
-    if (sum.particle_steps > 0.0)
-        for (const std::string& line : cost_lines(sum, runs))
-            session.log->debug("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
-}
-
 void warn_of_absorbing(const Session& session, const BedWork& work, std::span<const GranularSummary> runs) {
     const granular::Plates& plates = work.plan.bed.problem.plates;
     if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
@@ -137,8 +106,17 @@ StageEnd conclude(const Session& session, const BedWork& work) {
             end = StageEnd::failed;
     }
     warn_of_absorbing(session, work, finished);
-    if (work.results.size() == 1 && !finished.empty() && work.of().label.empty())
-        report_one(session, finished[0]);
+    if (work.results.size() == 1 && !finished.empty() && work.of().label.empty()) {
+        const GranularSummary& s = finished[0];
+        session.log->info("dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 "
+                          "{:.3f}, pressure "
+                          "{:.4g} mN/m, largest overlap {:.4f} a",
+                          s.simulated_time, s.cpu_seconds, s.T_xy, s.T_z, s.psi6, 1e3 * s.pressure.mean,
+                          s.max_overlap);
+        for (std::size_t i = 0; i < s.rods.size(); ++i)
+            session.log->info("dem: rod {} ({}): {:.4g} mm/s thin end first, turned by {:.4g} rad", i,
+                              s.rods[i].kind, 1e3 * s.rods[i].mean_speed, s.rods[i].net_turn);
+    }
     if (work.results.size() > 1 && !finished.empty()) {
         session.directory.write(work.of().folder + "summary.json",
                                 ensemble_json(work.plan.bed, finished, work.results.size()));
@@ -203,20 +181,6 @@ void require_like(const std::string& file, const granular::GranularProblem& stor
             stored.beads, wanted.beads);
 }
 
-void announce(const Session& session, const std::vector<BedWork>& all) {
-    for (const BedWork& work : all) {
-        const granular::GranularProblem& p = work.plan.bed.problem;
-        session.log->info("dem{}: beads {}, which cover {:.4f} of the box, rods {}, phi_b = {:.4g}, runs {}, "
-                          "steps {} + {} of "
-                          "{:g} s; {} instructions",
-                          work.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
-                          phi_b(work.plan.bed), work.tasks.size(), p.equilibration_steps, p.steps,
-                          p.time_step, granular::vector_target());
-        if (const std::string advice = output_advice(work.plan.bed); !advice.empty())
-            session.log->warn("dem{}: {}", work.of().suffix(), advice);
-    }
-}
-
 } // namespace
 
 void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder) {
@@ -240,7 +204,9 @@ void require_granular(const Plan& plan, const std::filesystem::path& folder, con
         const std::string stored = stored_checkpoint(bed.restart_from).checkpoint.scene;
         require_like(bed.restart_from, granular_problem(scene::parse_scene(stored, bed.restart_from)),
                      item.problem);
-        if (within(bed.restart_from, folder))
+        const auto below = std::filesystem::weakly_canonical(bed.restart_from)
+                               .lexically_relative(std::filesystem::weakly_canonical(folder));
+        if (!below.empty() && *below.begin() != "..")
             throw InputError(bed.restart_from + ": granular.restart_from lies in " + folder.string() +
                              ", where this run would replace it; choose another folder with -o");
     }
@@ -249,7 +215,17 @@ void require_granular(const Plan& plan, const std::filesystem::path& folder, con
 StageEnd run_granular(Session& session) {
     std::vector<BedWork> all = beds_of(session.plan, session.directory.path(), session.log);
     const std::vector<GranularJob> jobs = jobs_of(all);
-    announce(session, all);
+    for (const BedWork& work : all) {
+        const granular::GranularProblem& p = work.plan.bed.problem;
+        session.log->info("dem{}: beads {}, which cover {:.4f} of the box, rods {}, phi_b = {:.4g}, runs {}, "
+                          "steps {} + {} of "
+                          "{:g} s; {} instructions",
+                          work.of().suffix(), p.beads, granular::bead_area_fraction(p), p.rods.size(),
+                          phi_b(work.plan.bed), work.tasks.size(), p.equilibration_steps, p.steps,
+                          p.time_step, granular::vector_target());
+        if (const std::string advice = output_advice(work.plan.bed); !advice.empty())
+            session.log->warn("dem{}: {}", work.of().suffix(), advice);
+    }
     if (session.context.executor && jobs.size() == 1)
         session.log->warn("dem: there is one run, so one rank computes it on one thread and the others wait");
     ProgressPrinter progress(session, jobs);
@@ -263,7 +239,18 @@ StageEnd run_granular(Session& session) {
     StageEnd end = StageEnd::finished;
     for (const BedWork& work : all)
         end = worse(end, conclude(session, work));
-    report_cost(session, all);
+    // The cost is that of all finished runs, whichever command made them.
+    RunCost sum;
+    std::size_t runs = 0;
+    for (const BedWork& bed : all)
+        for (const GranularResult& result : bed.results)
+            if (result.end == StageEnd::finished) {
+                sum += result.summary.cost;
+                ++runs;
+            }
+    if (sum.particle_steps > 0.0)
+        for (const std::string& line : cost_lines(sum, runs))
+            session.log->debug("{}{}", line.starts_with(' ') ? "" : "dem: cost ", line);
     return end;
 }
 

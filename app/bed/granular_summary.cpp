@@ -121,38 +121,6 @@ void put_largest(ordered_json& out, std::span<const Record> runs) {
     });
 }
 
-ordered_json mean_rods(std::span<const GranularSummary> runs) {
-    ordered_json list = ordered_json::array();
-    for (std::size_t i = 0; i < runs[0].rods.size(); ++i) {
-        std::vector<RodSummary> rod;
-        for (const GranularSummary& run : runs)
-            rod.push_back(run.rods[i]);
-        list.push_back(means_json(std::span<const RodSummary>(rod)));
-    }
-    return list;
-}
-
-ordered_json mean_kinds(std::span<const GranularSummary> runs) {
-    ordered_json list = ordered_json::array();
-    for (std::size_t k = 0; k < runs[0].kinds.size(); ++k) {
-        std::vector<KindSummary> kind;
-        for (const GranularSummary& run : runs)
-            kind.push_back(run.kinds[k]);
-        ordered_json means = {{"radius", kind[0].radius}, {"beads", kind[0].beads}};
-        means.update(means_json(std::span<const KindSummary>(kind)));
-        means["absorbing_runs"] = std::ranges::count(kind, true, &KindSummary::absorbing_state);
-        list.push_back(means);
-    }
-    return list;
-}
-
-ordered_json mean_pair(std::span<const GranularSummary> runs) {
-    std::vector<PairSummary> pairs;
-    for (const GranularSummary& run : runs)
-        pairs.push_back(run.pair.value_or(PairSummary{}));
-    return means_json(std::span<const PairSummary>(pairs));
-}
-
 /// Numbers of a part of the summary. Its place in the file begins with `before`, its columns end with
 /// `behind`.
 template<class Get>
@@ -191,19 +159,6 @@ RunCost cost_of(const json& j) {
     return cost;
 }
 
-GranularSummary summary_of(const json& j, std::uint32_t run) {
-    GranularSummary s;
-    s.run = run;
-    read_record(j, s);
-    s.state_hash = std::stoull(j.at("state_hash").get<std::string>(), nullptr, 16);
-    s.beads_fraction = j.at("beads_fraction");
-    if (j.contains("kinds")) // of several kinds of beads
-        read_member(j.at("kinds"), s.kinds);
-    if (j.contains("cost")) // not in files of earlier versions
-        s.cost = cost_of(j.at("cost"));
-    return s;
-}
-
 } // namespace
 
 RunCost cost_of(std::span<const GranularSummary> runs) {
@@ -233,11 +188,28 @@ std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> r
     ordered_json out = means_json(runs);
     put_largest(out, runs);
     out["absorbing_runs"] = std::ranges::count(runs, true, &GranularSummary::absorbing_state);
-    out["rods"] = mean_rods(runs);
-    if (bed.problem.rods.size() == 2)
-        out["pair"] = mean_pair(runs);
-    if (!runs[0].kinds.empty())
-        out["kinds"] = mean_kinds(runs);
+    out["rods"] = ordered_json::array();
+    for (std::size_t i = 0; i < runs[0].rods.size(); ++i) {
+        std::vector<RodSummary> rod;
+        for (const GranularSummary& summary : runs)
+            rod.push_back(summary.rods[i]);
+        out["rods"].push_back(means_json(std::span<const RodSummary>(rod)));
+    }
+    if (bed.problem.rods.size() == 2) {
+        std::vector<PairSummary> pairs;
+        for (const GranularSummary& run : runs)
+            pairs.push_back(run.pair.value_or(PairSummary{}));
+        out["pair"] = means_json(std::span<const PairSummary>(pairs));
+    }
+    for (std::size_t k = 0; k < runs[0].kinds.size(); ++k) {
+        std::vector<KindSummary> kind;
+        for (const GranularSummary& summary : runs)
+            kind.push_back(summary.kinds[k]);
+        ordered_json means = {{"radius", kind[0].radius}, {"beads", kind[0].beads}};
+        means.update(means_json(std::span<const KindSummary>(kind)));
+        means["absorbing_runs"] = std::ranges::count(kind, true, &KindSummary::absorbing_state);
+        out["kinds"].push_back(means);
+    }
     out["state_hash"] = hash_text(granular::combined_hash(members(runs, &GranularSummary::state_hash)));
     out["runs"] = asked;
     out["finished_runs"] = runs.size();
@@ -322,7 +294,15 @@ std::optional<GranularSummary> read_summary(const std::filesystem::path& file,
     if (!parsed.is_object())
         return std::nullopt;
     try {
-        GranularSummary summary = summary_of(parsed, run);
+        GranularSummary summary;
+        summary.run = run;
+        read_record(parsed, summary);
+        summary.state_hash = std::stoull(parsed.at("state_hash").get<std::string>(), nullptr, 16);
+        summary.beads_fraction = parsed.at("beads_fraction");
+        if (parsed.contains("kinds")) // of several kinds of beads
+            read_member(parsed.at("kinds"), summary.kinds);
+        if (parsed.contains("cost")) // not in files of earlier versions
+            summary.cost = cost_of(parsed.at("cost"));
         return summary.rods.size() == problem.rods.size() ? std::optional(std::move(summary)) : std::nullopt;
     } catch (const std::exception&) { // a file of another version: the run is done again
         return std::nullopt;

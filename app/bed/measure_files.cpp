@@ -32,23 +32,6 @@ Column middles(const measure::RodGrid& grid, char axis, double scale) {
 template<class T>
 concept Attribute = std::same_as<T, double> || std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
-void write_table(const std::filesystem::path& folder, const MeasureTable& table) {
-    std::vector<std::string> names;
-    for (const ColumnInfo& head : table.heads)
-        names.emplace_back(head.name);
-    store::write_atomically(folder / table.file, store::to_csv(names, table.columns));
-}
-
-void write_image(const std::filesystem::path& folder, const MeasureImage& image, double a) {
-    const measure::RodGrid& grid = image.grid;
-    std::vector<store::VtiArray> arrays;
-    for (const ImageArray& array : image.arrays)
-        arrays.push_back({array.name, array.components, array.values});
-    store::write_vti(
-        folder / image.file,
-        {grid.columns, grid.rows, {grid.x(0) / a, grid.y(0) / a}, {grid.width / a, grid.height / a}}, arrays);
-}
-
 } // namespace
 
 void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a) {
@@ -74,25 +57,6 @@ void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a) {
 
 namespace {
 
-std::string measure_json(const CaseResults& r, const MeasureOrigin& origin) {
-    ordered_json out = {
-        {"units", {{"length", "a"}, {"time", "s"}, {"a", r.bead_radius}, {"force", "N"}, {"spring", "N/m"}}},
-        {"phi_b", r.phi_b},
-        {"runs", r.runs}};
-    for (const auto& [name, report] : r.reports)
-        out[name] = values_json(report.values);
-    for (const auto& [name, report] : r.reports)
-        for (const MeasureTable& table : report.tables)
-            out["tables"][table.file] = table.comment;
-    for (const auto& [name, reason] : r.not_measured)
-        out["not_measured"][name] = reason;
-    out["provenance"] = {{"command", origin.command},
-                         {"seed", origin.seed},
-                         {"version", build_info().version},
-                         {"git", build_info().git}};
-    return json_text(out, 2) + "\n";
-}
-
 /// measure.h5: the grids of all measures, by the names of their groups; no file without any.
 void write_grids(const fs::path& folder, const CaseResults& r) {
     std::vector<const MeasureGrid*> grids;
@@ -114,14 +78,43 @@ void write_grids(const fs::path& folder, const CaseResults& r) {
 
 void write_measures(const fs::path& folder, const CaseResults& r, const MeasureOrigin& origin) {
     for (const auto& [name, report] : r.reports) {
-        for (const MeasureTable& table : report.tables)
-            write_table(folder, table);
-        for (const MeasureImage& image : report.images)
-            write_image(folder, image, r.bead_radius);
+        for (const MeasureTable& table : report.tables) {
+            std::vector<std::string> names;
+            for (const ColumnInfo& head : table.heads)
+                names.emplace_back(head.name);
+            store::write_atomically(folder / table.file, store::to_csv(names, table.columns));
+        }
+        for (const MeasureImage& image : report.images) {
+            const measure::RodGrid& grid = image.grid;
+            std::vector<store::VtiArray> arrays;
+            for (const ImageArray& array : image.arrays)
+                arrays.push_back({array.name, array.components, array.values});
+            store::write_vti(folder / image.file,
+                             {grid.columns,
+                              grid.rows,
+                              {grid.x(0) / r.bead_radius, grid.y(0) / r.bead_radius},
+                              {grid.width / r.bead_radius, grid.height / r.bead_radius}},
+                             arrays);
+        }
     }
     write_grids(folder, r);
     // last: whoever finds it finds everything
-    store::write_atomically(folder / "measure.json", measure_json(r, origin));
+    ordered_json out = {
+        {"units", {{"length", "a"}, {"time", "s"}, {"a", r.bead_radius}, {"force", "N"}, {"spring", "N/m"}}},
+        {"phi_b", r.phi_b},
+        {"runs", r.runs}};
+    for (const auto& [name, report] : r.reports)
+        out[name] = values_json(report.values);
+    for (const auto& [name, report] : r.reports)
+        for (const MeasureTable& table : report.tables)
+            out["tables"][table.file] = table.comment;
+    for (const auto& [name, reason] : r.not_measured)
+        out["not_measured"][name] = reason;
+    out["provenance"] = {{"command", origin.command},
+                         {"seed", origin.seed},
+                         {"version", build_info().version},
+                         {"git", build_info().git}};
+    store::write_atomically(folder / "measure.json", json_text(out, 2) + "\n");
 }
 
 std::vector<std::string> describe(const CaseResults& r) {
@@ -204,46 +197,35 @@ std::string fields(const SeriesRow& row, const SeriesInfo& info) {
     return value + "," + (e.count > 0 && e.known() ? cell(e.error) : "");
 }
 
-std::string line_of(const CaseResults& r) {
-    const SeriesRow row = row_of(r);
-    std::vector<std::string> line;
-    for (const SeriesInfo& info : series_columns()) {
-        const auto own = std::ranges::find(of_case, info.column.name,
-                                           [](const CaseColumn& c) { return c.info.column.name; });
-        line.push_back(own != std::end(of_case) ? own->field(r) : fields(row, info));
-    }
-    return fmt::format("{}\n", fmt::join(line, ","));
-}
+} // namespace
 
-std::string header() {
+void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases) {
     std::string text;
     for (const SeriesInfo& info : series_columns()) {
         text += fmt::format("{}{}", text.empty() ? "" : ",", info.column.name);
         if (info.with_error)
             text += fmt::format(",{}_error", info.column.name);
     }
-    return text + "\n";
-}
-
-Values comparisons(const std::vector<CaseResults>& cases) {
+    std::string content = text + "\n";
+    for (const CaseResults& results : cases) {
+        const SeriesRow row = row_of(results);
+        std::vector<std::string> line;
+        for (const SeriesInfo& info : series_columns()) {
+            const auto own = std::ranges::find(of_case, info.column.name,
+                                               [](const CaseColumn& c) { return c.info.column.name; });
+            line.push_back(own != std::end(of_case) ? own->field(results) : fields(row, info));
+        }
+        content += fmt::format("{}\n", fmt::join(line, ","));
+    }
+    store::write_atomically(folder / "series.csv", content);
     std::vector<SeriesRow> rows;
     std::ranges::transform(cases, std::back_inserter(rows), row_of);
     Values all;
     for (const MeasureKind& kind : measure_kinds())
         if (kind.compare)
             std::ranges::move(kind.compare(rows), std::back_inserter(all));
-    return all;
-}
-
-} // namespace
-
-void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases) {
-    std::string content = header();
-    for (const CaseResults& results : cases)
-        content += line_of(results);
-    store::write_atomically(folder / "series.csv", content);
-    if (const Values case_values = comparisons(cases); !case_values.empty())
-        store::write_atomically(folder / "series.json", json_text(values_json(case_values), 2) + "\n");
+    if (!all.empty())
+        store::write_atomically(folder / "series.json", json_text(values_json(all), 2) + "\n");
 }
 
 } // namespace rodwake::app

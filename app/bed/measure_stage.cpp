@@ -95,14 +95,6 @@ void report(const MeasureKind& kind, const MeasuredCase& data, CaseResults& resu
     }
 }
 
-std::vector<RunTables> tables_of(const std::vector<RunFiles>& runs) {
-    std::vector<RunTables> tables;
-    for (const RunFiles& run : runs)
-        if (run.own)
-            tables.push_back(run_tables(run.folder));
-    return tables;
-}
-
 /// Names of the kinds for which this holds.
 template<class Holds>
 std::string names_where(const Holds& holds) {
@@ -163,7 +155,11 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
             return std::nullopt;
         sums = std::move(*found);
     }
-    MeasuredCase data{case_.scene, sums, tables_of(runs)};
+    std::vector<RunTables> tables;
+    for (const RunFiles& run : runs)
+        if (run.own)
+            tables.push_back(run_tables(run.folder));
+    MeasuredCase data{case_.scene, sums, tables};
     const auto lacks_tables = [&](const MeasureKind& kind) {
         return kind.wanted(m) && !kind.include && data.tables.empty();
     };

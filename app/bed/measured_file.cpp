@@ -62,11 +62,6 @@ std::vector<double> layer(const store::Hdf5Reader& h5, const fs::path& file, con
     return data.values;
 }
 
-/// Of the perfect triangular lattice with the area fraction phi_b, in bead radii.
-double lattice_spacing(double phi_b) {
-    return std::sqrt(2.0 * std::numbers::pi / (std::numbers::sqrt3 * phi_b));
-}
-
 void require_data(const MeasuredInput& input, std::int64_t blocks, long samples) {
     if (std::ranges::none_of(input.grid.known, [](bool known) { return known; }))
         refuse(input.file, "no bin of /displacement has data (count is 0 everywhere): measure longer");
@@ -128,7 +123,8 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
     require_errors(file, input.grid.Ux, input.grid.sigma_x);
     require_errors(file, input.grid.Uy, input.grid.sigma_y);
     constexpr double window = 0.71; // of the cell over which a value is a mean, in lattice spacings
-    const double radius = window * lattice_spacing(h5.real("/", "phi_b")) * a;
+    const double radius =
+        window * std::sqrt(2.0 * std::numbers::pi / (std::numbers::sqrt3 * h5.real("/", "phi_b"))) * a;
     input.options = {.core = keys.core.value_or(4.0 * a),
                      .edge = keys.edge.value_or(input.grid.place(side - 1)),
                      .blend = keys.blend.value_or(6.0 * a),

@@ -167,16 +167,6 @@ TrackRows rows_of(const scene::Tracks& keys, const fs::path& file, TrackFormat f
                             !columns.kinds.empty(), [&](double part) { return go_on(0.8, part); });
 }
 
-/// Films of files that the scene named before, or that have changed.
-void remove_other_films(const fs::path& folder, const std::vector<fs::path>& films) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (name.starts_with("film_") && name.ends_with(".h5md") &&
-            std::ranges::count(films, entry.path()) == 0)
-            fs::remove(entry.path());
-    }
-}
-
 /// The box of the file is as good as one of the scene, which goes first.
 measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, const std::string& file) {
     measure::TrackScale scale{keys.pixel,
@@ -209,20 +199,6 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
     return scale;
 }
 
-/// By the number of the rod, in units of the file.
-std::map<std::int64_t, double> mean_lengths(const TrackRows& rows) {
-    std::map<std::int64_t, std::pair<double, double>> sums;
-    for (std::size_t row = 0; row < rows.length.size(); ++row)
-        if (row < rows.is_rod.size() && rows.is_rod[row] && !std::isnan(rows.length[row])) {
-            sums[rows.id[row]].first += rows.length[row];
-            sums[rows.id[row]].second += 1.0;
-        }
-    std::map<std::int64_t, double> means;
-    for (const auto& [number, sum] : sums)
-        means[number] = sum.first / sum.second;
-    return means;
-}
-
 /// film_frame.csv
 struct FilmBead {
     double t, x, y, psi6, orientation;
@@ -240,25 +216,6 @@ struct FilmBead {
                   {"rad", "of the close-packed rows from +x; empty as psi6"})};
     }
 };
-
-std::string film_frame_csv(const Scene& scene, const measure::Tracks& tracks, measure::Measures& sums) {
-    std::size_t most = 0;
-    for (std::size_t f = 1; f < tracks.frames(); ++f)
-        if (tracks.start[f + 1] - tracks.start[f] > tracks.start[most + 1] - tracks.start[most])
-            most = f;
-    const auto from = static_cast<std::ptrdiff_t>(tracks.start[most]),
-               to = static_cast<std::ptrdiff_t>(tracks.start[most + 1]);
-    const Column x(tracks.x.begin() + from, tracks.x.begin() + to),
-        y(tracks.y.begin() + from, tracks.y.begin() + to);
-    const std::vector<std::complex<double>> psi = local_order(scene, sums, x, y);
-    std::vector<FilmBead> beads;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const bool known = !std::isnan(psi[i].real());
-        beads.push_back({tracks.time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
-                         known ? std::arg(psi[i]) / 6.0 : std::nan("")});
-    }
-    return csv_of(beads);
-}
 
 /// Everything that is missing. The reader that met it reported most of it already.
 std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& tracks) {
@@ -310,18 +267,6 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     return r;
 }
 
-std::string line_of(const TracksReport& r) {
-    std::string text =
-        fmt::format("tracks: {} frames, {} particles, {:.1f} frames long on average, {:.2g} % lost", r.frames,
-                    r.particles, r.mean_length, 100.0 * r.lost_share);
-    if (r.rods > 0)
-        text += fmt::format(", {} rod{}", r.rods, r.rods == 1 ? "" : "s");
-    for (const RowsLeftOut& rows : r.left_out)
-        if (rows.rows > 0)
-            text += fmt::format("; {} {}", rows.rows, rows.why);
-    return text;
-}
-
 /// Every how many intervals a frame is measured.
 std::size_t stride_of(const scene::Measure& m, const measure::Tracks& tracks, const std::string& path) {
     if (!tracks.on_grid) // then frames at least measure.interval apart
@@ -348,7 +293,13 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
                                   true, folder, context, films, [](double) {}));
     if (context.stopped())
         return std::nullopt;
-    remove_other_films(folder, films);
+    // Films go that belong to files which the scene no longer names or which have changed.
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("film_") && name.ends_with(".h5md") &&
+            std::ranges::count(films, entry.path()) == 0)
+            fs::remove(entry.path());
+    }
     TrackRows facts; // what the reader left out; the rows themselves are given away
     facts.without_place = rows.without_place;
     facts.first_without_place = rows.first_without_place;
@@ -360,14 +311,31 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
     for (const std::string& warning : rows.warnings)
         log->warn("{}: {}", file.filename().string(), warning);
     const measure::TrackScale scale = scale_of(keys, rows, file.string());
-    const std::map<std::int64_t, double> lengths = mean_lengths(rows);
+    // The mean length of each rod is taken by its number, in units of the file.
+    std::map<std::int64_t, std::pair<double, double>> sums;
+    for (std::size_t row = 0; row < rows.length.size(); ++row)
+        if (row < rows.is_rod.size() && rows.is_rod[row] && !std::isnan(rows.length[row])) {
+            sums[rows.id[row]].first += rows.length[row];
+            sums[rows.id[row]].second += 1.0;
+        }
+    std::map<std::int64_t, double> lengths;
+    for (const auto& [number, sum] : sums)
+        lengths[number] = sum.first / sum.second;
     measure::Tracks tracks = measure::ordered_tracks(std::move(rows), scale, file.string());
     TracksReport report = report_of(keys, file, facts, tracks);
     for (FilmRod& rod : report.rod_tracks)
         if (const auto at = lengths.find(rod.number); at != lengths.end())
             rod.length = at->second * keys.pixel;
     store::write_atomically(folder / "tracks.json", json_text(record_json(report), 2) + "\n");
-    log->info("{}", line_of(report));
+    std::string text =
+        fmt::format("tracks: {} frames, {} particles, {:.1f} frames long on average, {:.2g} % lost",
+                    report.frames, report.particles, report.mean_length, 100.0 * report.lost_share);
+    if (report.rods > 0)
+        text += fmt::format(", {} rod{}", report.rods, report.rods == 1 ? "" : "s");
+    for (const RowsLeftOut& left : report.left_out)
+        if (left.rows > 0)
+            text += fmt::format("; {} {}", left.rows, left.why);
+    log->info("{}", text);
     return tracks;
 }
 
@@ -439,7 +407,24 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
     if (!sums)
         return std::nullopt;
     if (!tracks->x.empty()) // a film may have rods alone
-        store::write_atomically(folder / "film_frame.csv", film_frame_csv(scene, *tracks, *sums));
+    {
+        std::size_t most = 0;
+        for (std::size_t f = 1; f < tracks->frames(); ++f)
+            if (tracks->start[f + 1] - tracks->start[f] > tracks->start[most + 1] - tracks->start[most])
+                most = f;
+        const auto from = static_cast<std::ptrdiff_t>(tracks->start[most]),
+                   to = static_cast<std::ptrdiff_t>(tracks->start[most + 1]);
+        const Column x(tracks->x.begin() + from, tracks->x.begin() + to),
+            y(tracks->y.begin() + from, tracks->y.begin() + to);
+        const std::vector<std::complex<double>> psi = local_order(scene, *sums, x, y);
+        std::vector<FilmBead> beads;
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const bool known = !std::isnan(psi[i].real());
+            beads.push_back({tracks->time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
+                             known ? std::arg(psi[i]) / 6.0 : std::nan("")});
+        }
+        store::write_atomically(folder / "film_frame.csv", csv_of(beads));
+    }
     data.sums = std::span(&*sums, 1);
     if (!tracks->rods.empty()) {
         const FilmRods rods(*tracks);

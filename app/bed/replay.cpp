@@ -106,7 +106,11 @@ struct StepRange {
     std::int64_t from, to, every;
 };
 
-StepRange steps_of(const ArchivedRun& kept, const ReplayRequest& request) {
+} // namespace
+
+Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::path& folder,
+                const RunContext& context) {
+    const ArchivedRun kept(run);
     const granular::GranularProblem& p = kept.bed.problem;
     const auto step_at = [&](double time) {
         return p.equilibration_steps + std::llround(time / p.time_step);
@@ -119,16 +123,7 @@ StepRange steps_of(const ArchivedRun& kept, const ReplayRequest& request) {
     if (!(interval >= p.time_step && std::isfinite(interval)))
         throw InputError(
             fmt::format("replay: frames {:g} s apart: at least a step, {:g} s", interval, p.time_step));
-    return {step_at(request.from), step_at(to), std::llround(interval / p.time_step)};
-}
-
-} // namespace
-
-Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::path& folder,
-                const RunContext& context) {
-    const ArchivedRun kept(run);
-    const StepRange steps = steps_of(kept, request);
-    const granular::GranularProblem& p = kept.bed.problem;
+    const StepRange steps = {step_at(request.from), step_at(to), std::llround(interval / p.time_step)};
     Simulation simulation(p, kept.state(steps.from), {},
                           granular::worthwhile_threads(p, context.thread_count()));
     Replayed done;

@@ -15,34 +15,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double summary_number(const fs::path& file, const std::string& name, const std::string& what) {
-    std::ifstream in(file);
-    try {
-        const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
-        const nlohmann::json& found = summary.at(nlohmann::json::json_pointer(pointer_to(name)));
-        return found.is_boolean() ? double(found.get<bool>()) : found.get<double>();
-    } catch (const nlohmann::json::exception&) {
-        throw InputError(fmt::format("{}: no {}; make the granular run again", file.string(), what));
-    }
-}
-
-std::vector<Column> columns_of(const fs::path& file, const std::vector<std::string>& names) {
-    const store::Table table = store::read_csv(file, names);
-    std::vector<Column> columns;
-    columns.reserve(names.size());
-    for (const std::string& name : names)
-        columns.push_back(*table.find(name));
-    return columns;
-}
-
 } // namespace
 
 RunTables run_tables(const fs::path& folder) {
     return {[file = folder / "summary.json"](const std::string& name, const std::string& what) {
-                return summary_number(file, name, what);
+                std::ifstream in(file);
+                try {
+                    const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
+                    const nlohmann::json& found = summary.at(nlohmann::json::json_pointer(pointer_to(name)));
+                    return found.is_boolean() ? double(found.get<bool>()) : found.get<double>();
+                } catch (const nlohmann::json::exception&) {
+                    throw InputError(
+                        fmt::format("{}: no {}; make the granular run again", file.string(), what));
+                }
             },
             [file = folder / "tracks.csv"](const std::vector<std::string>& names) {
-                return columns_of(file, names);
+                const store::Table table = store::read_csv(file, names);
+                std::vector<Column> columns;
+                columns.reserve(names.size());
+                for (const std::string& name : names)
+                    columns.push_back(*table.find(name));
+                return columns;
             }};
 }
 

@@ -15,13 +15,6 @@ using Words = std::vector<std::string>;
 
 std::string joined(const Words& words) { return fmt::format("{}", fmt::join(words, " ")); }
 
-Words verbs_of(const CLI::App& app) {
-    Words verbs;
-    for (const CLI::App* verb : app.get_subcommands({}))
-        verbs.push_back(verb->get_name());
-    return verbs;
-}
-
 /// "{rods,bed}" of the type that help shows, as words.
 Words choices(const CLI::Option& option) {
     const std::string type = option.get_type_name();
@@ -40,16 +33,6 @@ Words settable_keys() {
         keys.push_back(key);
     }
     return keys;
-}
-
-/// What may follow an option of bash's: a line of a case over "verb:option".
-std::string bash_values(const CLI::App& verb) {
-    std::string text;
-    for (const CLI::Option* option : verb.get_options())
-        if (const Words words = choices(*option); !words.empty() && !option->get_positional())
-            for (const std::string& name : option_names(*option))
-                text += fmt::format("    {}:{}) words=\"{}\" ;;\n", verb.get_name(), name, joined(words));
-    return text;
 }
 
 constexpr const char* bash = R"(# bash completion of rodwake; made by rodwake info --completion bash
@@ -136,13 +119,21 @@ _rodwake "$@"
 std::string bash_completion(const CLI::App& app) {
     std::string values, by_verb;
     for (const CLI::App* verb : app.get_subcommands({})) {
-        values += bash_values(*verb);
+        // A case over "verb:option" lists the values that bash offers behind an option.
+        for (const CLI::Option* option : verb->get_options())
+            if (const Words words = choices(*option); !words.empty() && !option->get_positional())
+                for (const std::string& name : option_names(*option))
+                    values +=
+                        fmt::format("    {}:{}) words=\"{}\" ;;\n", verb->get_name(), name, joined(words));
         by_verb +=
             fmt::format("        {}) words=\"{}\" ;;\n", verb->get_name(), joined(option_names(*verb)));
     }
-    return fmt::format(
-        bash, fmt::arg("verbs", joined(verbs_of(app))), fmt::arg("options", joined(option_names(app))),
-        fmt::arg("keys", joined(settable_keys())), fmt::arg("values", values), fmt::arg("by_verb", by_verb));
+    Words verbs;
+    for (const CLI::App* item : app.get_subcommands({}))
+        verbs.push_back(item->get_name());
+    return fmt::format(bash, fmt::arg("verbs", joined(verbs)), fmt::arg("options", joined(option_names(app))),
+                       fmt::arg("keys", joined(settable_keys())), fmt::arg("values", values),
+                       fmt::arg("by_verb", by_verb));
 }
 
 std::string zsh_completion(const CLI::App& app) {

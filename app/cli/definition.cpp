@@ -125,25 +125,6 @@ void add_field(CLI::App& app, Options& options) {
         ->check(number_from(1e-12, 0.1));
 }
 
-void add_scan(CLI::App& app, Options& options) {
-    CLI::App* scan =
-        add_verb(app, options, Verb::scan, "scan", "vary keys of a scene over a design: phase diagrams",
-                 "  rodwake scan scenes/phase_perpendicular.toml -j 2\n"
-                 "  mpiexec -n 64 rodwake scan scenes/phase_gamma_zero.toml -o results/gamma\n"
-                 "  rodwake scan scenes/phase_perpendicular.toml -s scan.resolution=512\n"
-                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --part 3/16\n"
-                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --merge\n"
-                 "  rodwake scan scenes/phase_perpendicular.toml --rerun-failed");
-    add_scene(*scan, options);
-    add_run(*scan, options);
-    scan->add_option("--part", options.part,
-                     "i/n: only the i-th of n shares of the points (i from 1), into its own folder below -o");
-    scan->add_flag("--merge", options.merge,
-                   "merge the shares below -o, evaluate missing points, write the results")
-        ->excludes("--part");
-    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate failed points again");
-}
-
 void add_tradeoff(CLI::App& app, Options& options) {
     CLI::App* tradeoff =
         add_verb(app, options, Verb::tradeoff, "tradeoff",
@@ -229,7 +210,22 @@ void add_stage_verbs(CLI::App& app, Options& options) {
         "fit elastic parameters and couplings to measured profiles, maps and tracks, with standard errors",
         "  rodwake fit fitting/problems/monopole.toml -o results/monopole\n"
         "  rodwake fit scenes/quickstart.toml -s fit.starts=50 -j 2 --force");
-    add_scan(app, options);
+    CLI::App* scan =
+        add_verb(app, options, Verb::scan, "scan", "vary keys of a scene over a design: phase diagrams",
+                 "  rodwake scan scenes/phase_perpendicular.toml -j 2\n"
+                 "  mpiexec -n 64 rodwake scan scenes/phase_gamma_zero.toml -o results/gamma\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml -s scan.resolution=512\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --part 3/16\n"
+                 "  rodwake scan scenes/phase_alpha.toml -s scan.design=grid -o results/alpha --merge\n"
+                 "  rodwake scan scenes/phase_perpendicular.toml --rerun-failed");
+    add_scene(*scan, options);
+    add_run(*scan, options);
+    scan->add_option("--part", options.part,
+                     "i/n: only the i-th of n shares of the points (i from 1), into its own folder below -o");
+    scan->add_flag("--merge", options.merge,
+                   "merge the shares below -o, evaluate missing points, write the results")
+        ->excludes("--part");
+    scan->add_flag("--rerun-failed", options.rerun_failed, "evaluate failed points again");
     add_tradeoff(app, options);
     add_design(app, options);
     CLI::App* run = add_stage_verb(app, options, Verb::run, "run",

@@ -36,16 +36,6 @@ std::string options_text(const CLI::App& app) {
     return text;
 }
 
-/// The examples of a verb, without the exit codes that follow them.
-std::string examples_text(const CLI::App& verb) {
-    std::istringstream lines(verb.get_footer());
-    std::string text;
-    for (std::string line; std::getline(lines, line);)
-        if (line.starts_with("  rodwake") || line.starts_with("  mpiexec"))
-            text += plain(line) + "\n";
-    return ".PP\n.nf\n" + text + ".fi\n";
-}
-
 } // namespace
 
 std::string man_page(const CLI::App& app) {
@@ -54,9 +44,16 @@ std::string man_page(const CLI::App& app) {
                     "medium\n.SH SYNOPSIS\n.B rodwake\n.I VERB\n[\\fIOPTIONS\\fR]\n",
                     build_info().version);
     text += ".SH OPTIONS\n" + options_text(app) + ".SH VERBS\n";
-    for (const CLI::App* verb : app.get_subcommands({}))
+    for (const CLI::App* verb : app.get_subcommands({})) {
+        // The examples of a verb are shown without the exit codes that follow them.
+        std::istringstream lines(verb->get_footer());
+        std::string examples;
+        for (std::string line; std::getline(lines, line);)
+            if (line.starts_with("  rodwake") || line.starts_with("  mpiexec"))
+                examples += plain(line) + "\n";
         text += fmt::format(".SS {}\n{}.\n{}{}", verb->get_name(), plain(verb->get_description()),
-                            options_text(*verb), examples_text(*verb));
+                            options_text(*verb), ".PP\n.nf\n" + examples + ".fi\n");
+    }
     text += fmt::format(".SH EXIT STATUS\n.nf\n{}.fi\n", plain(exit_codes_text()));
     return text + ".SH SEE ALSO\nEvery key of a scene: rodwake info \\-\\-scene\\-reference.\n";
 }

@@ -26,12 +26,6 @@ std::string quoted(const std::string& word) {
     return out + "'";
 }
 
-std::string shell_command(int argc, const char* const* argv) {
-    std::vector<std::string> words(argv, argv + argc);
-    std::ranges::transform(words, words.begin(), quoted);
-    return fmt::format("{}", fmt::join(words, " "));
-}
-
 /// `-s key = value`, three words to a shell, as one.
 std::vector<std::string> joined_settings(std::vector<std::string> words) {
     for (std::size_t i = 1; i < words.size(); ++i)
@@ -97,7 +91,9 @@ std::filesystem::path output_folder(const Options& options) {
 
 Parsed parse_command_line(int argc, const char* const* argv) {
     Parsed parsed;
-    parsed.options.command = shell_command(argc, argv);
+    std::vector<std::string> line(argv, argv + argc);
+    std::ranges::transform(line, line.begin(), quoted);
+    parsed.options.command = fmt::format("{}", fmt::join(line, " "));
     CLI::App app("rodwake: motile rods in an elastic medium", "rodwake");
     define_command_line(app, parsed.options);
     std::vector<std::string> words = with_help_option(app, joined_settings({argv + 1, argv + argc}));
@@ -138,12 +134,6 @@ std::string command_of(const CLI::App& app) {
     return app.get_parent() ? "rodwake " + app.get_name() : "rodwake";
 }
 
-/// The verb of the line, or the program itself.
-const CLI::App& verb_of(const CLI::App& app) {
-    const auto verbs = app.get_subcommands();
-    return verbs.empty() ? app : *verbs.front();
-}
-
 std::string unknown_option(const CLI::App& verb, const std::string& word) {
     const std::string name = word.substr(0, word.find('='));
     const Words known = option_names(verb);
@@ -165,16 +155,13 @@ std::string positional_names(const CLI::App& verb) {
     return names.empty() ? "no arguments" : fmt::format("one {}", fmt::join(names, " "));
 }
 
-std::string missing_value(const CLI::App& verb, const std::string& text) {
-    const std::string option = text.substr(0, text.find(':'));
-    const std::string use = option == "--set" ? ", table.key=value" : "";
-    return fmt::format("{}: its value is missing{}; see {} --help", option, use, command_of(verb));
-}
-
 std::string other_error(const CLI::App& verb, const CLI::ParseError& error) {
     std::string text = error.what();
-    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
-        return missing_value(verb, text);
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+        const std::string option = text.substr(0, text.find(':'));
+        const std::string use = option == "--set" ? ", table.key=value" : "";
+        return fmt::format("{}: its value is missing{}; see {} --help", option, use, command_of(verb));
+    }
     if (dynamic_cast<const CLI::RequiredError*>(&error))
         return fmt::format("{}; see {} --help", text, command_of(verb));
     if (const auto at = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
@@ -215,7 +202,9 @@ void refuse_misread_words(const CLI::App& app, std::span<const std::string> word
 }
 
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
-    const CLI::App& verb = verb_of(app);
+    // The message is about the verb of the line, or about the program itself.
+    const auto verbs = app.get_subcommands();
+    const CLI::App& verb = verbs.empty() ? app : *verbs.front();
     const Words left = app.remaining(true);
     const auto option = std::ranges::find_if(left, [](const auto& w) { return w.size() > 1 && w[0] == '-'; });
     if (option != left.end())

@@ -11,21 +11,6 @@
 
 namespace rodwake::cli {
 
-namespace {
-
-/// ` (did you mean "run"?)`, or empty.
-std::string nearest_verb(const std::string& word) {
-    Options unused;
-    CLI::App app("", "rodwake");
-    define_command_line(app, unused);
-    std::vector<std::string_view> verbs;
-    for (const CLI::App* verb : app.get_subcommands({}))
-        verbs.push_back(verb->get_name());
-    return did_you_mean(word, verbs);
-}
-
-} // namespace
-
 int verb_help(const Options& options) {
     const std::string& name = options.target;
     if (const auto text = app::explain(name)) {
@@ -33,7 +18,14 @@ int verb_help(const Options& options) {
         return 0;
     }
     const std::vector<std::string> similar = app::similar_names(name);
-    const std::string verb = nearest_verb(name);
+    // The nearest verb is named where there is one.
+    Options unused;
+    CLI::App definition("", "rodwake");
+    define_command_line(definition, unused);
+    std::vector<std::string_view> verbs;
+    for (const CLI::App* known : definition.get_subcommands({}))
+        verbs.push_back(known->get_name());
+    const std::string verb = did_you_mean(name, verbs);
     if (!verb.empty() && name.find('.') == std::string::npos)
         throw InputError(fmt::format("{}: no such command{}", name, verb));
     throw InputError(fmt::format(

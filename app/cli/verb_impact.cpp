@@ -26,23 +26,6 @@ struct ImpactCase {
     std::size_t line; ///< of the file
 };
 
-std::vector<ImpactCase> read_cases(const std::string& file) {
-    const std::vector<std::string> names = {"Kxx", "Kxy", "Kxz", "Kyy", "Kyz", "Kzz",
-                                            "vx",  "vy",  "vz",  "mu",  "e"};
-    const store::Table table = store::read_csv(file, names);
-    std::vector<ImpactCase> cases(table.rows());
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-        const auto at = [&](const char* name) { return (*table.find(name))[i]; };
-        ImpactCase& c = cases[i];
-        c.inverse_mass << at("Kxx"), at("Kxy"), at("Kxz"), at("Kxy"), at("Kyy"), at("Kyz"), at("Kxz"),
-            at("Kyz"), at("Kzz");
-        c.velocity = {at("vx"), at("vy"), at("vz")};
-        c.surface = {at("mu"), at("e")};
-        c.line = table.lines[i];
-    }
-    return cases;
-}
-
 /// Smallest eigenvalue over the largest absolute one.
 double definiteness(const Eigen::Matrix3d& k) {
     const double size = k.cwiseAbs().maxCoeff();
@@ -69,19 +52,6 @@ private:
     std::string file_, text_;
 };
 
-void check(const ImpactCase& c, ImpactMessages& messages) {
-    const double least = definiteness(c.inverse_mass);
-    if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
-        messages.add(c.line,
-                     fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
-                                 "must be > 1e-15 (an inverse mass is)",
-                                 least));
-    if (!(c.surface.friction >= 0.0))
-        messages.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
-    if (!(c.surface.restitution >= 0.0 && c.surface.restitution <= 1.0))
-        messages.add(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
-}
-
 void add_row(const ImpactCase& c, ImpactMessages& messages, fmt::memory_buffer& out) {
     const Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
     if (!i.impulse.allFinite() || !i.velocity.allFinite())
@@ -95,10 +65,32 @@ void add_row(const ImpactCase& c, ImpactMessages& messages, fmt::memory_buffer& 
 } // namespace
 
 int verb_impact(const Options& options) {
-    const std::vector<ImpactCase> cases = read_cases(options.cases);
+    const std::vector<std::string> names = {"Kxx", "Kxy", "Kxz", "Kyy", "Kyz", "Kzz",
+                                            "vx",  "vy",  "vz",  "mu",  "e"};
+    const store::Table table = store::read_csv(options.cases, names);
+    std::vector<ImpactCase> cases(table.rows());
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+        const auto at = [&](const char* name) { return (*table.find(name))[i]; };
+        ImpactCase& c = cases[i];
+        c.inverse_mass << at("Kxx"), at("Kxy"), at("Kxz"), at("Kxy"), at("Kyy"), at("Kyz"), at("Kxz"),
+            at("Kyz"), at("Kzz");
+        c.velocity = {at("vx"), at("vy"), at("vz")};
+        c.surface = {at("mu"), at("e")};
+        c.line = table.lines[i];
+    }
     ImpactMessages messages(options.cases);
-    for (const ImpactCase& c : cases)
-        check(c, messages);
+    for (const ImpactCase& c : cases) {
+        const double least = definiteness(c.inverse_mass);
+        if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
+            messages.add(c.line,
+                         fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
+                                     "must be > 1e-15 (an inverse mass is)",
+                                     least));
+        if (!(c.surface.friction >= 0.0))
+            messages.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
+        if (!(c.surface.restitution >= 0.0 && c.surface.restitution <= 1.0))
+            messages.add(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
+    }
     messages.throw_if_any();
     fmt::memory_buffer out; // every row before the first is printed: a bad one leaves nothing half-written
     out.append(std::string_view(impact_header));

@@ -161,35 +161,6 @@ std::string json_text(const fs::path& file) {
     }
 }
 
-std::string ledger_text(const fs::path& file) {
-    const scan::Counts counts = scan::counts_of(file);
-    std::string text = fmt::format(
-        "{} points evaluated, {} of them failed, {:.4g} CPU seconds{}\n", counts.points, counts.failed,
-        counts.seconds, fs::exists(file.parent_path() / "scan.json") ? "" : "; the scan has not ended");
-    for (const auto& [outcome, points] : counts.outcomes)
-        text += fmt::format("  {:>8}  {}\n", points, outcome);
-    for (const auto& [cause, points] : counts.causes)
-        text += fmt::format("  {:>8}  {}\n", points, cause);
-    return text;
-}
-
-std::string hdf5_text(const fs::path& file) {
-    try {
-        return store::list_hdf5(file);
-    } catch (const InputError& error) {
-        throw InputError(fmt::format("{}, and nothing else that info knows: CSV, JSON, TOML and text, "
-                                     "checkpoints (.rwc), points.log, figures, a run folder",
-                                     error.what()));
-    }
-}
-
-/// Of a file that is to be looked at with another program.
-std::string picture_text(const fs::path& file) {
-    const std::string what = app::what_of(file);
-    return fmt::format("{}; {} bytes; open it with a viewer or a browser\n",
-                       what.empty() ? "a figure, page or film" : what, fs::file_size(file));
-}
-
 bool ends_in(const std::string& ending, std::initializer_list<std::string_view> endings) {
     return std::ranges::find(endings, ending) != endings.end();
 }
@@ -203,13 +174,26 @@ std::string file_text(const fs::path& file) {
     start.resize(static_cast<std::size_t>(in.gcount()));
     if (start.empty())
         throw InputError(file.string() + ": is empty");
-    if (file.filename() == scan::ledger_file)
-        return ledger_text(file);
+    if (file.filename() == scan::ledger_file) {
+        const scan::Counts counts = scan::counts_of(file);
+        std::string text = fmt::format(
+            "{} points evaluated, {} of them failed, {:.4g} CPU seconds{}\n", counts.points, counts.failed,
+            counts.seconds, fs::exists(file.parent_path() / "scan.json") ? "" : "; the scan has not ended");
+        for (const auto& [outcome, points] : counts.outcomes)
+            text += fmt::format("  {:>8}  {}\n", points, outcome);
+        for (const auto& [cause, points] : counts.causes)
+            text += fmt::format("  {:>8}  {}\n", points, cause);
+        return text;
+    }
     if (start.starts_with("SQLite format 3"))
         throw InputError(file.string() +
                          ": is the ledger of a scan of rodwake 0.3; its points are in scan.csv and scan.h5");
-    if (start.starts_with("\x89PNG") || ends_in(ending, {".pdf", ".html", ".gif", ".mp4", ".webm", ".svg"}))
-        return picture_text(file);
+    if (start.starts_with("\x89PNG") || ends_in(ending, {".pdf", ".html", ".gif", ".mp4", ".webm", ".svg"})) {
+        // Pictures are to be looked at with another program.
+        const std::string what = app::what_of(file);
+        return fmt::format("{}; {} bytes; open it with a viewer or a browser\n",
+                           what.empty() ? "a figure, page or film" : what, fs::file_size(file));
+    }
     if (ending == ".rwc")
         return app::describe_checkpoint(file);
     if (ending == ".csv")
@@ -225,17 +209,13 @@ std::string file_text(const fs::path& file) {
         format != TrackFormat::h5md && format != TrackFormat::csv)
         return fmt::format("tracks in the format {}; {} bytes; rodwake convert FILE -o OUT.csv shows them\n",
                            to_string(format), fs::file_size(file));
-    return hdf5_text(file);
-}
-
-int print_versions() {
-    const BuildInfo build = build_info();
-    fmt::print("rodwake   {} ({})\ncompiler  {}\nbuild     {}\n", build.version, build.git, build.compiler,
-               build.flags);
-    for (const auto& [name, version] : build.libraries)
-        fmt::print("{:<14} {}\n", name, version);
-    fmt::print("cpu       {}\nfeatures  {}\n", cpu_model(), fmt::join(cpu_features(), " "));
-    return 0;
+    try {
+        return store::list_hdf5(file);
+    } catch (const InputError& error) {
+        throw InputError(fmt::format("{}, and nothing else that info knows: CSV, JSON, TOML and text, "
+                                     "checkpoints (.rwc), points.log, figures, a run folder",
+                                     error.what()));
+    }
 }
 
 int describe_run(const fs::path& folder) {
@@ -259,17 +239,6 @@ int describe_run(const fs::path& folder) {
     return 0;
 }
 
-/// The manual page or a completion script.
-int print_of_definition(const Options& options) {
-    Options unused;
-    CLI::App app("", "rodwake");
-    define_command_line(app, unused);
-    fmt::print("{}", options.man                   ? man_page(app)
-                     : options.completion == "zsh" ? zsh_completion(app)
-                                                   : bash_completion(app));
-    return 0;
-}
-
 } // namespace
 
 int verb_info(const Options& options) {
@@ -283,10 +252,25 @@ int verb_info(const Options& options) {
             fmt::print("{}", text());
             return 0;
         }
-    if (options.man || !options.completion.empty())
-        return print_of_definition(options);
-    if (options.target.empty())
-        return print_versions();
+    if (options.man || !options.completion.empty()) {
+        // The manual page or a completion script.
+        Options unused;
+        CLI::App program("", "rodwake");
+        define_command_line(program, unused);
+        fmt::print("{}", options.man                   ? man_page(program)
+                         : options.completion == "zsh" ? zsh_completion(program)
+                                                       : bash_completion(program));
+        return 0;
+    }
+    if (options.target.empty()) {
+        const BuildInfo build = build_info();
+        fmt::print("rodwake   {} ({})\ncompiler  {}\nbuild     {}\n", build.version, build.git,
+                   build.compiler, build.flags);
+        for (const auto& [name, version] : build.libraries)
+            fmt::print("{:<14} {}\n", name, version);
+        fmt::print("cpu       {}\nfeatures  {}\n", cpu_model(), fmt::join(cpu_features(), " "));
+        return 0;
+    }
     if (!fs::exists(options.target))
         throw InputError(options.target + ": no such file or folder");
     if (fs::is_directory(options.target))

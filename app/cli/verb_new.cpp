@@ -158,11 +158,6 @@ std::string scan_scene(const Answers& answers) {
                            : fmt::format(scan, largest / 1000.0, largest, 1, -10.0, -0.5));
 }
 
-std::string critical_scene() {
-    return fmt::format(theory, "Critical coupling for capture", 1.0) + fmt::format(rod, 0.0, 0) +
-           fmt::format(rod, -5.0, 90) + critical;
-}
-
 std::string bed_scene(const Answers& answers) {
     constexpr int lane = 15; // of a rod, bead radii
     const int count = std::stoi(answers.at("--rods"));
@@ -209,14 +204,6 @@ Answers answered(const Answers& given) {
     return answers;
 }
 
-std::string scene_text(const Answers& answers) {
-    const std::string& kind = answers.at("--kind");
-    return kind == "bed"        ? bed_scene(answers)
-           : kind == "scan"     ? scan_scene(answers)
-           : kind == "critical" ? critical_scene()
-                                : rods_scene(answers);
-}
-
 } // namespace
 
 std::vector<Question> new_scene_questions() {
@@ -235,7 +222,14 @@ std::vector<Question> new_scene_questions() {
 }
 
 int verb_new(const Options& options) {
-    const std::string text = scene_text(answered(options.answers));
+    const auto answers = answered(options.answers);
+    const std::string& kind = answers.at("--kind");
+    const std::string text = kind == "bed"    ? bed_scene(answers)
+                             : kind == "scan" ? scan_scene(answers)
+                             : kind == "critical"
+                                 ? (fmt::format(theory, "Critical coupling for capture", 1.0) +
+                                    fmt::format(rod, 0.0, 0) + fmt::format(rod, -5.0, 90) + critical)
+                                 : rods_scene(answers);
     scene::parse_scene(text, "the new scene"); // throws if it would not pass check
     if (options.target.empty()) {
         fmt::print("{}", text);

@@ -26,24 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr int usage_error = 2; ///< of the plotting program
 
-/// What the plotting program is asked of the look of all figures; it checks the values.
-std::vector<std::string> looks_of(const Options& options) {
-    std::vector<std::string> looks;
-    if (!options.figure_width.empty())
-        looks.push_back("--width=" + options.figure_width);
-    if (!options.figure_style.empty())
-        looks.push_back("--style=" + options.figure_style);
-    if (!options.font_size.empty())
-        looks.push_back("--font-size=" + options.font_size);
-    if (options.overlay)
-        looks.emplace_back("--overlay");
-    if (options.film)
-        looks.emplace_back("--film");
-    if (!options.output.empty())
-        looks.push_back("--output=" + options.output);
-    return looks;
-}
-
 bool holds(const fs::path& file, const std::string& text) {
     std::ifstream in(file, std::ios::binary);
     return in && std::equal(std::istreambuf_iterator<char>(in), {}, text.begin(), text.end());
@@ -115,7 +97,21 @@ int verb_plot(const Options& options) {
         throw InputError(folder.string() + ": holds no rodwake run (no provenance.json)");
     if (options.dry_run)
         return 0; // there is something to draw; that is all there is to say
-    make_figures(folder, options.pdf, options.quiet, looks_of(options));
+    // The plotting program checks the values of these options.
+    std::vector<std::string> looks;
+    if (!options.figure_width.empty())
+        looks.push_back("--width=" + options.figure_width);
+    if (!options.figure_style.empty())
+        looks.push_back("--style=" + options.figure_style);
+    if (!options.font_size.empty())
+        looks.push_back("--font-size=" + options.font_size);
+    if (options.overlay)
+        looks.emplace_back("--overlay");
+    if (options.film)
+        looks.emplace_back("--film");
+    if (!options.output.empty())
+        looks.push_back("--output=" + options.output);
+    make_figures(folder, options.pdf, options.quiet, looks);
     return stop_signal() ? signal_exit_code(stop_signal()) : 0;
 }
 

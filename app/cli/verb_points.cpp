@@ -33,20 +33,6 @@ struct QueryPoint {
     std::size_t line; ///< of the file
 };
 
-std::vector<QueryPoint> read_points(const std::string& file) {
-    const std::vector<std::string> required = {"x", "y", "xi", "eta"};
-    const std::vector<std::string> optional = {"L"};
-    const store::Table table = store::read_csv(file, required, optional);
-    const auto &x = *table.find("x"), &y = *table.find("y"), &xi = *table.find("xi"),
-               &eta = *table.find("eta");
-    const auto* box = table.find("L");
-    std::vector<QueryPoint> points;
-    points.reserve(table.rows());
-    for (std::size_t i = 0; i < table.rows(); ++i)
-        points.push_back({x[i], y[i], {eta[i], xi[i]}, box ? (*box)[i] : std::nan(""), table.lines[i]});
-    return points;
-}
-
 /// Rows of one medium and box follow each other: its wake is built once.
 class WakeCache {
 public:
@@ -95,52 +81,51 @@ private:
 
 using Row = std::array<double, 15>;
 
-Row row(const QueryPoint& point, WakeCache& wakes) {
-    const elastic::FieldValues f = wakes.at(point);
-    return {point.x,
-            point.y,
-            point.medium.xi,
-            point.medium.eta,
-            f.displacement.x,
-            f.displacement.y,
-            f.strain.xx,
-            f.strain.xy,
-            f.strain.yy,
-            f.laplacian.x,
-            f.laplacian.y,
-            f.gradient_of_trace.x,
-            f.gradient_of_trace.y,
-            f.dipole.x,
-            f.dipole.y};
-}
-
-Row row_without_field(const QueryPoint& point) {
-    Row values;
-    values.fill(std::nan(""));
-    values[0] = point.x;
-    values[1] = point.y;
-    values[2] = point.medium.xi;
-    values[3] = point.medium.eta;
-    return values;
-}
-
-/// "points.csv" for messages.
-std::string name_of(const std::string& file) { return file == "-" ? "standard input" : file; }
-
 } // namespace
 
 int verb_field_points(const Options& options) {
-    const std::vector<QueryPoint> points = read_points(options.points);
+    const std::vector<std::string> required = {"x", "y", "xi", "eta"};
+    const std::vector<std::string> optional = {"L"};
+    const store::Table table = store::read_csv(options.points, required, optional);
+    const auto &x = *table.find("x"), &y = *table.find("y"), &xi = *table.find("xi"),
+               &eta = *table.find("eta");
+    const auto* box = table.find("L");
+    std::vector<QueryPoint> points;
+    points.reserve(table.rows());
+    for (std::size_t i = 0; i < table.rows(); ++i)
+        points.push_back({x[i], y[i], {eta[i], xi[i]}, box ? (*box)[i] : std::nan(""), table.lines[i]});
     fmt::memory_buffer out;
     out.append(std::string_view(points_header));
     WakeCache wakes(options, points);
     std::vector<std::string> failed;
     for (const QueryPoint& point : points) {
-        Row values = row_without_field(point);
+        Row values;
+        values.fill(std::nan(""));
+        values[0] = point.x;
+        values[1] = point.y;
+        values[2] = point.medium.xi;
+        values[3] = point.medium.eta;
         try {
-            values = row(point, wakes);
+            const elastic::FieldValues f = wakes.at(point);
+            values = Row{point.x,
+                         point.y,
+                         point.medium.xi,
+                         point.medium.eta,
+                         f.displacement.x,
+                         f.displacement.y,
+                         f.strain.xx,
+                         f.strain.xy,
+                         f.strain.yy,
+                         f.laplacian.x,
+                         f.laplacian.y,
+                         f.gradient_of_trace.x,
+                         f.gradient_of_trace.y,
+                         f.dipole.x,
+                         f.dipole.y};
         } catch (const InputError& error) {
-            failed.push_back(fmt::format("{}:{}:1: {}", name_of(options.points), point.line, error.what()));
+            failed.push_back(fmt::format("{}:{}:1: {}",
+                                         options.points == "-" ? "standard input" : options.points,
+                                         point.line, error.what()));
         }
         fmt::format_to(std::back_inserter(out), "{:.17g}\n", fmt::join(values, ","));
     }

@@ -49,15 +49,6 @@ std::map<std::string, fs::path> scene_files() {
     return files;
 }
 
-/// The comment that a scene begins with.
-std::string description(const fs::path& scene) {
-    std::istringstream lines(text_of(scene));
-    std::string text;
-    for (std::string line; std::getline(lines, line) && line.starts_with("# ");)
-        text += (text.empty() ? "" : " ") + line.substr(2);
-    return text;
-}
-
 /// Words in lines of at most 78 characters, all indented.
 std::string wrapped(const std::string& text) {
     constexpr std::size_t width = 78;
@@ -77,8 +68,14 @@ int list() {
     const auto files = scene_files();
     for (const bool of_fits : {false, true})
         for (const auto& [name, path] : files)
-            if (name.starts_with("fitting/") == of_fits)
-                fmt::print("{}\n{}", name, wrapped(description(path)));
+            if (name.starts_with("fitting/") == of_fits) {
+                // The description is the comment that a scene begins with.
+                std::istringstream lines(text_of(path));
+                std::string text;
+                for (std::string line; std::getline(lines, line) && line.starts_with("# ");)
+                    text += (text.empty() ? "" : " ") + line.substr(2);
+                fmt::print("{}\n{}", name, wrapped(text));
+            }
     fmt::print(
         "\nrodwake scenes pair > my.toml prints one; rodwake scenes -o . copies all, with the data of the "
         "fits.\n");
@@ -113,29 +110,6 @@ std::map<fs::path, fs::path> copies(const fs::path& target) {
     return from;
 }
 
-int copy_all(const Options& options) {
-    auto from = copies(options.output);
-    std::erase_if(from, [](const auto& file) {
-        return fs::exists(file.first) && text_of(file.first) == text_of(file.second);
-    });
-    for (const auto& [to, source] : from)
-        if (!options.force && fs::exists(to))
-            throw InputError(to.string() + ": already exists and differs from the shipped one; copy into "
-                                           "another folder, or --force to replace it");
-    for (const auto& [to, source] : from)
-        try {
-            fs::create_directories(to.parent_path());
-            fs::copy_file(source, to, fs::copy_options::overwrite_existing);
-        } catch (const fs::filesystem_error& error) {
-            throw RunError(to.string() + ": cannot be written: " + error.code().message());
-        }
-    if (!options.quiet)
-        fmt::print("{} files copied into {} and {}\n", from.size(),
-                   (fs::path(options.output) / "scenes").string(),
-                   (fs::path(options.output) / "fitting").string());
-    return 0;
-}
-
 } // namespace
 
 fs::path shipped_folder() {
@@ -158,8 +132,28 @@ scene::Scene scene_of(const Options& options) {
 }
 
 int verb_scenes(const Options& options) {
-    if (!options.output.empty())
-        return copy_all(options);
+    if (!options.output.empty()) {
+        auto from = copies(options.output);
+        std::erase_if(from, [](const auto& file) {
+            return fs::exists(file.first) && text_of(file.first) == text_of(file.second);
+        });
+        for (const auto& [to, source] : from)
+            if (!options.force && fs::exists(to))
+                throw InputError(to.string() + ": already exists and differs from the shipped one; copy into "
+                                               "another folder, or --force to replace it");
+        for (const auto& [to, source] : from)
+            try {
+                fs::create_directories(to.parent_path());
+                fs::copy_file(source, to, fs::copy_options::overwrite_existing);
+            } catch (const fs::filesystem_error& error) {
+                throw RunError(to.string() + ": cannot be written: " + error.code().message());
+            }
+        if (!options.quiet)
+            fmt::print("{} files copied into {} and {}\n", from.size(),
+                       (fs::path(options.output) / "scenes").string(),
+                       (fs::path(options.output) / "fitting").string());
+        return 0;
+    }
     return options.target.empty() ? list() : print(options.target);
 }
 

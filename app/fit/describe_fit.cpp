@@ -9,22 +9,6 @@ namespace rodwake::app {
 
 namespace {
 
-std::string method_text(const scene::Fit& keys) {
-    const fitting::SearchOptions& method = keys.search;
-    return fmt::format("{} from {} start{}, seed {}{}", to_string(method.algorithm), method.starts,
-                       method.starts == 1 ? "" : "s", method.seed,
-                       method.levenberg_marquardt ? ", polished" : "");
-}
-
-void add_parameters(const scene::Fit& keys, Lines& lines) {
-    lines.push_back(
-        {true, fmt::format("fit of {}: {}", fmt::join(keys.parameters, ", "), method_text(keys))});
-    for (const auto& [name, value] : keys.fixed)
-        lines.push_back({true, fmt::format("fit: {} = {:g} held", name, value)});
-    for (const auto& [name, tie] : keys.tied)
-        lines.push_back({true, fmt::format("fit: {} = {:g} {}", name, tie.factor, tie.to)});
-}
-
 /// "60 of 79 points", or that the file is still to be made.
 std::string points_text(const scene::FitProfile& profile, const std::optional<FitProfileData>& data,
                         double core) {
@@ -64,18 +48,6 @@ void add_maps(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
     lines.push_back({true, "fit of maps: " + mask_text(keys)});
     for (const auto& [name, error] : keys.fixed_errors)
         lines.push_back({true, fmt::format("fit: {} is held with an error of {:g}", name, error)});
-}
-
-void add_data(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
-    for (std::size_t i = 0; i < keys.profiles.size(); ++i) {
-        const scene::FitProfile& p = keys.profiles[i];
-        lines.push_back({true, fmt::format("fit: {} along {} at {} = {:g} {}: {}", p.component, p.along,
-                                           p.along == "x" ? "y" : "x", p.at,
-                                           p.role == scene::FitRole::fit ? "fitted" : "predicted",
-                                           points_text(p, inputs.profiles[i], keys.core))});
-    }
-    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
-        lines.push_back({true, track_text(keys.trajectories[i], inputs.tracks[i])});
 }
 
 void add_term(const scene::Fit& keys, const std::string& parameter, std::string_view what, Lines& lines) {
@@ -148,8 +120,26 @@ void describe_fit(const Plan& plan, Lines& lines) {
         return;
     }
     const scene::Fit& keys = *plan.scene.fit;
-    add_parameters(keys, lines);
-    add_data(keys, *plan.fit, lines);
+    const fitting::SearchOptions& method = keys.search;
+    lines.push_back(
+        {true, fmt::format("fit of {}: {}", fmt::join(keys.parameters, ", "),
+                           fmt::format("{} from {} start{}, seed {}{}", to_string(method.algorithm),
+                                       method.starts, method.starts == 1 ? "" : "s", method.seed,
+                                       method.levenberg_marquardt ? ", polished" : ""))});
+    for (const auto& [name, value] : keys.fixed)
+        lines.push_back({true, fmt::format("fit: {} = {:g} held", name, value)});
+    for (const auto& [name, tie] : keys.tied)
+        lines.push_back({true, fmt::format("fit: {} = {:g} {}", name, tie.factor, tie.to)});
+    const FitInputs& inputs = *plan.fit;
+    for (std::size_t i = 0; i < keys.profiles.size(); ++i) {
+        const scene::FitProfile& p = keys.profiles[i];
+        lines.push_back({true, fmt::format("fit: {} along {} at {} = {:g} {}: {}", p.component, p.along,
+                                           p.along == "x" ? "y" : "x", p.at,
+                                           p.role == scene::FitRole::fit ? "fitted" : "predicted",
+                                           points_text(p, inputs.profiles[i], keys.core))});
+    }
+    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
+        lines.push_back({true, track_text(keys.trajectories[i], inputs.tracks[i])});
     add_maps(keys, *plan.fit, lines);
     add_terms(keys, lines);
 }

@@ -17,26 +17,6 @@ namespace {
 
 bool diffuses(const scene::Fit& fit) { return scene::fit_has(fit, "D_r") || scene::fit_has(fit, "D_t"); }
 
-void require_experiment(const scene::Scene& scene) {
-    const auto need = [](bool there, const char* message) {
-        if (!there)
-            throw InputError(fmt::format("design: {}", message));
-    };
-    need(!scene.rods.empty() && scene.rods_run, "the scene has no [[rods]] and [rods_run], whose start and "
-                                                "output times would be the experiment's");
-    need(scene.fit && scene.fit->trajectories.size() == 1 && scene.fit->profiles.empty() &&
-             scene.fit->maps.empty(),
-         "[fit] must have one of [[fit.trajectories]], whose errors would be the experiment's, and no other "
-         "data; its file need not be there");
-    const scene::FitTrajectory& track = scene.fit->trajectories.front();
-    need(track.sigma_position && track.sigma_heading,
-         "give sigma_position and sigma_heading in [[fit.trajectories]]: how well rods would be seen");
-    need(!track.contact_time, "a contact_time is no datum before the experiment: leave it out");
-    need(!scene.fit->models.empty(), "there are no models to compare: give [[fit.models]]");
-    need(scene.fit->posterior.has_value(),
-         "[fit.posterior] is missing: its priors give the range of the parameters");
-}
-
 } // namespace
 
 FitPlan DesignModels::Model::plan_of(const std::vector<States>& data) const {
@@ -81,7 +61,23 @@ DesignModels::Model DesignModels::model_of(const scene::Scene& scene, long runs)
 
 DesignModels::DesignModels(const scene::Scene& base, const std::vector<std::string>& settings, long runs) {
     const scene::Scene scene = scene::apply_variant(base, {.name = "design", .label = "", .set = settings});
-    require_experiment(scene);
+    const auto need = [](bool there, const char* message) {
+        if (!there)
+            throw InputError(fmt::format("design: {}", message));
+    };
+    need(!scene.rods.empty() && scene.rods_run, "the scene has no [[rods]] and [rods_run], whose start and "
+                                                "output times would be the experiment's");
+    need(scene.fit && scene.fit->trajectories.size() == 1 && scene.fit->profiles.empty() &&
+             scene.fit->maps.empty(),
+         "[fit] must have one of [[fit.trajectories]], whose errors would be the experiment's, and no other "
+         "data; its file need not be there");
+    const scene::FitTrajectory& track = scene.fit->trajectories.front();
+    need(track.sigma_position && track.sigma_heading,
+         "give sigma_position and sigma_heading in [[fit.trajectories]]: how well rods would be seen");
+    need(!track.contact_time, "a contact_time is no datum before the experiment: leave it out");
+    need(!scene.fit->models.empty(), "there are no models to compare: give [[fit.models]]");
+    need(scene.fit->posterior.has_value(),
+         "[fit.posterior] is missing: its priors give the range of the parameters");
     models_.push_back(model_of(scene, runs));
     for (const scene::FitModel& rival : scene.fit->models)
         models_.push_back(model_of(scene::apply_model(scene, rival), runs));

@@ -93,24 +93,6 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
     return out;
 }
 
-/// Weights in proportion to exp(score): of the evidence if all models that ended have it (returns true), else
-/// of AIC.
-bool weigh(std::vector<WeighedModel>& models) {
-    const bool evidence = std::ranges::all_of(
-        models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
-    const auto score = [&](const WeighedModel& m) {
-        return !m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic;
-    };
-    double best = -HUGE_VAL, sum = 0.0;
-    for (const WeighedModel& m : models)
-        best = std::max(best, score(m));
-    for (const WeighedModel& m : models)
-        sum += std::exp(score(m) - best);
-    for (WeighedModel& m : models)
-        m.row.weight = std::exp(score(m) - best) / sum;
-    return evidence;
-}
-
 /// Log-likelihoods of cross-validation, and their differences from the best model, stretch by stretch.
 void set_differences(std::vector<WeighedModel>& models, const WeighedModel& best) {
     for (WeighedModel& m : models) {
@@ -168,34 +150,30 @@ std::vector<std::string> verdict(const std::vector<WeighedModel>& models, bool e
     return text;
 }
 
-ordered_json model_json(const WeighedModel& m) {
-    ordered_json out = {{"name", m.name}};
-    out.update(record_json(m.row));
-    out["stderr"] = out["log_evidence_stderr"];
-    out["parameters"] = ordered_json::object();
-    for (const fitting::ParameterEstimate& e : m.estimates)
-        out["parameters"][e.name] = {{"value", finite_or_null(e.value)},
-                                     {"stderr", finite_or_null(e.standard_error)}};
-    out["free"] = m.estimates.size();
-    out["cross_validation"] = nullptr;
-    if (m.foretold)
-        out["cross_validation"] = {{"log_likelihood", finite_or_null(m.row.foretold)},
-                                   {"stderr", finite_or_null(m.row.foretold_error)},
-                                   {"difference", finite_or_null(m.row.foretold_difference)},
-                                   {"difference_stderr", finite_or_null(m.row.difference_error)},
-                                   {"blocks", m.foretold->blocks.size()}};
-    out["misfit"] = misfit_json(m.misfit);
-    out["failure"] = m.ended() ? ordered_json(nullptr) : ordered_json(m.failure);
-    out["folder"] = m.folder;
-    return out;
-}
-
 void write_models(const fs::path& folder, const FitPlan& plan, const std::vector<WeighedModel>& models,
                   bool evidence, const std::vector<std::string>& text, const std::string& command) {
     ordered_json out = {{"models", ordered_json::array()}};
     std::vector<FitModelRow> rows;
     for (const WeighedModel& m : models) {
-        out["models"].push_back(model_json(m));
+        ordered_json model = {{"name", m.name}};
+        model.update(record_json(m.row));
+        model["stderr"] = model["log_evidence_stderr"];
+        model["parameters"] = ordered_json::object();
+        for (const fitting::ParameterEstimate& e : m.estimates)
+            model["parameters"][e.name] = {{"value", finite_or_null(e.value)},
+                                           {"stderr", finite_or_null(e.standard_error)}};
+        model["free"] = m.estimates.size();
+        model["cross_validation"] = nullptr;
+        if (m.foretold)
+            model["cross_validation"] = {{"log_likelihood", finite_or_null(m.row.foretold)},
+                                         {"stderr", finite_or_null(m.row.foretold_error)},
+                                         {"difference", finite_or_null(m.row.foretold_difference)},
+                                         {"difference_stderr", finite_or_null(m.row.difference_error)},
+                                         {"blocks", m.foretold->blocks.size()}};
+        model["misfit"] = misfit_json(m.misfit);
+        model["failure"] = m.ended() ? ordered_json(nullptr) : ordered_json(m.failure);
+        model["folder"] = m.folder;
+        out["models"].push_back(model);
         rows.push_back(m.row);
     }
     out["weight_from"] = evidence ? "evidence" : "aic";
@@ -311,7 +289,20 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
         if (context.stopped())
             return false;
     }
-    const bool evidence = weigh(models);
+    // Weights in proportion to exp(score): of the evidence if all models that ended have it (returns true),
+    // else of AIC.
+    const bool evidence = std::ranges::all_of(
+        models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
+    const auto score = [&](const WeighedModel& m) {
+        return !m.ended() ? -HUGE_VAL : evidence ? m.row.log_evidence : -0.5 * m.row.aic;
+    };
+    double best = -HUGE_VAL, sum = 0.0;
+    for (const WeighedModel& m : models)
+        best = std::max(best, score(m));
+    for (const WeighedModel& m : models)
+        sum += std::exp(score(m) - best);
+    for (WeighedModel& m : models)
+        m.row.weight = std::exp(score(m) - best) / sum;
     set_differences(models, models[by_weight(models).front()]);
     const std::vector<std::string> text = verdict(models, evidence);
     write_models(folder, plan, models, evidence, text, context.command);

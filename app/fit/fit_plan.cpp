@@ -89,39 +89,6 @@ std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vecto
     return out;
 }
 
-Problem profile_problem(const FitPlan& plan) {
-    std::vector<fitting::Profile> fitted;
-    for (std::size_t i = 0; i < plan.profiles.size(); ++i)
-        if (is_fitted(plan.keys.profiles[i]))
-            fitted.push_back(plan.profiles[i].data);
-    return fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names()));
-}
-
-Problem track_problem(const FitPlan& plan) {
-    std::vector<fitting::Trajectory> tracks;
-    for (const FitTrackData& track : plan.tracks)
-        tracks.push_back(track.data);
-    Problem problem = fitting::trajectory_problem(plan.track_model, tracks,
-                                                  parameters(plan, fitting::trajectory_parameter_names()));
-
-    // Global searches need bounds: a start pose is within ten standard errors of its datum.
-    double sigma = 0.0;
-    for (const FitTrackData& track : plan.tracks)
-        sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
-    for (fitting::Parameter& p : problem.parameters)
-        if (fitting::is_global(plan.keys.search.algorithm) && fitting::is_start_pose(p.name)) {
-            p.lower = p.start - 10.0 * sigma;
-            p.upper = p.start + 10.0 * sigma;
-        }
-
-    const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
-    if (known != 0 && known != static_cast<long>(plan.tracks.size()))
-        throw InputError("some of [[fit.trajectories]] have sigma_position and sigma_heading and some do "
-                         "not, so they cannot be weighted together: give them for all, or for none");
-    problem.sigma_known = known != 0;
-    return problem;
-}
-
 Problem map_problem(const FitPlan& plan) {
     std::vector<fitting::Map> maps;
     for (const FitMapData& map : plan.maps)
@@ -210,12 +177,40 @@ std::vector<std::string> map_names(const scene::Fit& keys) {
 
 Problem fit_problem(const FitPlan& plan) {
     std::vector<Problem> kinds;
-    if (std::ranges::any_of(plan.keys.profiles, is_fitted))
-        kinds.push_back(profile_problem(plan));
+    if (std::ranges::any_of(plan.keys.profiles, is_fitted)) {
+        std::vector<fitting::Profile> fitted;
+        for (std::size_t i = 0; i < plan.profiles.size(); ++i)
+            if (is_fitted(plan.keys.profiles[i]))
+                fitted.push_back(plan.profiles[i].data);
+        kinds.push_back(
+            fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names())));
+    }
     if (!plan.maps.empty())
         kinds.push_back(map_problem(plan));
-    if (!plan.tracks.empty())
-        kinds.push_back(track_problem(plan));
+    if (!plan.tracks.empty()) {
+        std::vector<fitting::Trajectory> tracks;
+        for (const FitTrackData& track : plan.tracks)
+            tracks.push_back(track.data);
+        Problem problem = fitting::trajectory_problem(
+            plan.track_model, tracks, parameters(plan, fitting::trajectory_parameter_names()));
+
+        // Global searches need bounds: a start pose is within ten standard errors of its datum.
+        double sigma = 0.0;
+        for (const FitTrackData& track : plan.tracks)
+            sigma = std::max({sigma, track.data.sigma_position, track.data.sigma_heading});
+        for (fitting::Parameter& p : problem.parameters)
+            if (fitting::is_global(plan.keys.search.algorithm) && fitting::is_start_pose(p.name)) {
+                p.lower = p.start - 10.0 * sigma;
+                p.upper = p.start + 10.0 * sigma;
+            }
+
+        const auto known = std::ranges::count_if(plan.tracks, &FitTrackData::sigma_known);
+        if (known != 0 && known != static_cast<long>(plan.tracks.size()))
+            throw InputError("some of [[fit.trajectories]] have sigma_position and sigma_heading and some do "
+                             "not, so they cannot be weighted together: give them for all, or for none");
+        problem.sigma_known = known != 0;
+        kinds.push_back(problem);
+    }
     if (kinds.size() == 1)
         return kinds.front();
     const auto known = std::ranges::count_if(kinds, &Problem::sigma_known);

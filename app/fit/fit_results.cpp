@@ -135,19 +135,6 @@ FitMapResult map_result(const FitPlan& plan, std::size_t index, std::span<const 
     return out;
 }
 
-/// f_over_mu, eta and xi of these values of an isotropic medium; without drag a length beyond every box.
-std::vector<double> point_values(const FitPlan& plan, std::span<const double> values) {
-    const auto value = [&](const char* name) -> std::optional<double> {
-        const auto at = std::ranges::find(plan.problem.parameters, name, &fitting::Parameter::name);
-        return at == plan.problem.parameters.end()
-                   ? std::nullopt
-                   : std::optional(values[static_cast<std::size_t>(at - plan.problem.parameters.begin())]);
-    };
-    const double f = *value("f_over_mu"), area = value("drag_area").value_or(1e6 * std::abs(f)),
-                 alpha = value("alpha").value_or(f * std::abs(f) / area);
-    return {f, *value("eta"), value("xi").value_or(f / alpha)};
-}
-
 /// A point force fitted to one line alone.
 std::optional<fitting::Report> line_fit(const FitPlan& plan, const scene::FitCompare& compare) {
     if (!compare.line)
@@ -182,8 +169,20 @@ FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& ke
         for (const fitting::ParameterEstimate& e : out.line->estimates)
             named.values[e.name] = e.value;
     out.values = compared_values(plan, named, fitted);
-    if (scene::fit_is_isotropic(plan.keys))
-        out.point = point_values(plan, out.values);
+    if (scene::fit_is_isotropic(plan.keys)) {
+        // f_over_mu, eta and xi of these values of an isotropic medium; without drag a length beyond every
+        // box.
+        const auto value = [&](const char* name) -> std::optional<double> {
+            const auto at = std::ranges::find(plan.problem.parameters, name, &fitting::Parameter::name);
+            return at == plan.problem.parameters.end()
+                       ? std::nullopt
+                       : std::optional(
+                             out.values[static_cast<std::size_t>(at - plan.problem.parameters.begin())]);
+        };
+        const double f = *value("f_over_mu"), area = value("drag_area").value_or(1e6 * std::abs(f)),
+                     alpha = value("alpha").value_or(f * std::abs(f) / area);
+        out.point = std::vector<double>{f, *value("eta"), value("xi").value_or(f / alpha)};
+    }
     for (std::size_t i = 0; i < plan.profiles.size(); ++i) {
         const fitting::Profile data = fitting::outside_core(plan.profiles[i].data, plan.wake.core);
         const std::vector<double> prediction = compared(plan, data, data.place, out);
@@ -197,24 +196,13 @@ FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& ke
     return out;
 }
 
-FitTrackResult track_result(const FitPlan& plan, std::size_t index, std::span<const double> values) {
-    const FitTrackData& track = plan.tracks[index];
-    const FitPart part = track_part(plan.problem);
-    FitTrackResult out;
-    out.model = fitting::predict(plan.track_model, track.data, index, part.parameters, part.values(values));
-    double positions = 0.0, headings = 0.0;
-    for (std::size_t row = 0; row < out.model.size(); ++row)
-        for (std::size_t k = 0; k < out.model[row].size(); ++k) {
-            const double difference = out.model[row][k] - track.data.states[row][k];
-            (k % 3 == 2 ? headings : positions) += difference * difference;
-        }
-    const double count = static_cast<double>(out.model.size() * track.rods);
-    out.rms_position = std::sqrt(positions / (2.0 * count)) * track.length;
-    out.rms_heading = std::sqrt(headings / count);
-    return out;
-}
+} // namespace
 
-void set_derived(FitResults& results) {
+FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
+    FitResults results;
+    results.report = fitting::report(plan.problem, fit);
+    results.fit = std::move(fit);
+    results.misfit = fitting::misfit(plan.problem, results.fit, plan.method.seed);
     const auto strength = fitted_value(results.report, "f_over_mu"), xi = fitted_value(results.report, "xi"),
                alpha = fitted_value(results.report, "alpha"),
                area = fitted_value(results.report, "drag_area");
@@ -233,22 +221,27 @@ void set_derived(FitResults& results) {
         add("alpha", f * f / *area,
             {{"f_over_mu", 2.0 * *strength / *area}, {"drag_area", -f * f / (*area * *area)}});
     }
-}
-
-} // namespace
-
-FitResults fit_results(const FitPlan& plan, fitting::Fit fit) {
-    FitResults results;
-    results.report = fitting::report(plan.problem, fit);
-    results.fit = std::move(fit);
-    results.misfit = fitting::misfit(plan.problem, results.fit, plan.method.seed);
-    set_derived(results);
     for (const scene::FitCompare& keys : plan.keys.compare)
         results.compare.push_back(compare_result(plan, keys, results.fit.values));
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
         results.profiles.push_back(profile_result(plan, results, i));
-    for (std::size_t i = 0; i < plan.tracks.size(); ++i)
-        results.tracks.push_back(track_result(plan, i, results.fit.values));
+    for (std::size_t i = 0; i < plan.tracks.size(); ++i) {
+        const FitTrackData& track = plan.tracks[i];
+        const FitPart part = track_part(plan.problem);
+        FitTrackResult out;
+        out.model = fitting::predict(plan.track_model, track.data, i, part.parameters,
+                                     part.values(results.fit.values));
+        double positions = 0.0, headings = 0.0;
+        for (std::size_t row = 0; row < out.model.size(); ++row)
+            for (std::size_t k = 0; k < out.model[row].size(); ++k) {
+                const double difference = out.model[row][k] - track.data.states[row][k];
+                (k % 3 == 2 ? headings : positions) += difference * difference;
+            }
+        const double count = static_cast<double>(out.model.size() * track.rods);
+        out.rms_position = std::sqrt(positions / (2.0 * count)) * track.length;
+        out.rms_heading = std::sqrt(headings / count);
+        results.tracks.push_back(out);
+    }
     for (std::size_t i = 0; i < plan.maps.size(); ++i)
         results.maps.push_back(map_result(plan, i, results.fit.values));
     return results;

@@ -216,7 +216,8 @@ std::span<const ColumnInfo> model_columns() {
     return columns;
 }
 
-std::span<const ColumnInfo> design_columns() {
+std::vector<FileKind> fit_files() {
+    using enum Lifetime;
     static const std::vector<ColumnInfo> columns = {
         {"runs", "1", "runs of the design"},
         {"information", "1", "expected information on which model makes the tracks, bits"},
@@ -224,11 +225,6 @@ std::span<const ColumnInfo> design_columns() {
         {"right", "1", "fraction of sets in which the true model has the largest evidence"},
         {"least_log_bayes", "1",
          "least of all pairs: mean logarithm of the evidence ratio of the true model and another"}};
-    return columns;
-}
-
-std::vector<FileKind> fit_files() {
-    using enum Lifetime;
     return {
         {"fit.json", result, "parameters with errors, and how good the fit is"},
         {"medium.json", result, "the medium that the fit gives to field and rods"},
@@ -251,7 +247,7 @@ std::vector<FileKind> fit_files() {
          "model comparison: evidence, AIC and BIC, weights, and whether any model describes the data"},
         {"models.csv", result, "the same as a table", model_columns()},
         {"design.json", kept, "experiments that would discriminate between models, ranked by rodwake design"},
-        {"design.csv", kept, "the same as a table, after the varied keys", design_columns()},
+        {"design.csv", kept, "the same as a table, after the varied keys", columns},
         {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
 }
 

@@ -55,19 +55,6 @@ Motion motion_of(const fitting::Trajectory& track, double unit) {
     return sum;
 }
 
-/// Motion follows headings in degrees far better than the same numbers as radians, and not only because all
-/// are near 0.
-void refuse_degrees(const FitTrackData& track) {
-    const Motion motion = motion_of(track.data, turn / 360.0);
-    const double in_rad = motion_of(track.data, 1.0).cosine(), in_deg = motion.cosine();
-    const bool distinct = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
-    if (distinct && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
-        throw InputError(fmt::format("{}: the headings look like degrees: the rods move along them if they "
-                                     "are (mean cosine {:.2f}), not if they "
-                                     "are radians ({:.2f}); multiply theta by pi/180",
-                                     track.file.string(), in_deg, in_rad));
-}
-
 void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
     const Motion motion = motion_of(track.data, 1.0);
     const double speed = motion.along / motion.time, path_speed = motion.path / motion.time;
@@ -108,21 +95,6 @@ void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
             track.file.string(), track.data.box->shorter() * track.length, largest * track.length));
 }
 
-/// Displacements against the distances at which they are: strains of above 1, or of nothing.
-void add_sizes(const FitProfileData& profile, std::vector<std::string>& remarks) {
-    double position = 0.0, value = 0.0;
-    const fitting::Profile& data = profile.data;
-    for (std::size_t i = 0; i < data.place.size(); ++i) {
-        position = std::max(position, std::hypot(data.place[i], data.at));
-        value = std::max(value, std::abs(data.value[i]));
-    }
-    if (value > position || (value > 0.0 && value < 1e-5 * position))
-        remarks.push_back(
-            fmt::format("{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
-                        "unit than the places, give place_unit or value_unit",
-                        profile.file.string(), value, position));
-}
-
 } // namespace
 
 void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
@@ -137,7 +109,16 @@ void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
                     states[row][k] = states[row - 1][k] + nearest_image(states[row][k] - states[row - 1][k],
                                                                         k % 3 ? box->y : box->x);
 
-    refuse_degrees(track);
+    // Motion follows headings in degrees far better than the same numbers as radians, and not only because
+    // all are near 0.
+    const Motion motion = motion_of(track.data, turn / 360.0);
+    const double in_rad = motion_of(track.data, 1.0).cosine(), in_deg = motion.cosine();
+    const bool distinct = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
+    if (distinct && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
+        throw InputError(fmt::format("{}: the headings look like degrees: the rods move along them if they "
+                                     "are (mean cosine {:.2f}), not if they "
+                                     "are radians ({:.2f}); multiply theta by pi/180",
+                                     track.file.string(), in_deg, in_rad));
     track.unwrapped = false;
     for (std::size_t row = 1; row < states.size(); ++row)
         for (std::size_t k = 2; k < states[row].size(); k += 3) {
@@ -149,8 +130,20 @@ void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
 
 std::vector<std::string> data_remarks(const FitPlan& plan) {
     std::vector<std::string> remarks;
-    for (const FitProfileData& profile : plan.profiles)
-        add_sizes(profile, remarks);
+    for (const FitProfileData& profile : plan.profiles) {
+        // Displacements against the distances at which they are: strains of above 1, or of nothing.
+        double position = 0.0, value = 0.0;
+        const fitting::Profile& data = profile.data;
+        for (std::size_t i = 0; i < data.place.size(); ++i) {
+            position = std::max(position, std::hypot(data.place[i], data.at));
+            value = std::max(value, std::abs(data.value[i]));
+        }
+        if (value > position || (value > 0.0 && value < 1e-5 * position))
+            remarks.push_back(fmt::format(
+                "{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
+                "unit than the places, give place_unit or value_unit",
+                profile.file.string(), value, position));
+    }
     for (const FitTrackData& track : plan.tracks) {
         add_motion(track, remarks);
         add_box(track, remarks);

@@ -277,26 +277,6 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
     return out;
 }
 
-std::string fit_json(const FitPlan& plan, const FitResults& results, const std::string& command) {
-    ordered_json out;
-    add_parameters(out, plan, results);
-    add_quality(out, plan, results);
-    add_data(out, plan, results);
-    out["systematics"] = systematics_json(plan, results);
-    out["misfit"] = misfit_json(results.misfit);
-    out["length_unit"] = plan.keys.length_unit;
-    const std::optional<PeriodicBox>& box = plan.keys.box;
-    out["box"] = !box            ? ordered_json(nullptr)
-                 : box->square() ? ordered_json(box->x)
-                                 : ordered_json{box->x, box->y};
-    out["core"] = plan.keys.core;
-    out["heading"] = plan.keys.heading;
-    out["independent_spacing"] = finite_or_null(plan.keys.independent_spacing);
-    out["seed"] = plan.method.seed;
-    out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
-    return json_text(out, 2) + "\n";
-}
-
 /// The points of a profile, and the curve of the model with those of the comparisons.
 void write_profile(const fs::path& folder, std::size_t i, const fitting::Profile& data,
                    const FitProfileResult& r) {
@@ -334,43 +314,55 @@ void add_states(RecordTable& table, const FitTrackData& track,
     }
 }
 
-void write_track(const fs::path& folder, std::size_t i, const FitTrackData& track, const FitTrackResult& r) {
-    std::vector<FitTimeRow> times;
-    for (const double t : track.data.times)
-        times.push_back({t * track.time});
-    RecordTable table;
-    table.add(times);
-    add_states<MeasuredPose>(table, track, track.data.states);
-    add_states<FittedPose>(table, track, r.model);
-    store::write_atomically(folder / fmt::format("fit_trajectory_{}.csv", i), table.csv());
-}
-
-/// All bins, row by row; what is not known is empty.
-void write_map(const fs::path& folder, std::size_t i, const fitting::Map& map, const FitMapResult& r) {
-    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    const double enlarged = 1.0 / std::sqrt(map.independent);
-    std::vector<FitMapRow> rows;
-    for (std::size_t bin = 0; bin < map.bins(); ++bin) {
-        const bool known = map.known[bin], sigma = known && !map.sigma_x.empty();
-        rows.push_back({map.place_x(bin), map.place_y(bin), known ? map.Ux[bin] : unknown,
-                        known ? map.Uy[bin] : unknown, sigma ? enlarged * map.sigma_x[bin] : unknown,
-                        sigma ? enlarged * map.sigma_y[bin] : unknown, r.model.Ux[bin], r.model.Uy[bin],
-                        known ? 1.0 : 0.0, r.used[bin] ? 1.0 : 0.0});
-    }
-    store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), csv_of(rows));
-}
-
 } // namespace
 
 void write_fit(const fs::path& folder, const FitPlan& plan, const FitResults& results,
                const std::string& command) {
     for (std::size_t i = 0; i < results.profiles.size(); ++i)
         write_profile(folder, i, plan.profiles[i].data, results.profiles[i]);
-    for (std::size_t i = 0; i < results.tracks.size(); ++i)
-        write_track(folder, i, plan.tracks[i], results.tracks[i]);
-    for (std::size_t i = 0; i < results.maps.size(); ++i)
-        write_map(folder, i, plan.maps[i].data, results.maps[i]);
-    store::write_atomically(folder / "fit.json", fit_json(plan, results, command));
+    for (std::size_t i = 0; i < results.tracks.size(); ++i) {
+        std::vector<FitTimeRow> times;
+        for (const double t : plan.tracks[i].data.times)
+            times.push_back({t * plan.tracks[i].time});
+        RecordTable table;
+        table.add(times);
+        add_states<MeasuredPose>(table, plan.tracks[i], plan.tracks[i].data.states);
+        add_states<FittedPose>(table, plan.tracks[i], results.tracks[i].model);
+        store::write_atomically(folder / fmt::format("fit_trajectory_{}.csv", i), table.csv());
+    }
+    for (std::size_t i = 0; i < results.maps.size(); ++i) {
+        // All bins are written row by row; what is not known is empty.
+        const fitting::Map& map = plan.maps[i].data;
+        constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+        const double enlarged = 1.0 / std::sqrt(map.independent);
+        std::vector<FitMapRow> rows;
+        for (std::size_t bin = 0; bin < map.bins(); ++bin) {
+            const bool known = map.known[bin], sigma = known && !map.sigma_x.empty();
+            rows.push_back({map.place_x(bin), map.place_y(bin), known ? map.Ux[bin] : unknown,
+                            known ? map.Uy[bin] : unknown, sigma ? enlarged * map.sigma_x[bin] : unknown,
+                            sigma ? enlarged * map.sigma_y[bin] : unknown, results.maps[i].model.Ux[bin],
+                            results.maps[i].model.Uy[bin], known ? 1.0 : 0.0,
+                            results.maps[i].used[bin] ? 1.0 : 0.0});
+        }
+        store::write_atomically(folder / fmt::format("fit_map_{}.csv", i), csv_of(rows));
+    }
+    ordered_json out;
+    add_parameters(out, plan, results);
+    add_quality(out, plan, results);
+    add_data(out, plan, results);
+    out["systematics"] = systematics_json(plan, results);
+    out["misfit"] = misfit_json(results.misfit);
+    out["length_unit"] = plan.keys.length_unit;
+    const std::optional<PeriodicBox>& box = plan.keys.box;
+    out["box"] = !box            ? ordered_json(nullptr)
+                 : box->square() ? ordered_json(box->x)
+                                 : ordered_json{box->x, box->y};
+    out["core"] = plan.keys.core;
+    out["heading"] = plan.keys.heading;
+    out["independent_spacing"] = finite_or_null(plan.keys.independent_spacing);
+    out["seed"] = plan.method.seed;
+    out["provenance"] = {{"command", command}, {"version", build_info().version}, {"git", build_info().git}};
+    store::write_atomically(folder / "fit.json", json_text(out, 2) + "\n");
 }
 
 } // namespace rodwake::app

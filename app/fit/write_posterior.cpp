@@ -28,23 +28,6 @@ std::string name_of(const FitPlan& plan, const fitting::Posterior& posterior, st
     return plan.problem.parameters[posterior.free[k]].name;
 }
 
-std::string posterior_csv(const FitPlan& plan, const fitting::Posterior& posterior) {
-    std::vector<std::string> names = {"chain", "draw"};
-    std::vector<std::vector<double>> columns(names.size() + posterior.free.size() + 1);
-    for (std::size_t k = 0; k < posterior.free.size(); ++k)
-        names.push_back(name_of(plan, posterior, k));
-    names.emplace_back("log_likelihood");
-    for (std::size_t c = 0; c < posterior.log_likelihood.size(); ++c)
-        for (std::size_t i = 0; i < posterior.log_likelihood[c].size(); ++i) {
-            columns[0].push_back(static_cast<double>(c));
-            columns[1].push_back(static_cast<double>(i));
-            for (std::size_t k = 0; k < posterior.free.size(); ++k)
-                columns[2 + k].push_back(posterior.values[k][c][i]);
-            columns.back().push_back(posterior.log_likelihood[c][i]);
-        }
-    return store::to_csv(names, columns);
-}
-
 std::string posterior_json(const FitPlan& plan, const fitting::Posterior& posterior,
                            const std::string& command) {
     static constexpr const char* kinds[] = {"uniform", "log_uniform", "normal"};
@@ -153,21 +136,6 @@ void write_netcdf(const std::filesystem::path& path, const FitPlan& plan, const 
 
 constexpr std::size_t most_draws = 200, predicted_places = 201;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-/// Values of all parameters at draws spread evenly over the chains.
-std::vector<std::vector<double>> some_draws(const FitPlan& plan, const fitting::Posterior& posterior) {
-    const std::size_t length = posterior.log_likelihood.front().size(),
-                      all = length * posterior.log_likelihood.size(), count = std::min(most_draws, all);
-    std::vector<std::vector<double>> out;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t at = i * all / count;
-        std::vector<double> free;
-        for (const auto& values : posterior.values)
-            free.push_back(values[at / length][at % length]);
-        out.push_back(fitting::all_values(plan.problem, free));
-    }
-    return out;
-}
 
 /// Quantiles of predictions: median and 95 % interval of the posterior, and that with the noise of a datum.
 struct PredictionBand {
@@ -298,9 +266,32 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
 
 void write_posterior(const std::filesystem::path& folder, const FitPlan& plan,
                      const fitting::Posterior& posterior, const RunContext& context) {
-    store::write_atomically(folder / "posterior.csv", posterior_csv(plan, posterior));
+    std::vector<std::string> names = {"chain", "draw"};
+    std::vector<std::vector<double>> columns(names.size() + posterior.free.size() + 1);
+    for (std::size_t k = 0; k < posterior.free.size(); ++k)
+        names.push_back(name_of(plan, posterior, k));
+    names.emplace_back("log_likelihood");
+    for (std::size_t c = 0; c < posterior.log_likelihood.size(); ++c)
+        for (std::size_t i = 0; i < posterior.log_likelihood[c].size(); ++i) {
+            columns[0].push_back(static_cast<double>(c));
+            columns[1].push_back(static_cast<double>(i));
+            for (std::size_t k = 0; k < posterior.free.size(); ++k)
+                columns[2 + k].push_back(posterior.values[k][c][i]);
+            columns.back().push_back(posterior.log_likelihood[c][i]);
+        }
+    store::write_atomically(folder / "posterior.csv", store::to_csv(names, columns));
     write_netcdf(folder / "posterior.nc", plan, posterior, context.thread_count());
-    const std::vector<std::vector<double>> draws = some_draws(plan, posterior);
+    // The predictions use draws that are spread evenly over the chains.
+    const std::size_t length = posterior.log_likelihood.front().size(),
+                      all = length * posterior.log_likelihood.size(), count = std::min(most_draws, all);
+    std::vector<std::vector<double>> draws;
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t at = k * all / count;
+        std::vector<double> free;
+        for (const auto& values : posterior.values)
+            free.push_back(values[at / length][at % length]);
+        draws.push_back(fitting::all_values(plan.problem, free));
+    }
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
         write_curve(folder, plan, i, draws, context.thread_count());
     for (std::size_t i = 0; i < plan.tracks.size(); ++i)

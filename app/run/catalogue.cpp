@@ -44,9 +44,8 @@ constexpr ColumnInfo candidate_columns[] = {
     {"scale", "{unit}", "what 100 % is"},
     {"status", "1", "ok, or why there is no result"}};
 
-/// Of the run as a whole.
-std::vector<FileKind> general_files() {
-    return {
+std::vector<FileKind> all_kinds() {
+    std::vector<FileKind> all = {
         {"scene.toml", record, "the scene as resolved: every key with its value"},
         {"provenance.json", record,
          "who made the run, how each stage ended, the command that makes it again, elapsed seconds of the "
@@ -63,10 +62,6 @@ std::vector<FileKind> general_files() {
         {"ways.json", kept, "the candidates to compute a part of a scene that rodwake tradeoff tried"},
         {"ways.csv", kept, "one row per candidate and quantity: value, bias, scatter, cost",
          candidate_columns}};
-}
-
-std::vector<FileKind> all_kinds() {
-    std::vector<FileKind> all = general_files();
     for (const Stage stage : all_stages())
         for (FileKind file : kind_of(stage).files()) {
             file.stage = stage;

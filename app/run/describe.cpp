@@ -231,27 +231,6 @@ std::string runs_of(const NoisePlan& noise) {
                        std::max(noise.runs, noise.most_runs), *noise.capture_error);
 }
 
-void add_noise_lines(const Plan& plan, Lines& lines) {
-    for (const RodsPlan& rods_plan : plan.rods) {
-        if (!rods_plan.noise)
-            continue;
-        const rods::Noise& noise = rods_plan.noise->noise;
-        lines.push_back(
-            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
-                               "({}), strong order 1.5",
-                               rods_plan.of.suffix(), noise.rotational, noise.translational,
-                               runs_of(*rods_plan.noise), noise.time_step,
-                               rods_plan.of.scene.noise->time_step
-                                   ? "noise.time_step"
-                                   : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
-    }
-    const auto diffuses = [](const RodsPlan& item) {
-        return item.noise && item.noise->noise.translational > 0.0;
-    };
-    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
-        lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
-}
-
 /// What the scene names and this version leaves out.
 void add_unused_lines(const scene::Scene& scene, Lines& lines) {
     if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
@@ -285,7 +264,24 @@ std::vector<PlanLine> describe(const Plan& plan) {
     add_rod_lines(plan, lines);
     add_similarity_line(plan, lines);
     add_crowd_lines(plan, lines);
-    add_noise_lines(plan, lines);
+    for (const RodsPlan& rods_plan : plan.rods) {
+        if (!rods_plan.noise)
+            continue;
+        const rods::Noise& noise = rods_plan.noise->noise;
+        lines.push_back(
+            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
+                               "({}), strong order 1.5",
+                               rods_plan.of.suffix(), noise.rotational, noise.translational,
+                               runs_of(*rods_plan.noise), noise.time_step,
+                               rods_plan.of.scene.noise->time_step
+                                   ? "noise.time_step"
+                                   : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
+    }
+    const auto diffuses = [](const RodsPlan& item) {
+        return item.noise && item.noise->noise.translational > 0.0;
+    };
+    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
+        lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
     add_order_line(plan.scene, lines);
     add_scan_lines(plan, lines);
     add_unused_lines(plan.scene, lines);

@@ -50,18 +50,6 @@ std::string key_text(const scene::KeyInfo& key) {
                             key.table.empty() ? std::string("Top level") : scene::table_header(key.table)));
 }
 
-std::string table_text(const scene::TableInfo& table) {
-    std::string text = fmt::format("{}: table of a scene\n", scene::table_header(table.path));
-    text += line("meaning", table.meaning);
-    for (const std::string& note : table.notes)
-        text += line("note", note);
-    for (const scene::KeyInfo& key : table.keys)
-        text += fmt::format("    {:<22} {}\n", key.name, key.meaning);
-    return text +
-           line("see", fmt::format("docs/scene.md, \"{}\"; rodwake help {}", scene::table_header(table.path),
-                                   table.keys.empty() ? "KEY" : full_name(table.keys.front())));
-}
-
 /// Units that depend on the scene, in words: of the theory first.
 std::string unit_text(std::string_view unit) {
     struct Dependent {
@@ -91,30 +79,16 @@ std::string maker(const FileKind& kind) {
     return kind.stage ? fmt::format(", made by the stage \"{}\"", to_string(*kind.stage)) : "";
 }
 
-std::string file_text(const FileKind& kind) {
-    std::string text = fmt::format("{}: file of a run{}\n", kind.pattern, maker(kind));
-    text += line("holds", std::string(kind.what));
-    for (const ColumnInfo& column : kind.columns)
-        text += fmt::format("    {:<22} {:<8} {}\n", column.name, unit_text(column.unit), column.meaning);
-    if (kind.pattern == "measure.json")
-        for (const MeasureKind& measure : measure_kinds())
-            for (const ValueInfo& value : measure.values)
-                text += fmt::format("    {:<22} {:<8} {}\n", value.key, value.unit, value.meaning);
-    return text;
-}
-
-bool same_columns(const FileKind& a, const FileKind& b) {
-    return std::ranges::equal(a.columns, b.columns, [](const ColumnInfo& column, const ColumnInfo& other) {
-        return std::tie(column.name, column.unit, column.meaning) ==
-               std::tie(other.name, other.unit, other.meaning);
-    });
-}
-
 /// Columns of a file as a table in Markdown. A standard error has no row of its own.
 std::string columns_table(const FileKind& kind) {
     constexpr std::string_view error = "_error";
     for (const FileKind& earlier : file_kinds())
-        if (&earlier < &kind && same_columns(earlier, kind))
+        if (&earlier < &kind && std::ranges::equal(earlier.columns, kind.columns,
+                                                   [](const ColumnInfo& column, const ColumnInfo& other) {
+                                                       return std::tie(column.name, column.unit,
+                                                                       column.meaning) ==
+                                                              std::tie(other.name, other.unit, other.meaning);
+                                                   }))
             return fmt::format("\nThe columns are those of `{}`.\n", earlier.pattern);
     std::string text = fmt::format("\n| {} | unit | meaning |\n|---|---|---|\n",
                                    kind.pattern.ends_with(".json") ? "key" : "column");
@@ -150,33 +124,6 @@ bool names_column(const std::string& name, std::string_view pattern) {
     return starts || name == pattern || (gap != 0 && fits(name, pattern));
 }
 
-std::string columns_text(const std::string& name) {
-    std::string text;
-    for (const FileKind& kind : file_kinds())
-        for (const ColumnInfo& column : kind.columns)
-            if (names_column(name, column.name))
-                text += fmt::format("{}: {} of {}{}\n", column.name,
-                                    kind.pattern.ends_with(".json") ? "key" : "column", kind.pattern,
-                                    maker(kind)) +
-                        line("meaning", std::string(column.meaning)) + line("unit", unit_text(column.unit));
-    return text;
-}
-
-std::string values_text(const std::string& name) {
-    std::string text;
-    for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values)
-            if (name == value.key || value.key.ends_with("." + name))
-                text += fmt::format("{}: value of measure.json, with [measure] {}\n", value.key, kind.name) +
-                        line("meaning", fmt::format("{}{}{}", value.title, value.title.empty() ? "" : ": ",
-                                                    value.meaning)) +
-                        line("unit", std::string(value.unit)) +
-                        line("in file", value.factor == 1.0
-                                            ? ""
-                                            : fmt::format("times {:g} it is in that unit", value.factor));
-    return text;
-}
-
 /// How runs of rods end: the criteria of docs/theory.md for `outcome`, or one of its words.
 std::string outcome_text(const std::string& name) {
     constexpr std::pair<const char*, const char*> criteria[] = {
@@ -210,8 +157,17 @@ std::string scene_text(const std::string& name) {
     const std::string plain = plain_name(name);
     const auto exact = scene::key_info(plain);
     for (const scene::TableInfo& table : scene::scene_tables()) {
-        if (!plain.empty() && plain_name(table.path) == plain)
-            text += table_text(table);
+        if (!plain.empty() && plain_name(table.path) == plain) {
+            text += fmt::format("{}: table of a scene\n", scene::table_header(table.path));
+            text += line("meaning", table.meaning);
+            for (const std::string& note : table.notes)
+                text += line("note", note);
+            for (const scene::KeyInfo& key : table.keys)
+                text += fmt::format("    {:<22} {}\n", key.name, key.meaning);
+            text += line("see", fmt::format("docs/scene.md, \"{}\"; rodwake help {}",
+                                            scene::table_header(table.path),
+                                            table.keys.empty() ? "KEY" : full_name(table.keys.front())));
+        }
         for (const scene::KeyInfo& key : table.keys)
             if (full_name(key) == plain || (key.name == name && !exact))
                 text += key_text(key);
@@ -248,9 +204,34 @@ std::vector<std::pair<std::string, std::string>> all_names() {
 std::optional<std::string> explain(const std::string& name) {
     std::string text = outcome_text(name) + scene_text(name);
     for (const FileKind& kind : file_kinds())
-        if (name == kind.pattern || fits(name, kind.pattern))
-            text += file_text(kind);
-    text += columns_text(name) + values_text(name);
+        if (name == kind.pattern || fits(name, kind.pattern)) {
+            text += fmt::format("{}: file of a run{}\n", kind.pattern, maker(kind));
+            text += line("holds", std::string(kind.what));
+            for (const ColumnInfo& column : kind.columns)
+                text +=
+                    fmt::format("    {:<22} {:<8} {}\n", column.name, unit_text(column.unit), column.meaning);
+            if (kind.pattern == "measure.json")
+                for (const MeasureKind& measure : measure_kinds())
+                    for (const ValueInfo& value : measure.values)
+                        text += fmt::format("    {:<22} {:<8} {}\n", value.key, value.unit, value.meaning);
+        }
+    for (const FileKind& kind : file_kinds())
+        for (const ColumnInfo& column : kind.columns)
+            if (names_column(name, column.name))
+                text += fmt::format("{}: {} of {}{}\n", column.name,
+                                    kind.pattern.ends_with(".json") ? "key" : "column", kind.pattern,
+                                    maker(kind)) +
+                        line("meaning", std::string(column.meaning)) + line("unit", unit_text(column.unit));
+    for (const MeasureKind& kind : measure_kinds())
+        for (const ValueInfo& value : kind.values)
+            if (name == value.key || value.key.ends_with("." + name))
+                text += fmt::format("{}: value of measure.json, with [measure] {}\n", value.key, kind.name) +
+                        line("meaning", fmt::format("{}{}{}", value.title, value.title.empty() ? "" : ": ",
+                                                    value.meaning)) +
+                        line("unit", std::string(value.unit)) +
+                        line("in file", value.factor == 1.0
+                                            ? ""
+                                            : fmt::format("times {:g} it is in that unit", value.factor));
     return text.empty() ? std::nullopt : std::optional(text);
 }
 

@@ -16,11 +16,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-nlohmann::json manifest_of(const fs::path& folder) {
-    std::ifstream file(folder / "manifest.json");
-    return nlohmann::json::parse(file, nullptr, false);
-}
-
 void remove_empty_runs(const fs::path& runs) {
     std::error_code ignored; // a folder with files of others stays
     std::vector<fs::path> folders;
@@ -110,7 +105,8 @@ bool RunFolder::is_outdated(const FileKind& kind, const std::string& name) const
 
 void RunFolder::remove_outdated() const {
     std::error_code error;
-    const nlohmann::json manifest = manifest_of(path_);
+    std::ifstream manifest_file(path_ / "manifest.json");
+    const nlohmann::json manifest = nlohmann::json::parse(manifest_file, nullptr, false);
     for (const fs::path& file : files_of(path_)) {
         const std::string name = file.filename().string();
         const FileKind* kind = kind_of(name);

@@ -10,22 +10,6 @@
 
 namespace rodwake::app {
 
-namespace {
-
-std::vector<BedPlan> plan_beds(const scene::Scene& scene) {
-    std::vector<BedPlan> beds;
-    for (Case& case_ : bed_cases(scene)) {
-        BedPlan bed{std::move(case_), {}, {}, {}};
-        bed.problem = granular_problem(bed.of.scene);
-        bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
-        bed.measures = measure_plan(bed.of.scene, bed.problem);
-        beds.push_back(std::move(bed));
-    }
-    return beds;
-}
-
-} // namespace
-
 const char* to_string(scene::FieldBackend backend) {
     using enum scene::FieldBackend;
     return backend == exact      ? "exact"
@@ -55,8 +39,16 @@ Plan make_plan(const scene::Scene& scene, std::span<const Stage> stages, PlanInp
               {},    std::move(inputs.tracks)};
     const bool scans_beds = plan.has(Stage::scan) && scan_subject(scene) == scene::ScanSubject::beds;
     const bool bed_order = plan.has(Stage::order) && order_of_bed(scene);
-    if (plan.has(Stage::granular) || (plan.has(Stage::measure) && scene.granular) || bed_order || scans_beds)
-        plan.beds = plan_beds(scene);
+    if (plan.has(Stage::granular) || (plan.has(Stage::measure) && scene.granular) || bed_order ||
+        scans_beds) {
+        for (Case& case_ : bed_cases(scene)) {
+            BedPlan bed{std::move(case_), {}, {}, {}};
+            bed.problem = granular_problem(bed.of.scene);
+            bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
+            bed.measures = measure_plan(bed.of.scene, bed.problem);
+            plan.beds.push_back(std::move(bed));
+        }
+    }
     if (plan.has(Stage::rods))
         plan.rods = plan_rods(scene);
     if (plan.fit && plan.fit->complete())

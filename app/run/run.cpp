@@ -24,22 +24,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-StageEnd run_all(Session& session) {
-    StageEnd end = StageEnd::finished;
-    const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
-    for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
-        end = kind_of(*stage).run(session);
-        if (end == StageEnd::finished || end == StageEnd::incomplete)
-            session.finished(*stage);
-    }
-    session.close(end);
-    return end;
-}
-
 /// The same, with an exception on record in the run directory.
 StageEnd run_recorded(Session& session) {
     try {
-        return run_all(session);
+        StageEnd end = StageEnd::finished;
+        const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
+        for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
+            end = kind_of(*stage).run(session);
+            if (end == StageEnd::finished || end == StageEnd::incomplete)
+                session.finished(*stage);
+        }
+        session.close(end);
+        return end;
     } catch (const std::exception& error) {
         session.fail(rodwake::describe(error));
         throw;
@@ -47,13 +43,6 @@ StageEnd run_recorded(Session& session) {
 }
 
 bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
-
-/// Before anything of the folder is touched.
-void require_all(const Plan& plan, const fs::path& folder, const RunContext& context) {
-    for (const Stage stage : plan.stages)
-        if (const auto require = kind_of(stage).require)
-            require(plan, folder, context);
-}
 
 } // namespace
 
@@ -96,7 +85,10 @@ void serve(const Plan& plan, const fs::path& folder, const RunContext& context, 
 
 StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {
     store::prepare_hdf5();
-    require_all(plan, folder, context);
+    // Stages refuse what they cannot do before anything of the folder is touched.
+    for (const Stage stage : plan.stages)
+        if (const auto require = kind_of(stage).require)
+            require(plan, folder, context);
     const auto held = std::make_unique<Session>(plan, folder, context); // large for a small stack
     Session& session = *held;
     const StageEnd end = run_recorded(session);

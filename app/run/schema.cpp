@@ -8,27 +8,20 @@
 
 namespace rodwake::app {
 
-namespace {
-
-std::string value_entry(const MeasureKind& kind, const ValueInfo& value) {
-    nlohmann::ordered_json out = {{"measure", kind.name}, {"key", value.key}};
-    if (!value.title.empty())
-        out["title"] = value.title;
-    if (!value.is_text) {
-        out["unit"] = value.unit;
-        out["factor"] = value.factor;
-    }
-    out["meaning"] = value.meaning;
-    return json_text(out);
-}
-
-} // namespace
-
 std::string schema_json() {
     scene::SchemaList measures{"measures", {}};
     for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values)
-            measures.entries.push_back(value_entry(kind, value));
+        for (const ValueInfo& value : kind.values) {
+            nlohmann::ordered_json out = {{"measure", kind.name}, {"key", value.key}};
+            if (!value.title.empty())
+                out["title"] = value.title;
+            if (!value.is_text) {
+                out["unit"] = value.unit;
+                out["factor"] = value.factor;
+            }
+            out["meaning"] = value.meaning;
+            measures.entries.push_back(json_text(out));
+        }
     return scene::schema_json({&measures, 1});
 }
 

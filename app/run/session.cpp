@@ -31,18 +31,16 @@ std::string worst(const StageRecords& records) {
                : "finished";
 }
 
-/// The seed of everything random; 0 where nothing is.
-std::uint64_t used_seed(const RunContext& context, const scene::Scene& scene) {
+std::string provenance(const RunContext& context, const scene::Scene& scene, const StageRecords& records,
+                       double wall_seconds) {
+    // The seed is that of everything random, and 0 where nothing is.
     const std::uint64_t of_noise = scene.noise ? static_cast<std::uint64_t>(scene.noise->seed) : 0,
                         of_scan = scene.scan ? static_cast<std::uint64_t>(scene.scan->seed) : of_noise,
                         of_fit = scene.fit ? scene.fit->search.seed : of_scan;
-    return context.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : of_fit);
-}
-
-std::string provenance(const RunContext& context, const scene::Scene& scene, const StageRecords& records,
-                       double wall_seconds) {
     return store::provenance_json(
-        {context.command, scene.path, worst(records), used_seed(context, scene), wall_seconds, records});
+        {context.command, scene.path, worst(records),
+         context.seed.value_or(scene.granular ? static_cast<std::uint64_t>(scene.granular->seed) : of_fit),
+         wall_seconds, records});
 }
 
 /// The run folder, marked before the first other file: whatever fails afterwards, it can be taken over.
@@ -62,26 +60,6 @@ void write_medium(store::Hdf5Writer& results, const elastic::Medium& medium, con
     results.attribute("/medium", "nu", medium.nu());
     results.attribute("/medium", "alpha", 1.0 / medium.xi);
     results.attribute("/medium", "xi", medium.xi * units.length);
-}
-
-void write_header(store::Hdf5Writer& results, const scene::Scene& scene, const OutputUnits& units) {
-    results.attribute("/", "schema", std::int64_t{1});
-    results.attribute("/", "rodwake_version", build_info().version);
-    results.attribute("/", "title", scene.title);
-    const bool bed_only = (scene.granular || scene.tracks) && !scene.field && !scene.rods_run;
-    results.attribute("/", "units", bed_only ? "si" : units.system);
-    results.attribute("/", "length_unit", bed_only ? "m" : units.length_name);
-    results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
-    if (scene.medium && !scene.medium->fitted)
-        write_medium(results, {scene.medium->eta, scene.medium->xi}, units);
-    if (scene.medium && scene.medium->box()) {
-        const PeriodicBox box = *scene.medium->box() * units.length;
-        results.attribute("/medium", "periodic", box.x);
-        if (!box.square())
-            results.attribute("/medium", "periodic_y", box.y);
-    }
-    if (scene.coupling)
-        write_couplings(results, "/coupling", *scene.coupling, units);
 }
 
 } // namespace
@@ -119,7 +97,24 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
     for (const Stage stage : plan.stages)
         if (std::ranges::count(directory.kept(), stage) > 0)
             log->info("{}: done already", to_string(stage));
-    write_header(results, plan.scene, units);
+    results.attribute("/", "schema", std::int64_t{1});
+    results.attribute("/", "rodwake_version", build_info().version);
+    results.attribute("/", "title", plan.scene.title);
+    const bool bed_only =
+        (plan.scene.granular || plan.scene.tracks) && !plan.scene.field && !plan.scene.rods_run;
+    results.attribute("/", "units", bed_only ? "si" : units.system);
+    results.attribute("/", "length_unit", bed_only ? "m" : units.length_name);
+    results.attribute("/", "time_unit", bed_only ? "s" : units.time_name);
+    if (plan.scene.medium && !plan.scene.medium->fitted)
+        write_medium(results, {plan.scene.medium->eta, plan.scene.medium->xi}, units);
+    if (plan.scene.medium && plan.scene.medium->box()) {
+        const PeriodicBox box = *plan.scene.medium->box() * units.length;
+        results.attribute("/medium", "periodic", box.x);
+        if (!box.square())
+            results.attribute("/medium", "periodic_y", box.y);
+    }
+    if (plan.scene.coupling)
+        write_couplings(results, "/coupling", *plan.scene.coupling, units);
     take_kept();
 }
 

@@ -26,12 +26,6 @@ struct Root {
     bool of_fixed_point = false; ///< solved for without encounters
 };
 
-/// Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between the ends,
-/// to 5 % of their difference.
-bool is_smooth(double low, double middle, double high) {
-    return std::abs(middle - 0.5 * (low + high)) < 0.05 * std::abs(high - low);
-}
-
 /// Whether one end of the bracket is an orbit to which rods shrink without coming closer on the way, to 0.1
 /// %.
 bool ends_in_shrinking_orbit(const Bracket& bracket) {
@@ -189,7 +183,10 @@ Root correct(Encounters& encounters, Encounters& brief, Bracket bracket, double 
         if (touches && apart.closest < 2.0 * distance &&
             (one.ending == bracket.low.ending || one.ending == bracket.high.ending)) {
             const double gap_low = gap(bracket.low), gap_high = gap(bracket.high);
-            if (gap_low * gap_high < 0.0 && is_smooth(gap_low, gap(one), gap_high)) {
+            // Whether D - d_c is smooth over the bracket: at the middle it lies on the straight line between
+            // the ends, to 5 % of their difference.
+            if (gap_low * gap_high < 0.0 &&
+                (std::abs(gap(one) - 0.5 * (gap_low + gap_high)) < 0.05 * std::abs(gap_high - gap_low))) {
                 if (const auto root = graze(encounters, bracket, gap_low, gap_high, width))
                     return *root;
                 continue;

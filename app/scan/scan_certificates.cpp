@@ -59,29 +59,6 @@ bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan:
     return rods::all_end(pairs, static_cast<Ending>(leaf.outcome), {problem.run().rtol, problem.run().atol});
 }
 
-/// Cells whose corners are verified are so themselves, or their corners alone are: then they are checked.
-void verify_cells(const ScanPlan& plan, const scan::Lattice& lattice, const std::vector<scan::Leaf>& leaves,
-                  std::size_t threads, std::vector<Certificate>& cells) {
-    constexpr std::size_t at_once = 64;
-    parallel_for((leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {
-        PointProblem problem(plan);
-        for (std::size_t i = at_once * block; i < std::min(leaves.size(), at_once * (block + 1)); ++i)
-            try {
-                if (cells[i] == Certificate::verified && !is_uniform(problem, lattice, leaves[i]))
-                    cells[i] = Certificate::checked;
-            } catch (const InputError&) { // values that no point may have
-                cells[i] = Certificate::checked;
-            }
-    });
-}
-
-double area_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
-    double area = 1.0;
-    for (std::size_t k = 0; k < lattice.axes(); ++k)
-        area *= lattice.fraction(k, leaf.side);
-    return area;
-}
-
 } // namespace
 
 ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledger,
@@ -104,9 +81,25 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
     const scan::Lattice lattice(plan.design);
     for (const scan::Leaf& leaf : summary.leaves)
         found.cells.push_back(worst_corner(lattice, leaf, known));
-    verify_cells(plan, lattice, summary.leaves, threads, found.cells);
-    for (std::size_t i = 0; i < found.cells.size(); ++i)
-        found.area[static_cast<std::size_t>(found.cells[i])] += area_of(lattice, summary.leaves[i]);
+    // Cells whose corners are verified are so themselves, or their corners alone are: then they are checked.
+    constexpr std::size_t at_once = 64;
+    parallel_for((summary.leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {
+        PointProblem problem(plan);
+        for (std::size_t i = at_once * block; i < std::min(summary.leaves.size(), at_once * (block + 1)); ++i)
+            try {
+                if (found.cells[i] == Certificate::verified &&
+                    !is_uniform(problem, lattice, summary.leaves[i]))
+                    found.cells[i] = Certificate::checked;
+            } catch (const InputError&) { // values that no point may have
+                found.cells[i] = Certificate::checked;
+            }
+    });
+    for (std::size_t i = 0; i < found.cells.size(); ++i) {
+        double area = 1.0;
+        for (std::size_t k = 0; k < lattice.axes(); ++k)
+            area *= lattice.fraction(k, summary.leaves[i].side);
+        found.area[static_cast<std::size_t>(found.cells[i])] += area;
+    }
     return found;
 }
 

@@ -19,11 +19,6 @@ namespace rodwake::app {
 namespace {
 using nlohmann::ordered_json;
 
-const char* spacing_name(scan::Spacing spacing) {
-    static constexpr const char* names[] = {"linear", "log", "listed"};
-    return names[static_cast<std::size_t>(spacing)];
-}
-
 ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
     const scan::Axis& axis = plan.design.axes[number];
     const scene::KeyInfo info = scene::key_info(axis.name).value_or(scene::KeyInfo{});
@@ -34,13 +29,14 @@ ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
             keys.push_back(key.key);
             factors.push_back(key.factor);
         }
+    static constexpr const char* names[] = {"linear", "log", "listed"};
     ordered_json out = {{"key", axis.name},
                         {"keys", keys},
                         {"factors", factors},
                         {"symbol", info.symbol},
                         {"label", plan.labels[number]},
                         {"unit", si ? info.unit_si : info.unit_reduced},
-                        {"spacing", spacing_name(axis.spacing)},
+                        {"spacing", names[static_cast<std::size_t>(axis.spacing)]},
                         {"from", axis.from},
                         {"to", axis.to},
                         {"count", axis.count}};
@@ -62,25 +58,6 @@ ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
             {"tolerance", tolerance},
             {"evaluated", summary.traced},
             {"gaps", summary.lost_crossings}};
-}
-
-ordered_json rods_json(const ScanPlan& plan) {
-    const OutputUnits units = output_units(plan.base);
-    return {{"subject", "rods"},
-            {"rods", plan.base.rods.size()},
-            {"units", {{"length", units.length_name}, {"time", units.time_name}}}};
-}
-
-/// What is requested, evaluated and failed there are runs.
-ordered_json bed_json(const ScanPlan& plan) {
-    const scene::Granular& bed = *plan.base.granular;
-    const bool varied = std::ranges::count(plan.keys, "granular.bead_radius", &ScanPlan::VariedKey::key) > 0;
-    return {{"subject", "beds"},
-            {"rods", bed.rods.size()},
-            {"points", scan::places(plan.design)},
-            {"runs", plan.design.runs},
-            {"bead_radius", varied ? ordered_json(nullptr) : ordered_json(bed.bead_radius)},
-            {"units", {{"length", "a"}, {"time", "s"}}}};
 }
 
 template<class Number>
@@ -119,12 +96,25 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
     out["causes"] = counts.causes;
     out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
     if (of_beds(plan)) {
-        out.update(bed_json(plan));
+        // The numbers requested, evaluated and failed count runs.
+        const scene::Granular& bed = *plan.base.granular;
+        const bool varied =
+            std::ranges::count(plan.keys, "granular.bead_radius", &ScanPlan::VariedKey::key) > 0;
+        out.update(
+            ordered_json{{"subject", "beds"},
+                         {"rods", bed.rods.size()},
+                         {"points", scan::places(plan.design)},
+                         {"runs", plan.design.runs},
+                         {"bead_radius", varied ? ordered_json(nullptr) : ordered_json(bed.bead_radius)},
+                         {"units", {{"length", "a"}, {"time", "s"}}}});
     } else {
         out["certificates"] = by_certificate(certificates.points);
         out["certified_area"] =
             certificates.cells.empty() ? ordered_json(nullptr) : by_certificate(certificates.area);
-        out.update(rods_json(plan));
+        const OutputUnits units = output_units(plan.base);
+        out.update(ordered_json{{"subject", "rods"},
+                                {"rods", plan.base.rods.size()},
+                                {"units", {{"length", units.length_name}, {"time", units.time_name}}}});
     }
     return json_text(out, 2) + "\n";
 }
@@ -171,41 +161,6 @@ private:
     std::vector<scan::Result> rows_; ///< not written yet
 };
 
-/// scan.csv and scan.h5 in one pass over the ledger. A scan that was stopped has no time for trajectories.
-void write_all_points(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                      const scan::Ledger& ledger, bool complete, std::size_t threads) {
-    PointWriter writer(folder, plan, ledger.points(),
-                       complete ? static_cast<std::size_t>(keys.trajectories) : 0, threads);
-    ledger.for_each([&](const scan::Result& result) { writer.add(result); });
-    writer.finish();
-}
-
-void write_rod_results(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
-                       const scan::Ledger& ledger, const scan::Summary& summary,
-                       const std::vector<Certificate>& cells, std::size_t threads) {
-    write_all_points(folder, plan, keys, ledger, summary.complete, threads);
-    if (!summary.leaves.empty())
-        write_cells(folder / "cells.csv", plan, summary, cells);
-    if (!summary.curves.empty())
-        write_boundary(folder / "boundary.csv", plan, summary);
-}
-
-/// failures.csv: the points that failed, and why.
-void write_failures(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
-    std::string text = axis_names(plan) + ",status,retries,cause\n";
-    ledger.for_each([&](const scan::Result& result) {
-        if (result.ok())
-            return;
-        std::string cause; // quoted, as CSV does it
-        for (const char c : result.cause_text())
-            cause += c == '"' ? "\"\"" : std::string(1, c);
-        text +=
-            fmt::format("{}{},{},\"{}\"\n", place_text(plan, result.point),
-                        scan::status_names[static_cast<std::size_t>(result.status)], result.retries, cause);
-    });
-    store::write_atomically(file, text);
-}
-
 } // namespace
 
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
@@ -213,11 +168,33 @@ void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const
                 const ScanCertificates& certificates, double wall_seconds, std::size_t threads) {
     if (of_beds(plan))
         write_bed_results(folder, plan, ledger);
-    else
-        write_rod_results(folder, plan, keys, ledger, summary, certificates.cells, threads);
-    if (counts.failed > 0)
-        write_failures(folder / "failures.csv", plan, ledger);
-    else
+    else {
+        // scan.csv and scan.h5 in one pass over the ledger. A scan that was stopped has no time for
+        // trajectories.
+        PointWriter writer(folder, plan, ledger.points(),
+                           summary.complete ? static_cast<std::size_t>(keys.trajectories) : 0, threads);
+        ledger.for_each([&](const scan::Result& result) { writer.add(result); });
+        writer.finish();
+        if (!summary.leaves.empty())
+            write_cells(folder / "cells.csv", plan, summary, certificates.cells);
+        if (!summary.curves.empty())
+            write_boundary(folder / "boundary.csv", plan, summary);
+    }
+    if (counts.failed > 0) {
+        // failures.csv lists the points that failed, and why.
+        std::string text = axis_names(plan) + ",status,retries,cause\n";
+        ledger.for_each([&](const scan::Result& result) {
+            if (result.ok())
+                return;
+            std::string cause; // quoted, as CSV does it
+            for (const char c : result.cause_text())
+                cause += c == '"' ? "\"\"" : std::string(1, c);
+            text += fmt::format("{}{},{},\"{}\"\n", place_text(plan, result.point),
+                                scan::status_names[static_cast<std::size_t>(result.status)], result.retries,
+                                cause);
+        });
+        store::write_atomically(folder / "failures.csv", text);
+    } else
         std::filesystem::remove(folder / "failures.csv"); // of points that succeeded since
     // last: whoever finds it finds everything
     store::write_atomically(folder / "scan.json",
@@ -239,22 +216,19 @@ struct TableColumn {
 template<class Row>
 using TableColumns = std::vector<TableColumn<Row>>;
 
-void add_shares(TableColumns<PointMean>& columns, const ScanPlan& plan) {
-    for (std::size_t k = 0; k < plan.columns.outcomes.size(); ++k) {
-        const std::string& name = plan.columns.outcomes[k];
-        columns.push_back({name, [k](const PointMean& m) { return m.outcomes[k].value(); }});
-        columns.push_back({name + "_low", [k](const PointMean& m) { return m.outcomes[k].low(tail); }});
-        columns.push_back({name + "_high", [k](const PointMean& m) { return m.outcomes[k].high(tail); }});
-    }
-}
-
 /// What stands behind the status; `time` itself stands before it.
 TableColumns<PointMean> mean_columns(const ScanPlan& plan) {
     TableColumns<PointMean> columns = {
         {"runs", [](const PointMean& m) { return static_cast<double>(m.runs); }},
         {"failed_runs", [](const PointMean& m) { return static_cast<double>(m.failed); }}};
-    if (plan.columns.outcomes.size() > 1)
-        add_shares(columns, plan);
+    if (plan.columns.outcomes.size() > 1) {
+        for (std::size_t k = 0; k < plan.columns.outcomes.size(); ++k) {
+            const std::string& name = plan.columns.outcomes[k];
+            columns.push_back({name, [k](const PointMean& m) { return m.outcomes[k].value(); }});
+            columns.push_back({name + "_low", [k](const PointMean& m) { return m.outcomes[k].low(tail); }});
+            columns.push_back({name + "_high", [k](const PointMean& m) { return m.outcomes[k].high(tail); }});
+        }
+    }
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k) {
         const std::string& name = plan.columns.observables[k];
         if (k > 0)
@@ -293,31 +267,6 @@ std::string cells_of(const TableColumns<Row>& columns, const Row& row) {
 
 std::string status_text(scan::Status status) { return scan::status_names[static_cast<std::size_t>(status)]; }
 
-void write_means(const std::filesystem::path& file, const ScanPlan& plan,
-                 const std::vector<PointMean>& means) {
-    const TableColumns<PointMean> columns = mean_columns(plan);
-    std::string text = axis_names(plan) + ",outcome,time,status" + names_of(columns);
-    for (const PointMean& mean : means)
-        text += fmt::format("{}{},{},{}", place_text(plan, mean.point), outcome_text(plan, mean.outcome),
-                            number_text(mean.values.front().value), status_text(mean.status)) +
-                cells_of(columns, mean);
-    store::write_atomically(file, text);
-}
-
-void write_runs(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger) {
-    const TableColumns<Result> columns = run_columns(plan);
-    store::PendingFile pending(file);
-    pending.write(axis_names(plan) + ",point,run,outcome,time,status" + names_of(columns));
-    ledger.for_each([&](const Result& r) {
-        pending.write(fmt::format("{}{},{},{},{},{}", place_text(plan, r.point),
-                                  scan::place_of_run(r.point.id) + 1, scan::run_of(r.point.id) + 1,
-                                  outcome_text(plan, r.ok() ? r.outcome : -1),
-                                  r.ok() ? number_text(r.values[0]) : "", status_text(r.status)) +
-                      cells_of(columns, r));
-    });
-    pending.commit();
-}
-
 template<class Row>
 void write_group(store::Hdf5Writer& h5, const std::string& group, const ScanPlan& plan,
                  TableColumns<Row> columns, std::span<const Row> rows) {
@@ -339,9 +288,30 @@ void write_group(store::Hdf5Writer& h5, const std::string& group, const ScanPlan
     h5.attribute(group, "status_names", fmt::format("{}", fmt::join(scan::status_names, ",")));
 }
 
-void write_datasets(const std::filesystem::path& file, const ScanPlan& plan, const scan::Ledger& ledger,
-                    const std::vector<PointMean>& means) {
-    store::Hdf5Writer h5(file);
+} // namespace
+
+void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan,
+                       const scan::Ledger& ledger) {
+    const std::vector<PointMean> means = scan::means_of(ledger);
+    const TableColumns<PointMean> columns = mean_columns(plan);
+    std::string text = axis_names(plan) + ",outcome,time,status" + names_of(columns);
+    for (const PointMean& mean : means)
+        text += fmt::format("{}{},{},{}", place_text(plan, mean.point), outcome_text(plan, mean.outcome),
+                            number_text(mean.values.front().value), status_text(mean.status)) +
+                cells_of(columns, mean);
+    store::write_atomically(folder / "scan.csv", text);
+    const TableColumns<Result> of_runs = run_columns(plan);
+    store::PendingFile pending(folder / "scan_runs.csv");
+    pending.write(axis_names(plan) + ",point,run,outcome,time,status" + names_of(of_runs));
+    ledger.for_each([&](const Result& r) {
+        pending.write(fmt::format("{}{},{},{},{},{}", place_text(plan, r.point),
+                                  scan::place_of_run(r.point.id) + 1, scan::run_of(r.point.id) + 1,
+                                  outcome_text(plan, r.ok() ? r.outcome : -1),
+                                  r.ok() ? number_text(r.values[0]) : "", status_text(r.status)) +
+                      cells_of(of_runs, r));
+    });
+    pending.commit();
+    store::Hdf5Writer h5(folder / "scan.h5");
     TableColumns<PointMean> points = mean_columns(plan);
     points.push_back({"time", [](const PointMean& m) { return m.values.front().value; }});
     write_group<PointMean>(h5, "/points", plan, points, means);
@@ -355,16 +325,6 @@ void write_datasets(const std::filesystem::path& file, const ScanPlan& plan, con
         {"run", [](const Result& r) { return static_cast<double>(scan::run_of(r.point.id) + 1); }});
     write_group<Result>(h5, "/runs", plan, runs, all);
     h5.commit();
-}
-
-} // namespace
-
-void write_bed_results(const std::filesystem::path& folder, const ScanPlan& plan,
-                       const scan::Ledger& ledger) {
-    const std::vector<PointMean> means = scan::means_of(ledger);
-    write_means(folder / "scan.csv", plan, means);
-    write_runs(folder / "scan_runs.csv", plan, ledger);
-    write_datasets(folder / "scan.h5", plan, ledger, means);
 }
 
 } // namespace rodwake::app

@@ -45,15 +45,8 @@ scan::Execute executor_of(const Session& session, const ScanPlan& plan) {
     return scan::on_threads(evaluate, context.thread_count(), context.stop);
 }
 
-void merge_shares(const Session& session, scan::Ledger& ledger) {
-    const std::vector<fs::path> shares = shares_in(session.directory.path());
-    for (const fs::path& share : shares)
-        ledger.merge(share);
-    session.log->info("scan: {} shares taken over", shares.size());
-}
-
-/// Runs of beds whose files are gone are made again.
-void forget_lost(const Session& session, scan::Ledger& ledger) {
+void prepare(const Session& session, scan::Ledger& ledger) {
+    // Runs of beds whose files are gone are made again.
     const auto lost = session.directory.lost().find(to_string(Stage::scan));
     std::set<std::int64_t> ids;
     if (lost != session.directory.lost().end())
@@ -61,12 +54,12 @@ void forget_lost(const Session& session, scan::Ledger& ledger) {
             if (const auto id = bed_of(name))
                 ids.insert(*id);
     ledger.forget(std::vector(ids.begin(), ids.end()));
-}
-
-void prepare(const Session& session, scan::Ledger& ledger) {
-    forget_lost(session, ledger);
-    if (session.context.scan.merge)
-        merge_shares(session, ledger);
+    if (session.context.scan.merge) {
+        const std::vector<fs::path> shares = shares_in(session.directory.path());
+        for (const fs::path& share : shares)
+            ledger.merge(share);
+        session.log->info("scan: {} shares taken over", shares.size());
+    }
     if (session.context.scan.rerun_failed)
         session.log->info("scan: {} points that failed are evaluated again", ledger.forget_failed());
     if (ledger.damaged() > 0)

@@ -34,38 +34,15 @@ void append(std::string& text, double value) {
     text.append(digits.data(), end);
 }
 
-void append_axis(std::string& text, const scan::Axis& axis, double value) {
-    if (axis.words.empty())
-        append(text, value);
-    else
-        text += axis.words[static_cast<std::size_t>(value)];
-}
-
 void append_place(std::string& text, const ScanPlan& plan, const scan::Point& point) {
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
-        append_axis(text, plan.design.axes[k], values_of(plan.design, point)[k]);
-        text += ',';
-    }
-}
-
-/// "time" stands before the status, the others after it.
-void append_row(std::string& text, const ScanPlan& plan, const scan::Result& r) {
-    append_place(text, plan, r.point);
-    text += outcome_text(plan, r.ok() ? r.outcome : -1);
-    text += ',';
-    append(text, r.ok() ? r.values[0] : std::nan(""));
-    text += ',';
-    text += scan::status_names[static_cast<std::size_t>(r.status)];
-    for (std::size_t k = 1; k < plan.columns.observables.size(); ++k) {
-        text += ',';
-        if (plan.columns.observables[k] == certificate_column)
-            text += r.ok() ? to_string(static_cast<Certificate>(r.values[k])) : "";
+        const auto value = values_of(plan.design, point)[k];
+        if (plan.design.axes[k].words.empty())
+            append(text, value);
         else
-            append(text, r.ok() ? r.values[k] : std::nan(""));
+            text += plan.design.axes[k].words[static_cast<std::size_t>(value)];
+        text += ',';
     }
-    text += ',';
-    append(text, static_cast<double>(r.retries));
-    text += '\n';
 }
 
 std::string between(const ScanPlan& plan, const scan::Curve& curve) {
@@ -113,8 +90,26 @@ void PointTable::add(std::span<const scan::Result> results, std::size_t threads)
         const std::size_t first = block * rows_at_once;
         texts_[block].clear();
         for (const scan::Result& result :
-             results.subspan(first, std::min(rows_at_once, results.size() - first)))
-            append_row(texts_[block], plan_, result);
+             results.subspan(first, std::min(rows_at_once, results.size() - first))) {
+            // "time" stands before the status, the others after it.
+            std::string& text = texts_[block];
+            append_place(text, plan_, result.point);
+            text += outcome_text(plan_, result.ok() ? result.outcome : -1);
+            text += ',';
+            append(text, result.ok() ? result.values[0] : std::nan(""));
+            text += ',';
+            text += scan::status_names[static_cast<std::size_t>(result.status)];
+            for (std::size_t k = 1; k < plan_.columns.observables.size(); ++k) {
+                text += ',';
+                if (plan_.columns.observables[k] == certificate_column)
+                    text += result.ok() ? to_string(static_cast<Certificate>(result.values[k])) : "";
+                else
+                    append(text, result.ok() ? result.values[k] : std::nan(""));
+            }
+            text += ',';
+            append(text, static_cast<double>(result.retries));
+            text += '\n';
+        }
     });
     for (const std::string& text : texts_)
         pending_.write(text);

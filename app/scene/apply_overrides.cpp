@@ -13,13 +13,6 @@ namespace rodwake::scene {
 
 namespace {
 
-/// A word or phrase that is meant as a string; a broken array or quoted string is not.
-bool is_bare_string(const std::string& text) {
-    const bool starts_toml = text.empty() || std::string("\"'[{").find(text.front()) != std::string::npos;
-    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
-    return !starts_toml && std::none_of(text.begin(), text.end(), control);
-}
-
 /// A number that TOML writes otherwise: .5, 5., 99999999999999999999.
 std::optional<double> plain_number(const std::string& text) {
     double number = 0.0;
@@ -157,7 +150,10 @@ std::optional<Override> parse_override(const std::string& text, Diagnostics& dia
         return Override{path, *node, place};
     if (const auto number = plain_number(value))
         return Override{path, Node{place, *number}, place};
-    if (is_bare_string(value))
+    // A word or phrase that is meant as a string; a broken array or quoted string is not.
+    const bool starts_toml = value.empty() || std::string("\"'[{").find(value.front()) != std::string::npos;
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
+    if (!starts_toml && std::none_of(value.begin(), value.end(), control))
         return Override{path, Node{place, value}, place};
     diagnostics.add(place, path, "the value is not valid TOML: " + why);
     return std::nullopt;

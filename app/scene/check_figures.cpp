@@ -56,21 +56,6 @@ std::string list_of(std::vector<std::string> kinds) {
     return kinds.empty() ? "kind " + last : fmt::format("kinds {} and {}", comma_list(kinds), last);
 }
 
-void options(const Figure& figure, const std::string& path, const Report& report) {
-    for (const std::string& key : changed_keys(figure))
-        if (!has_key(figure, key))
-            report(path + "." + key, fmt::format("{} belongs to {} only", key, list_of(kinds_with(key))));
-    if (figure.component == "U" && figure.kind != "displacement_map" && has_key(figure, "component"))
-        report(path + ".component", "the size U belongs to kind displacement_map only: Ux or Uy");
-    if (has_key(figure, "colour") && !shows(figure, FigureSubject::scan) && figure.colour != "order" &&
-        figure.colour != "orientation")
-        report(path + ".colour", fmt::format("{}.colour = \"{}\": of kind {} it is order or orientation",
-                                             path, figure.colour, figure.kind));
-    if (figure.kind == "profile" && figure.sqrt_scaled && figure.along == "y")
-        report(path + ".sqrt_scaled",
-               "sqrt_scaled belongs to profiles along x: behind the rod U falls as |x|^(-1/2)");
-}
-
 void window(const std::vector<double>& range, const std::string& path, const Report& report) {
     if (range.size() == 2 && !(range[0] < range[1]))
         report(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
@@ -103,7 +88,18 @@ void check_figures(const Scene& scene, const Report& report) {
         const std::string path = fmt::format("figures.{}", i);
         window(figure.x, path + ".x", report);
         window(figure.y, path + ".y", report);
-        options(figure, path, report);
+        for (const std::string& key : changed_keys(figure))
+            if (!has_key(figure, key))
+                report(path + "." + key, fmt::format("{} belongs to {} only", key, list_of(kinds_with(key))));
+        if (figure.component == "U" && figure.kind != "displacement_map" && has_key(figure, "component"))
+            report(path + ".component", "the size U belongs to kind displacement_map only: Ux or Uy");
+        if (has_key(figure, "colour") && !shows(figure, FigureSubject::scan) && figure.colour != "order" &&
+            figure.colour != "orientation")
+            report(path + ".colour", fmt::format("{}.colour = \"{}\": of kind {} it is order or orientation",
+                                                 path, figure.colour, figure.kind));
+        if (figure.kind == "profile" && figure.sqrt_scaled && figure.along == "y")
+            report(path + ".sqrt_scaled",
+                   "sqrt_scaled belongs to profiles along x: behind the rod U falls as |x|^(-1/2)");
         const FigureKind* kind = find_figure_kind(figure.kind);
         if (!kind)
             continue;

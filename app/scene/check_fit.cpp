@@ -103,23 +103,6 @@ void bounds(const Fit& fit, const Report& report) {
                                name));
 }
 
-/// eta, xi and alpha stand in the default list: they are linear where their bounds do not allow more.
-void logarithms(const Fit& fit, const Report& report) {
-    for (std::size_t i = 0; i < fit.log.size(); ++i) {
-        const std::string& name = fit.log[i];
-        const std::string path = fmt::format("fit.log.{}", i);
-        if (contains(Fit{}.log, name))
-            continue;
-        if (!fit_is_free(fit, name))
-            report(path, fmt::format("{} is not among fit.parameters", name));
-        else if (!fit_in_log(fit, name))
-            report(path,
-                   fmt::format("a search in the logarithm of {0} needs bounds above 0: give fit.bounds.{0} = "
-                               "[low, high]",
-                               name));
-    }
-}
-
 void likelihood(const Fit& fit, const Report& report) {
     for (std::size_t i = 0; i < fit.likelihood.size(); ++i)
         if (!fit_is_free(fit, fit.likelihood[i]))
@@ -205,7 +188,20 @@ void check_fit(const Scene& scene, const Report& report) {
     roles(fit, report);
     values(fit, report);
     bounds(fit, report);
-    logarithms(fit, report);
+    // eta, xi and alpha stand in the default list: they are linear where their bounds do not allow more.
+    for (std::size_t i = 0; i < fit.log.size(); ++i) {
+        const std::string& name = fit.log[i];
+        const std::string path = fmt::format("fit.log.{}", i);
+        if (contains(Fit{}.log, name))
+            continue;
+        if (!fit_is_free(fit, name))
+            report(path, fmt::format("{} is not among fit.parameters", name));
+        else if (!fit_in_log(fit, name))
+            report(path,
+                   fmt::format("a search in the logarithm of {0} needs bounds above 0: give fit.bounds.{0} = "
+                               "[low, high]",
+                               name));
+    }
     likelihood(fit, report);
     compare(fit, report);
     check_fit_data(fit, report);
@@ -315,25 +311,6 @@ void noise(const Fit& fit, const Report& report) {
         report("fit.loss", "D_r and D_t can only be fitted with loss = \"squares\" (Gaussian errors)");
 }
 
-void model(const Fit& fit, const Report& report) {
-    const Fit unset;
-    const auto of_profiles = [&](bool given, const char* name) {
-        if (given && fit.profiles.empty())
-            report(std::string("fit.") + name,
-                   fmt::format("{} belongs to [[fit.profiles]]; there are none", name));
-    };
-    of_profiles(fit.core != unset.core, "core");
-    of_profiles(fit.independent_spacing.has_value() && fit.maps.empty(), "independent_spacing");
-    of_profiles(fit.heading != unset.heading, "heading");
-    if (fit.heading != unset.heading && !fit.box)
-        report("fit.heading", "heading is the angle of the rod to the sides of the periodic box: give "
-                              "fit.box, or leave heading out");
-    if (fit.search.loss_width != unset.search.loss_width && fit.search.loss == fitting::Loss::squares)
-        report("fit.loss_width", "loss_width belongs to loss = \"huber\" and \"cauchy\" only");
-    if (fit.length_unit.empty())
-        report("fit.length_unit", "length_unit must not be empty");
-}
-
 void trajectory(const FitTrajectory& t, const std::string& path, const Report& report) {
     if (t.sigma_position.has_value() != t.sigma_heading.has_value())
         report(path, "sigma_position and sigma_heading come together");
@@ -355,24 +332,27 @@ void check_fit_data(const Fit& fit, const Report& report) {
     wanted(fit, report);
     needed(fit, report);
     noise(fit, report);
-    model(fit, report);
+    const Fit unset;
+    const auto of_profiles = [&](bool given, const char* name) {
+        if (given && fit.profiles.empty())
+            report(std::string("fit.") + name,
+                   fmt::format("{} belongs to [[fit.profiles]]; there are none", name));
+    };
+    of_profiles(fit.core != unset.core, "core");
+    of_profiles(fit.independent_spacing.has_value() && fit.maps.empty(), "independent_spacing");
+    of_profiles(fit.heading != unset.heading, "heading");
+    if (fit.heading != unset.heading && !fit.box)
+        report("fit.heading", "heading is the angle of the rod to the sides of the periodic box: give "
+                              "fit.box, or leave heading out");
+    if (fit.search.loss_width != unset.search.loss_width && fit.search.loss == fitting::Loss::squares)
+        report("fit.loss_width", "loss_width belongs to loss = \"huber\" and \"cauchy\" only");
+    if (fit.length_unit.empty())
+        report("fit.length_unit", "length_unit must not be empty");
     for_each_table(fit.profiles, "fit.profiles", profile, report);
     for_each_table(fit.trajectories, "fit.trajectories", trajectory, report);
 }
 
 namespace {
-
-void belongs_to_maps(const Fit& fit, const Report& report) {
-    const Fit unset;
-    const auto only = [&](bool given, const char* name) {
-        if (given && fit.maps.empty())
-            report(std::string("fit.") + name,
-                   fmt::format("{} belongs to [[fit.maps]]; there are none", name));
-    };
-    only(fit.rod_length != unset.rod_length, "rod_length");
-    only(fit.source_width != unset.source_width, "source_width");
-    only(!fit.masks.empty(), "masks");
-}
 
 void needed_by_maps(const Fit& fit, const Report& report) {
     if (fit.maps.empty())
@@ -455,7 +435,15 @@ void map(const FitMap& item, const std::string& path, const Report& report) {
 void check_fit_maps(const Scene& scene, const Report& report) {
     const Fit& fit = *scene.fit;
     measured_by_run(scene, report);
-    belongs_to_maps(fit, report);
+    const Fit unset;
+    const auto only = [&](bool given, const char* name) {
+        if (given && fit.maps.empty())
+            report(std::string("fit.") + name,
+                   fmt::format("{} belongs to [[fit.maps]]; there are none", name));
+    };
+    only(fit.rod_length != unset.rod_length, "rod_length");
+    only(fit.source_width != unset.source_width, "source_width");
+    only(!fit.masks.empty(), "masks");
     needed_by_maps(fit, report);
     fixed_errors(fit, report);
     for_each_table(fit.masks, "fit.masks", mask, report);

@@ -14,34 +14,6 @@ namespace rodwake::scene {
 
 namespace {
 
-void random_start(const Scene& scene, const Report& report) {
-    const RandomRods& random = *scene.rods_random;
-    if (scene.medium && scene.medium->box() && random.extent > scene.medium->box()->shorter())
-        report(
-            "rods_random.extent",
-            fmt::format(
-                "rods_random.extent is {} f/mu, more than the periodic box of {}: rods would start on top of "
-                "each other's images",
-                random.extent, to_string(*scene.medium->box())));
-}
-
-/// What only the sums of the exact field on the plane offer.
-void sums(const Scene& scene, const Report& report) {
-    const RodsRun& run = *scene.rods_run;
-    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact;
-    const bool offered = exact && !(scene.medium && scene.medium->box());
-    const auto want_plane = [&](bool asked, const char* key) {
-        if (asked && !offered)
-            report(
-                std::string("rods_run.") + key,
-                fmt::format("rods_run.{} needs the exact field on the plane: leave it out, or medium.field "
-                            "(\"table\", \"dynamic\") and medium.periodic",
-                            key));
-    };
-    want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
-    want_plane(run.precision != elastic::Accuracy::full, "precision");
-}
-
 /// What bodies cannot be combined with, and where they start.
 void bodies(const Scene& scene, const Report& report) {
     const bool some_without = std::ranges::any_of(scene.rods, [](const Rod& rod) { return !rod.body; });
@@ -138,35 +110,53 @@ void order_of_rods(const Scene& scene, const Report& report) {
                                               *order.link, length, to_string(*box)));
 }
 
-/// What [rods_order] of a bed is made from.
-void rods_of_bed(const Scene& scene, const Report& report) {
-    const auto motile = std::ranges::count_if(scene.granular->rods, [](const GranularRod& rod) {
-        return rod.shape.kind == granular::RodKind::motile;
-    });
-    if (motile < 2)
-        report("rods_order", fmt::format("[rods_order] without [rods_run] analyses the motile rods of the "
-                                         "bed and needs at least 2; [[granular.rods]] has {}",
-                                         motile));
-    const bool foreign = scene.measure && !scene.measure->trajectory.empty();
-    if (!foreign && std::ranges::count(scene.granular->output.formats, "h5md") == 0)
-        report("rods_order", "[rods_order] of a bed is made from its frames: granular.output.formats must "
-                             "have \"h5md\"");
-}
-
 } // namespace
 
 void check_rods(const Scene& scene, const Report& report) {
     if (scene.rods_order && (scene.rods_run || scene.granular))
         order_of_rods(scene, report);
-    if (order_of_bed(scene))
-        rods_of_bed(scene, report);
+    if (order_of_bed(scene)) {
+        // [rods_order] of a bed is made from frames of its motile rods.
+        const auto motile = std::ranges::count_if(scene.granular->rods, [](const GranularRod& rod) {
+            return rod.shape.kind == granular::RodKind::motile;
+        });
+        if (motile < 2)
+            report("rods_order",
+                   fmt::format("[rods_order] without [rods_run] analyses the motile rods of the "
+                               "bed and needs at least 2; [[granular.rods]] has {}",
+                               motile));
+        const bool foreign = scene.measure && !scene.measure->trajectory.empty();
+        if (!foreign && std::ranges::count(scene.granular->output.formats, "h5md") == 0)
+            report("rods_order",
+                   "[rods_order] of a bed is made from its frames: granular.output.formats must "
+                   "have \"h5md\"");
+    }
     if (!scene.rods_run)
         return;
-    if (scene.rods_random)
-        random_start(scene, report);
+    if (scene.rods_random) {
+        const RandomRods& random = *scene.rods_random;
+        if (scene.medium && scene.medium->box() && random.extent > scene.medium->box()->shorter())
+            report("rods_random.extent", fmt::format("rods_random.extent is {} f/mu, more than the periodic "
+                                                     "box of {}: rods would start on top of "
+                                                     "each other's images",
+                                                     random.extent, to_string(*scene.medium->box())));
+    }
     if (bodies_of(scene).any())
         bodies(scene, report);
-    sums(scene, report);
+    // Only the sums of the exact field on the plane offer these.
+    const RodsRun& run = *scene.rods_run;
+    const bool exact = !scene.medium || scene.medium->field == FieldBackend::exact;
+    const bool offered = exact && !(scene.medium && scene.medium->box());
+    const auto want_plane = [&](bool asked, const char* key) {
+        if (asked && !offered)
+            report(
+                std::string("rods_run.") + key,
+                fmt::format("rods_run.{} needs the exact field on the plane: leave it out, or medium.field "
+                            "(\"table\", \"dynamic\") and medium.periodic",
+                            key));
+    };
+    want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
+    want_plane(run.precision != elastic::Accuracy::full, "precision");
     memory(scene, report);
     if (noisy(scene) || (scene.noise && scene.scan)) // whose points may have noise
         noise(scene, report);

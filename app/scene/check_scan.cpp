@@ -83,22 +83,6 @@ void check_axis(const Scene& scene, const ScanAxis& axis, const std::string& pat
         check_ends(axis, path, report);
 }
 
-/// Cells a side at the finest are those at the start, halved some times.
-void check_resolution(const Scan& scan, const ScanAxis& axis, const std::string& path, const Report& report) {
-    const bool halves = axis.count <= scan.resolution && scan.resolution % axis.count == 0 &&
-                        std::has_single_bit(static_cast<unsigned long>(scan.resolution / axis.count));
-    if (!halves)
-        report(path + ".count",
-               fmt::format("{}.count = {}: with design = \"adaptive\" cells are halved until there are "
-                           "scan.resolution = {} per side, which must be count times a power of two",
-                           path, axis.count, scan.resolution));
-    else if (axis.count != scan.axes.front().count)
-        report(path + ".count",
-               fmt::format(
-                   "{}.count = {}: with design = \"adaptive\" all axes need the same count; the first has {}",
-                   path, axis.count, scan.axes.front().count));
-}
-
 /// What an encounter ends with, or a group of it; "any" stands alone.
 void check_between(const Scan& scan, const Report& report) {
     if (scan.between == std::vector<std::string>{"any"})
@@ -208,35 +192,26 @@ void check_scanned_rods(const Scene& scene, const Report& report) {
                "which is faster than a table and not made for a measured or a dynamic field");
 }
 
-void check_beds(const Scene& scene, const Report& report) {
-    if (scene.scan->decide)
-        report("scan.decide", "scan.decide is for scans of rods: a bed runs for granular.duration");
-    if (scene.scan->design == ScanDesign::adaptive || scene.scan->design == ScanDesign::critical)
-        report(
-            "scan.design",
-            "scan.design = \"adaptive\" and \"critical\" follow where the outcome changes, and outcomes of "
-            "beds are random: take grid, list, lhs or sobol");
-    if (scene.granular->start == GranularStart::restart)
-        report("granular.start",
-               "[scan] of beds makes the start of each run anew: granular.start = lattice or random");
-}
-
-void check_subject(const Scene& scene, const Report& report) {
-    if (scan_subject(scene) == ScanSubject::beds)
-        check_beds(scene, report);
-    else
-        check_scanned_rods(scene, report);
-    if (!scene.variants.empty())
-        report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
-}
-
 } // namespace
 
 void check_scan(const Scene& scene, const Report& report) {
     if (!scene.scan)
         return;
     const Scan& scan = *scene.scan;
-    check_subject(scene, report);
+    if (scan_subject(scene) == ScanSubject::beds) {
+        if (scene.scan->decide)
+            report("scan.decide", "scan.decide is for scans of rods: a bed runs for granular.duration");
+        if (scene.scan->design == ScanDesign::adaptive || scene.scan->design == ScanDesign::critical)
+            report("scan.design", "scan.design = \"adaptive\" and \"critical\" follow where the outcome "
+                                  "changes, and outcomes of "
+                                  "beds are random: take grid, list, lhs or sobol");
+        if (scene.granular->start == GranularStart::restart)
+            report("granular.start",
+                   "[scan] of beds makes the start of each run anew: granular.start = lattice or random");
+    } else
+        check_scanned_rods(scene, report);
+    if (!scene.variants.empty())
+        report("scan", "[scan] and [[variants]] do not go together: make the variants an axis");
     check_design(scan, report);
     if (scan.design == ScanDesign::critical)
         check_critical(scene, report);
@@ -245,8 +220,22 @@ void check_scan(const Scene& scene, const Report& report) {
     for (std::size_t i = 0; i < scan.axes.size(); ++i) {
         const std::string path = fmt::format("scan.axes[{}]", i);
         check_axis(scene, scan.axes[i], path, report);
-        if (scan.design == ScanDesign::adaptive)
-            check_resolution(scan, scan.axes[i], path, report);
+        if (scan.design == ScanDesign::adaptive) {
+            // The finest cells are those at the start, halved some times.
+            const bool halves =
+                scan.axes[i].count <= scan.resolution && scan.resolution % scan.axes[i].count == 0 &&
+                std::has_single_bit(static_cast<unsigned long>(scan.resolution / scan.axes[i].count));
+            if (!halves)
+                report(
+                    path + ".count",
+                    fmt::format("{}.count = {}: with design = \"adaptive\" cells are halved until there are "
+                                "scan.resolution = {} per side, which must be count times a power of two",
+                                path, scan.axes[i].count, scan.resolution));
+            else if (scan.axes[i].count != scan.axes.front().count)
+                report(path + ".count", fmt::format("{}.count = {}: with design = \"adaptive\" all axes need "
+                                                    "the same count; the first has {}",
+                                                    path, scan.axes[i].count, scan.axes.front().count));
+        }
     }
 }
 

@@ -49,23 +49,6 @@ std::string table_text(const TableInfo& table) {
     return text;
 }
 
-std::string kind_text(const FigureKind& kind) {
-    std::string needs, quantities;
-    for (const FigureNeed& need : kind.needs)
-        needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
-    for (const auto& [name, need] : kind.quantities)
-        quantities += fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
-    return fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name, markdown_cell(kind.meaning), needs,
-                       quantities, comma_list(kind.files), comma_list(kind.keys));
-}
-
-std::string parameters_text() {
-    std::string text = "\n## Parameters of `[fit]`\n\n| name | meaning |\n|---|---|\n";
-    for (const FitParameter& parameter : fit_parameter_list())
-        text += fmt::format("| `{}` | {} |\n", parameter.name, parameter.meaning);
-    return text;
-}
-
 constexpr const char* introduction = R"md(# Scene reference
 
 Made by `rodwake info --scene-reference > docs/scene.md`; do not edit.
@@ -137,7 +120,10 @@ std::string scene_reference() {
     std::string text = introduction;
     for (const auto& table : documented())
         text += table_text(table);
-    return text + parameters_text();
+    std::string rows = "\n## Parameters of `[fit]`\n\n| name | meaning |\n|---|---|\n";
+    for (const FitParameter& parameter : fit_parameter_list())
+        rows += fmt::format("| `{}` | {} |\n", parameter.name, parameter.meaning);
+    return text + rows;
 }
 
 std::string figure_reference() {
@@ -152,8 +138,18 @@ std::string figure_reference() {
     for (const auto& [subject, title] : sections) {
         text += fmt::format(
             "\n## {}\n\n| kind | shows | needs | drawn from | keys |\n|---|---|---|---|---|\n", title);
-        for (const FigureKind& kind : figure_kinds())
-            text += kind.subject == subject ? kind_text(kind) : "";
+        for (const FigureKind& kind : figure_kinds()) {
+            std::string needs, quantities;
+            for (const FigureNeed& need : kind.needs)
+                needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
+            for (const auto& [name, need] : kind.quantities)
+                quantities +=
+                    fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
+            text += kind.subject == subject ? fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name,
+                                                          markdown_cell(kind.meaning), needs, quantities,
+                                                          comma_list(kind.files), comma_list(kind.keys))
+                                            : "";
+        }
     }
     return text;
 }

@@ -18,12 +18,6 @@ double bead_radius(const Scene& scene) {
     return !scene.granular && !scene.tracks && scene.scales ? scene.scales->bead_radius : bed_radius(scene);
 }
 
-/// What reduced units are in the numbers of rods.csv.
-Scales scales_of_tracks(const Scene& scene) {
-    const bool known = scene.units == UnitSystem::si && scene.scales;
-    return known ? *scene.scales : Scales{1.0, 1.0, bead_radius(scene)};
-}
-
 } // namespace
 
 void fields(Visitor& v, Scales& scales) {
@@ -118,7 +112,10 @@ void fields(Visitor& v, Scene& scene) {
                                "their `a`."),
             scene.measure);
     v.use_units(of_figures.fit);
-    const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)), scales_of_tracks(scene)};
+    // Numbers of rods.csv in reduced units go by these scales.
+    const bool known = scene.units == UnitSystem::si && scene.scales;
+    const FitUnits of_fit{of_figures.fit, si_units(bead_radius(scene)),
+                          known ? *scene.scales : Scales{1.0, 1.0, bead_radius(scene)}};
     v.table(key("fit").doc("What is fitted to measured profiles and tracks."), scene.fit,
             [&](Fit& fit) { fields(v, fit, of_fit); });
     if (scene.fit)

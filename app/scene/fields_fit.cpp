@@ -154,16 +154,6 @@ void unit_field(Visitor& v, Fit& fit) {
       fit.length_unit);
 }
 
-void report_fields(Visitor& v, Fit& fit) {
-    v(key("likelihood")
-          .one_of(fit_parameter_names())
-          .items(0, fit_parameter_names().size())
-          .doc("parameters whose 95 % interval is also taken from the profile likelihood")
-          .example("[\"eta\"]"),
-      fit.likelihood);
-    unit_field(v, fit);
-}
-
 /// What is in the file's numbers: those of [scales] where the rods of the scene are written in them.
 void scale_fields(Visitor& v, FitTrajectory& t, const Scales& scales) {
     std::optional<double> f_over_mu = t.f_over_mu, v0 = t.speed;
@@ -341,7 +331,13 @@ void fields(Visitor& v, Fit& fit, FitUnits units) {
     parameter_fields(v, fit);
     model_fields(v, fit);
     search_fields(v, fit.search);
-    report_fields(v, fit);
+    v(key("likelihood")
+          .one_of(fit_parameter_names())
+          .items(0, fit_parameter_names().size())
+          .doc("parameters whose 95 % interval is also taken from the profile likelihood")
+          .example("[\"eta\"]"),
+      fit.likelihood);
+    unit_field(v, fit);
     map_fields(v, fit);
     v.list(key("profiles").items(0, 100).doc("Measured displacement along a line."), fit.profiles,
            [&](FitProfile& profile) { fields(v, profile, units); });

@@ -196,18 +196,6 @@ void place_random_rods(Visitor& v, Granular& bed, const std::vector<GranularRod>
 
 constexpr KeyAlternative count_forms[] = {{"phi_b"}, {"beads"}, {"start_file"}};
 
-/// The beads are given in one of these ways; what an override drops is not given.
-void one_count(Visitor& v, Granular& bed) {
-    v.one_form(count_forms, [&bed](int form) {
-        if (form != 0)
-            bed.phi_b.reset();
-        if (form != 1)
-            bed.beads.reset();
-        if (form != 2)
-            bed.start_file.clear();
-    });
-}
-
 } // namespace
 
 void fields(Visitor& v, granular::Plates& plates) {
@@ -402,7 +390,15 @@ void fields(Visitor& v, Granular& bed) {
     v.use_units(si_units(bed.bead_radius));
     bead_fields(v, bed);
     start_fields(v, bed);
-    one_count(v, bed);
+    // The beads are given in one of these ways; what an override drops is not given.
+    v.one_form(count_forms, [&bed](int form) {
+        if (form != 0)
+            bed.phi_b.reset();
+        if (form != 1)
+            bed.beads.reset();
+        if (form != 2)
+            bed.start_file.clear();
+    });
     time_fields(v, bed);
     v.table(key("plates").doc("Floor z = A cos(2 pi f t), lid the same plus the gap. Absent: the defaults, "
                               "which are the paper's."),

@@ -47,23 +47,6 @@ void kind_fields(Visitor& v, granular::RodShape& rod) {
     });
 }
 
-void shape_fields(Visitor& v, granular::RodShape& rod) {
-    v(key("thin_diameter").unit(length).above(0.0, 1.0).doc("of the thin end or ends").example("\"0.8 mm\""),
-      rod.thin_diameter);
-    v(key("length").unit(length).above(0.0, 1.0).doc("end to end").example("\"4.5 mm\""), rod.length);
-    v(key("taper")
-          .doc("linear: radii fall evenly along the axis; stepwise: in equal pieces of constant radius")
-          .example("\"linear\""),
-      choice(rod.taper, {{"linear", Taper::linear}, {"stepwise", Taper::stepwise}}));
-    v(key("segments")
-          .within(1, 1000)
-          .written_if(rod.taper == Taper::stepwise)
-          .doc("pieces of a stepwise taper")
-          .example("4"),
-      rod.segments);
-    v(key("density").unit(density).above(0.0, 1e6).doc("mass density").example("8500.0"), rod.density);
-}
-
 } // namespace
 
 void fields(Visitor& v, GranularRod& rod) {
@@ -86,7 +69,20 @@ void fields(Visitor& v, GranularRod& rod) {
           .example("\"1 mm/s\""),
       rod.imposed_speed);
     kind_fields(v, rod.shape);
-    shape_fields(v, rod.shape);
+    v(key("thin_diameter").unit(length).above(0.0, 1.0).doc("of the thin end or ends").example("\"0.8 mm\""),
+      rod.shape.thin_diameter);
+    v(key("length").unit(length).above(0.0, 1.0).doc("end to end").example("\"4.5 mm\""), rod.shape.length);
+    v(key("taper")
+          .doc("linear: radii fall evenly along the axis; stepwise: in equal pieces of constant radius")
+          .example("\"linear\""),
+      choice(rod.shape.taper, {{"linear", Taper::linear}, {"stepwise", Taper::stepwise}}));
+    v(key("segments")
+          .within(1, 1000)
+          .written_if(rod.shape.taper == Taper::stepwise)
+          .doc("pieces of a stepwise taper")
+          .example("4"),
+      rod.shape.segments);
+    v(key("density").unit(density).above(0.0, 1e6).doc("mass density").example("8500.0"), rod.shape.density);
 }
 
 void fields(Visitor& v, RandomBedRods& random) {

@@ -267,23 +267,6 @@ void phonon_fields(Visitor& v, Measure& m) {
       m.inertia_error);
 }
 
-void heading_fields(Visitor& v, Measure& m) {
-    v(key("heading_lag_low")
-          .unit(time)
-          .above(0.0, 1e7)
-          .absent("a tenth of heading_lag_high")
-          .doc("heading_diffusion: shortest lag of the fits, longer than the rod rattles")
-          .example("\"0.2 s\""),
-      m.heading_lag_low);
-    v(key("heading_lag_high")
-          .unit(time)
-          .above(0.0, 1e7)
-          .absent("a quarter of block, or of what is measured if that is shorter")
-          .doc("heading_diffusion: longest lag; at most half of block")
-          .example("\"2 s\""),
-      m.heading_lag_high);
-}
-
 } // namespace
 
 void fields(Visitor& v, Measure& measure) {
@@ -293,7 +276,20 @@ void fields(Visitor& v, Measure& measure) {
     flow_fields(v, measure);
     displacement_fields(v, measure);
     phonon_fields(v, measure);
-    heading_fields(v, measure);
+    v(key("heading_lag_low")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("a tenth of heading_lag_high")
+          .doc("heading_diffusion: shortest lag of the fits, longer than the rod rattles")
+          .example("\"0.2 s\""),
+      measure.heading_lag_low);
+    v(key("heading_lag_high")
+          .unit(time)
+          .above(0.0, 1e7)
+          .absent("a quarter of block, or of what is measured if that is shorter")
+          .doc("heading_diffusion: longest lag; at most half of block")
+          .example("\"2 s\""),
+      measure.heading_lag_high);
 }
 
 } // namespace rodwake::scene

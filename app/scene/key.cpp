@@ -21,10 +21,6 @@ bool usable_as_file_name(const std::string& text) {
            std::all_of(text.begin(), text.end(), plain);
 }
 
-bool has_control_characters(const std::string& text) {
-    return std::any_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-}
-
 /// 1e+12 rather than 1000000000000.
 std::string bound(double value) {
     return std::abs(value) < 1e7 ? fmt::format("{}", value) : fmt::format("{:g}", value);
@@ -51,7 +47,8 @@ std::string Key::fault(double value) const {
 std::string Key::fault(const std::string& text) const {
     if (is_file_name && !usable_as_file_name(text))
         return "must be usable as a file name: letters, digits, _ - . and at most 64 of them";
-    return text.size() > max_text_bytes || has_control_characters(text)
+    return text.size() > max_text_bytes || std::any_of(text.begin(), text.end(),
+                                                       [](unsigned char c) { return c < 0x20 || c == 0x7F; })
                ? fmt::format("must be one line of at most {} bytes", max_text_bytes)
                : "";
 }

@@ -8,11 +8,6 @@ namespace rodwake::scene {
 
 namespace {
 
-bool is_bare(const std::string& key) {
-    const auto bare = [](unsigned char c) { return (c < 128 && std::isalnum(c)) || c == '_' || c == '-'; };
-    return !key.empty() && std::all_of(key.begin(), key.end(), bare);
-}
-
 template<class Range, class Text>
 std::string joined(const Range& range, Text text) {
     std::string out;
@@ -78,7 +73,10 @@ std::string in_quotes(std::string_view text) {
     return out + '"';
 }
 
-std::string key_text(const std::string& key) { return is_bare(key) ? key : in_quotes(key); }
+std::string key_text(const std::string& key) {
+    const auto bare = [](unsigned char c) { return (c < 128 && std::isalnum(c)) || c == '_' || c == '-'; };
+    return !key.empty() && std::all_of(key.begin(), key.end(), bare) ? key : in_quotes(key);
+}
 
 std::string to_inline(const Node& node) { return std::visit(InlineText{}, node.value); }
 

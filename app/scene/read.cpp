@@ -217,29 +217,6 @@ void check_models(const Node& root, const Scene& scene, Diagnostics& diagnostics
     }
 }
 
-void check_size(std::size_t bytes, const std::string& name) {
-    if (bytes > max_scene_bytes)
-        throw SceneError({{name, 0, 0, "",
-                           fmt::format("larger than {} MiB; a scene may have at most {} rods",
-                                       max_scene_bytes >> 20, max_rods)}});
-}
-
-std::string read_text(const std::filesystem::path& path) {
-    const auto fail = [&](const char* why) { throw SceneError({{path.string(), 0, 0, "", why}}); };
-    std::error_code error;
-    const auto type = std::filesystem::status(path, error).type();
-    if (type == std::filesystem::file_type::not_found)
-        fail("no such file");
-    if (type == std::filesystem::file_type::directory)
-        fail("is a directory, not a scene file");
-    std::ifstream in(path, std::ios::binary);
-    std::string text(max_scene_bytes + 1, '\0');
-    if (!in.is_open() || in.read(text.data(), static_cast<std::streamsize>(text.size())).bad())
-        fail("cannot be read");
-    text.resize(static_cast<std::size_t>(in.gcount()));
-    return text;
-}
-
 /// A setting's value if it is a single one, as TOML has it.
 std::optional<Value> single_value(const Node& node) {
     if (const auto* flag = node.as<bool>())
@@ -277,11 +254,26 @@ std::optional<Scene> with_values(Scene scene, const std::vector<std::string>& se
 } // namespace
 
 Scene read_scene(const std::filesystem::path& path, std::span<const std::string> overrides) {
-    return parse_scene(read_text(path), path.string(), overrides);
+    const auto fail = [&](const char* why) { throw SceneError({{path.string(), 0, 0, "", why}}); };
+    std::error_code error;
+    const auto type = std::filesystem::status(path, error).type();
+    if (type == std::filesystem::file_type::not_found)
+        fail("no such file");
+    if (type == std::filesystem::file_type::directory)
+        fail("is a directory, not a scene file");
+    std::ifstream in(path, std::ios::binary);
+    std::string text(max_scene_bytes + 1, '\0');
+    if (!in.is_open() || in.read(text.data(), static_cast<std::streamsize>(text.size())).bad())
+        fail("cannot be read");
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return parse_scene(text, path.string(), overrides);
 }
 
 Scene parse_scene(std::string_view text, std::string name, std::span<const std::string> overrides) {
-    check_size(text.size(), name);
+    if (text.size() > max_scene_bytes)
+        throw SceneError({{name, 0, 0, "",
+                           fmt::format("larger than {} MiB; a scene may have at most {} rods",
+                                       max_scene_bytes >> 20, max_rods)}});
     Diagnostics diagnostics;
     auto root = parse_toml(text, name, diagnostics);
     for (const auto& override_text : overrides)

@@ -9,25 +9,6 @@
 
 namespace rodwake::scene {
 
-namespace {
-
-/// Keys of the forms that the document gives.
-std::vector<GivenKey> given_keys(const Node& table, Forms forms) {
-    std::vector<GivenKey> given;
-    for (const auto name : names_of(forms))
-        if (const Entry* entry = table.find(name))
-            given.push_back({name, entry->value.place.overriding});
-    return given;
-}
-
-/// Whether the scene has more than granular tables, which are SI without [scales].
-bool has_reduced_tables(const Node& root) {
-    const std::vector<std::string> names{"medium", "coupling", "noise", "rods", "rods_run", "field"};
-    return std::any_of(names.begin(), names.end(), [&](const auto& name) { return root.find(name); });
-}
-
-} // namespace
-
 Reader::Reader(const Node& root, Diagnostics& diagnostics) : diagnostics_(diagnostics) {
     frames_.push_back({&root, "", "", {}});
 }
@@ -114,13 +95,21 @@ void Reader::use_units(const Units& units) {
             Scales{1.0, 1.0, units_.scales->bead_radius}; // wrong and reported: any stand-in will do
     const Node& table = *frames_.back().table;
     const Entry* system = table.find("units");
-    if (units_.system == UnitSystem::si && !units_.scales && system && has_reduced_tables(table))
+    // Granular tables are SI without [scales]; the other tables need them.
+    const std::vector<std::string> names{"medium", "coupling", "noise", "rods", "rods_run", "field"};
+    if (units_.system == UnitSystem::si && !units_.scales && system &&
+        std::any_of(names.begin(), names.end(), [&](const auto& name) { return table.find(name); }))
         missing_scales(system->value.place, "units", "units = \"si\"");
 }
 
 int Reader::form_given(Forms forms) {
     const Node& table = *frames_.back().table;
-    const auto names = effective_names(given_keys(table, forms), forms);
+    // The document gives these keys of the forms.
+    std::vector<GivenKey> given;
+    for (const auto name : names_of(forms))
+        if (const Entry* entry = table.find(name))
+            given.push_back({name, entry->value.place.overriding});
+    const auto names = effective_names(given, forms);
     const int form = matching_form(names, forms);
     if (names.empty())
         diagnostics_.add(table.place, frames_.back().path,

@@ -12,37 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json key_json(const KeyInfo& key) {
-    Json out = {{"table", key.table}, {"key", key.name}, {"type", key.type}};
-    if (!key.unit.empty())
-        out["unit"] = {{"reduced", key.unit_reduced}, {"si", key.unit_si}};
-    if (!key.symbol.empty())
-        out["symbol"] = key.symbol;
-    out["meaning"] = key.meaning;
-    out["legal"] = key.legal;
-    if (key.low && key.high)
-        out["range"] = {{key.is_low_legal ? "from" : "above", *key.low}, {"to", *key.high}};
-    if (!key.choices.empty())
-        out["choices"] = key.choices;
-    out["required"] = key.is_required;
-    if (!key.is_required)
-        out["default"] = key.default_value;
-    out["example"] = key.example;
-    return out;
-}
-
-Json kind_json(const FigureKind& kind) {
-    Json out = {{"kind", kind.name}, {"meaning", kind.meaning}, {"subject", to_string(kind.subject)}};
-    out["needs"] = Json::array();
-    for (const FigureNeed& need : kind.needs)
-        out["needs"].push_back(need.text);
-    for (const auto& [name, need] : kind.quantities)
-        out["quantities"][name] = need.text;
-    out["files"] = kind.files;
-    out["keys"] = kind.keys;
-    return out;
-}
-
 SchemaList list_of(const char* name, const Json& entries) {
     SchemaList list{name, {}};
     for (const Json& entry : entries)
@@ -57,11 +26,36 @@ std::string schema_json(std::span<const SchemaList> more) {
     for (const TableInfo& table : documented()) {
         if (!table.path.empty())
             tables.push_back({{"table", table.path}, {"meaning", table.meaning}});
-        for (const KeyInfo& key : table.keys)
-            keys.push_back(key_json(key));
+        for (const KeyInfo& key : table.keys) {
+            Json described = {{"table", key.table}, {"key", key.name}, {"type", key.type}};
+            if (!key.unit.empty())
+                described["unit"] = {{"reduced", key.unit_reduced}, {"si", key.unit_si}};
+            if (!key.symbol.empty())
+                described["symbol"] = key.symbol;
+            described["meaning"] = key.meaning;
+            described["legal"] = key.legal;
+            if (key.low && key.high)
+                described["range"] = {{key.is_low_legal ? "from" : "above", *key.low}, {"to", *key.high}};
+            if (!key.choices.empty())
+                described["choices"] = key.choices;
+            described["required"] = key.is_required;
+            if (!key.is_required)
+                described["default"] = key.default_value;
+            described["example"] = key.example;
+            keys.push_back(described);
+        }
     }
-    for (const FigureKind& kind : figure_kinds())
-        figures.push_back(kind_json(kind));
+    for (const FigureKind& kind : figure_kinds()) {
+        Json out = {{"kind", kind.name}, {"meaning", kind.meaning}, {"subject", to_string(kind.subject)}};
+        out["needs"] = Json::array();
+        for (const FigureNeed& need : kind.needs)
+            out["needs"].push_back(need.text);
+        for (const auto& [name, need] : kind.quantities)
+            out["quantities"][name] = need.text;
+        out["files"] = kind.files;
+        out["keys"] = kind.keys;
+        figures.push_back(out);
+    }
     for (const FitParameter& parameter : fit_parameter_list())
         parameters.push_back(
             {{"name", parameter.name}, {"symbol", parameter.symbol}, {"meaning", parameter.meaning}});

@@ -75,14 +75,6 @@ const UnitWord* find_word(const std::string& word, const Units& units) {
     return nullptr;
 }
 
-std::string known_words(Dimension dimension, const Units& units) {
-    std::string text;
-    for (const auto& unit : words)
-        if (unit.dimension == dimension && usable(unit, units))
-            text += (text.empty() ? "" : ", ") + std::string(unit.word);
-    return text;
-}
-
 double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
     switch (dimension) {
     case Dimension::length:
@@ -167,7 +159,10 @@ std::string si_unit(Dimension dimension) {
 Quantity parse_quantity(const std::string& text, Dimension dimension, const Units& units) {
     double number = 0.0;
     std::string word;
-    const std::string known = known_words(dimension, units);
+    std::string known;
+    for (const auto& unit : words)
+        if (unit.dimension == dimension && usable(unit, units))
+            known += (known.empty() ? "" : ", ") + std::string(unit.word);
     if (!split_quantity(text, number, word))
         return failure("a string must be a finite number and a unit: " + known);
     if (word.empty())

@@ -84,14 +84,16 @@ std::vector<double> scaled(std::vector<double> values, double by) {
     return values;
 }
 
-/// A column for each stored quantity, in the units of files; x varies fastest. Not set to zero before: on
-/// grids of millions of points that takes longer than the field, and hears no signal.
-Eigen::ArrayXXd evaluate_grid(const RodField& field, const std::vector<double>& x,
-                              const std::vector<double>& y, const OutputUnits& units,
-                              const RunContext& context) {
+void store_grid(Session& session, const RodField& field) {
+    const scene::Field& table = *session.plan.scene.field;
+    const OutputUnits& units = session.units;
+    const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
+    const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
+    // A column for each stored quantity, in the units of files; x varies fastest. Not set to zero before: on
+    // grids of millions of points that takes longer than the field, and hears no signal.
     Eigen::ArrayXXd values(x.size() * y.size(), std::size(quantities));
-    parallel_for(y.size(), context.thread_count(), [&](std::size_t row) {
-        for (std::size_t column = 0; column < x.size() && !context.stopped(); ++column) {
+    parallel_for(y.size(), session.context.thread_count(), [&](std::size_t row) {
+        for (std::size_t column = 0; column < x.size() && !session.context.stopped(); ++column) {
             const auto here =
                 field.at(x[column], y[row], {.displacement = true, .strain = true, .polar = true});
             const auto point = static_cast<Eigen::Index>(row * x.size() + column);
@@ -100,15 +102,6 @@ Eigen::ArrayXXd evaluate_grid(const RodField& field, const std::vector<double>& 
                     quantities[q].of(here) * factor(quantities[q].length_power, units);
         }
     });
-    return values;
-}
-
-void store_grid(Session& session, const RodField& field) {
-    const scene::Field& table = *session.plan.scene.field;
-    const OutputUnits& units = session.units;
-    const auto x = evenly_spaced(table.x[0], table.x[1], static_cast<std::size_t>(table.nx));
-    const auto y = evenly_spaced(table.y[0], table.y[1], static_cast<std::size_t>(table.ny));
-    const auto values = evaluate_grid(field, x, y, units, session.context);
     if (session.context.stopped())
         return; // part of a grid is no grid
     session.results.dataset("/field/grid/x", scaled(x, units.length), {x.size()}, units.length_name);

@@ -39,14 +39,6 @@ namespace {
 
 using rods::NoiseSums;
 
-/// What must be the same for the runs so far to count.
-std::string runs_key_of(const scene::Scene& scene, const std::string& field) {
-    const BuildInfo build = build_info();
-    // max_steps is no part of the stage's key, but of what makes a run fail
-    return build.version + " " + build.git + "\n" + stage_key(scene, Stage::rods) + "\n" + field +
-           fmt::format("\nmax_steps {}", scene.rods_run->max_steps);
-}
-
 /// What is in the journal of this problem: the sums of its last record, with the ends of all.
 NoiseSums sums_in(store::Journal& journal, const NoiseSums& none) {
     NoiseSums sums = none;
@@ -72,7 +64,14 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
     if (session.context.force)
         std::filesystem::remove(file);
     std::filesystem::create_directories(file.parent_path()); // of a variant
-    store::Journal journal(file, runs_key_of(plan.of.scene, field), store::Journal::OfAnother::replace);
+    // Runs count only while program, scene and field are the same.
+    const BuildInfo build = build_info();
+    // max_steps is no part of the stage's key, but of what makes a run fail
+    store::Journal journal(file,
+                           build.version + " " + build.git + "\n" + stage_key(plan.of.scene, Stage::rods) +
+                               "\n" + field +
+                               fmt::format("\nmax_steps {}", plan.of.scene.rods_run->max_steps),
+                           store::Journal::OfAnother::replace);
     sums = sums_in(journal, rods::no_runs(problem));
     if (!sums.ends.empty())
         session.log->info("noise{}: resuming from run {}", plan.of.suffix(), sums.ends.size());
@@ -119,30 +118,6 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
 namespace {
 using rods::NoisyEnd;
 
-EndingCounts endings_of(const NoiseSums& sums) {
-    EndingCounts counts;
-    for (const NoisyEnd& end : sums.ends)
-        if (end.failed)
-            ++counts.failed;
-        else
-            counts.add(end.ending);
-    return counts;
-}
-
-FirstContact first_contact(const NoiseSums& sums, const OutputUnits& units) {
-    std::vector<double> times;
-    for (const NoisyEnd& end : sums.ends)
-        if (!end.failed && end.ending == Ending::contact)
-            times.push_back(end.time * units.time);
-    const Estimate mean = mean_of(times);
-    FirstContact contact;
-    contact.error = mean.error;
-    contact.runs = times.size();
-    if (!times.empty())
-        contact.mean = mean.value;
-    return contact;
-}
-
 void add_capture(NoiseReport& report, const NoiseSums& sums, std::size_t rods) {
     const scan::Proportion of = captured(sums, rods);
     if (of.of == 0) // a single rod captures none
@@ -186,8 +161,21 @@ std::string noise_json(const NoiseSums& sums, const NoisePlan& plan, const rods:
     NoiseReport report;
     report.runs = sums.ends.size();
     add_capture(report, sums, rods);
-    report.endings = endings_of(sums);
-    report.first_contact_time = first_contact(sums, units);
+    for (const NoisyEnd& end : sums.ends)
+        if (end.failed)
+            ++report.endings.failed;
+        else
+            report.endings.add(end.ending);
+    std::vector<double> times;
+    for (const NoisyEnd& end : sums.ends)
+        if (!end.failed && end.ending == Ending::contact)
+            times.push_back(end.time * units.time);
+    const Estimate mean = mean_of(times);
+    FirstContact& contact = report.first_contact_time;
+    contact.error = mean.error;
+    contact.runs = times.size();
+    if (!times.empty())
+        contact.mean = mean.value;
     if (!sums.failure.empty())
         report.failure = sums.failure;
     report.rotational_diffusion = plan.noise.rotational / units.time;

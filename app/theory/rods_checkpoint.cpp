@@ -74,21 +74,6 @@ integrate::Statistics statistics_of(const json& n) {
             n.at(4).get<long>(), n.at(5).get<long>(), n.at(6).get<double>()};
 }
 
-bool well_formed(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene) {
-    const std::size_t rods = scene.rods.size(), size = 3 * rods;
-    const bool dynamic = scene.medium && scene.medium->is_dynamic();
-    bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
-                                                    : rods::state_size(scene.rods_run->form, rods)) &&
-                checkpoint.headings.size() == rods &&
-                checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1 &&
-                checkpoint.time >= 0.0 && checkpoint.time <= scene.rods_run->t_end &&
-                std::max(checkpoint.record.smallest.first, checkpoint.record.smallest.second) <
-                    std::max<std::size_t>(rods, 1);
-    for (const auto& output : checkpoint.outputs)
-        good = good && output.size() == size;
-    return good;
-}
-
 } // namespace
 
 std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
@@ -116,7 +101,18 @@ std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& 
                                          value.at("outputs").get<std::vector<std::vector<double>>>(),
                                          record_of(value.at("record")),
                                          statistics_of(value.at("statistics"))};
-    return well_formed(checkpoint, scene) ? std::optional(checkpoint) : std::nullopt;
+    const std::size_t rods = scene.rods.size(), size = 3 * rods;
+    const bool dynamic = scene.medium && scene.medium->is_dynamic();
+    bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
+                                                    : rods::state_size(scene.rods_run->form, rods)) &&
+                checkpoint.headings.size() == rods &&
+                checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1 &&
+                checkpoint.time >= 0.0 && checkpoint.time <= scene.rods_run->t_end &&
+                std::max(checkpoint.record.smallest.first, checkpoint.record.smallest.second) <
+                    std::max<std::size_t>(rods, 1);
+    for (const auto& output : checkpoint.outputs)
+        good = good && output.size() == size;
+    return good ? std::optional(checkpoint) : std::nullopt;
 } catch (const json::exception&) {
     return std::nullopt;
 }

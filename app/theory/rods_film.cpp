@@ -15,11 +15,6 @@ namespace {
 
 constexpr const char* log_name = "medium_film.log";
 
-std::size_t frames_until(const medium::DynamicMedium& medium, double t_end, double time) {
-    const std::vector<double> times = medium::film_times(medium, t_end);
-    return static_cast<std::size_t>(std::ranges::upper_bound(times, time) - times.begin());
-}
-
 void write_header(store::Hdf5Writer& file, const RodsPlan& plan, const OutputUnits& units,
                   const std::string& command) {
     const medium::DynamicMedium medium = plan.of.scene.medium->memory();
@@ -36,16 +31,6 @@ void write_header(store::Hdf5Writer& file, const RodsPlan& plan, const OutputUni
                        : "displacement u of the medium, of all rods; each feels u less its own");
     file.attribute("/", "box", medium.box * units.length);
     file.attribute("/", "force_width", medium.force_width * units.length);
-}
-
-/// The points of the grid along x, the same along y.
-std::vector<double> grid_places(const medium::DynamicMedium& medium, double length) {
-    const medium::FieldGrid grid(medium.film_grid);
-    std::vector<double> positions;
-    positions.reserve(grid.points());
-    for (std::size_t i = 0; i < grid.points(); ++i)
-        positions.push_back(grid.place(i, medium.box) * length);
-    return positions;
 }
 
 std::vector<double> scaled(std::span<const double> values, double by) {
@@ -71,7 +56,8 @@ RodsFilm::RodsFilm(std::filesystem::path folder, const RodsPlan& plan, double ke
       rods_(plan.problem.rods.size()), size_(medium::film_frame_size(medium_, rods_)),
       log_(folder_ / log_name, fmt::format("film, {} numbers", size_),
            kept_until < 0.0 ? store::Journal::OfAnother::replace : store::Journal::OfAnother::refuse) {
-    log_.keep(frames_until(medium_, plan.problem.t_end, kept_until));
+    const std::vector<double> times = medium::film_times(medium_, plan.problem.t_end);
+    log_.keep(static_cast<std::size_t>(std::ranges::upper_bound(times, kept_until) - times.begin()));
 }
 
 void RodsFilm::add(const medium::FilmFrame& frame) {
@@ -85,7 +71,12 @@ void RodsFilm::add(const medium::FilmFrame& frame) {
 void RodsFilm::write(const OutputUnits& units, const std::string& command) {
     store::Hdf5Writer file(folder_ / "medium_film.h5");
     write_header(file, plan_, units, command);
-    const std::vector<double> positions = grid_places(medium_, units.length);
+    // The points of the grid along y are the same as along x.
+    const medium::FieldGrid grid(medium_.film_grid);
+    std::vector<double> positions;
+    positions.reserve(grid.points());
+    for (std::size_t i = 0; i < grid.points(); ++i)
+        positions.push_back(grid.place(i, medium_.box) * units.length);
     file.dataset("/x", positions, {positions.size()}, units.length_name);
     file.dataset("/y", positions, {positions.size()}, units.length_name);
     const std::size_t frames = log_.size(), side = medium_.film_grid, points = side * side;

@@ -127,30 +127,6 @@ struct TrajectoryTables {
     std::vector<std::vector<PoseRow>> rods; ///< [rod][time]
 };
 
-TrajectoryTables trajectory(const rods::RodResult& result, std::size_t rods, const OutputUnits& units) {
-    TrajectoryTables path{{}, std::vector<std::vector<PoseRow>>(rods)};
-    const auto add = [&](double time, const std::vector<double>& state) {
-        path.times.push_back({time * units.time});
-        for (std::size_t rod = 0; rod < rods; ++rod)
-            path.rods[rod].push_back(
-                {state[3 * rod] * units.length, state[3 * rod + 1] * units.length, state[3 * rod + 2]});
-    };
-    const integrate::Solution& solution = result.solution;
-    for (std::size_t i = 0; i < solution.times.size(); ++i)
-        add(solution.times[i], solution.states[i]);
-    if (solution.times.empty() || solution.final_time > solution.times.back())
-        add(solution.final_time, solution.final_state);
-    return path;
-}
-
-std::string rods_csv(const TrajectoryTables& path) {
-    RecordTable table;
-    table.add(path.times);
-    for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
-        table.add(path.rods[rod], std::to_string(rod));
-    return table.csv();
-}
-
 /// Datasets t [T] and x, y, theta [T][N].
 void store_trajectory(Session& session, const std::string& group, const TrajectoryTables& path) {
     const auto put = [&](const auto& field, const std::vector<double>& values,
@@ -200,12 +176,27 @@ void store_attributes(Session& session, const Work& work, const std::string& gro
 
 void store(Session& session, Work& work, std::int64_t order) {
     const std::size_t rods = work.of().scene.rods.size();
-    const TrajectoryTables path = trajectory(work.result, rods, session.units);
+    TrajectoryTables path{{}, std::vector<std::vector<PoseRow>>(rods)};
+    const auto add = [&](double time, const std::vector<double>& state) {
+        path.times.push_back({time * session.units.time});
+        for (std::size_t rod = 0; rod < rods; ++rod)
+            path.rods[rod].push_back({state[3 * rod] * session.units.length,
+                                      state[3 * rod + 1] * session.units.length, state[3 * rod + 2]});
+    };
+    const integrate::Solution& solution = work.result.solution;
+    for (std::size_t i = 0; i < solution.times.size(); ++i)
+        add(solution.times[i], solution.states[i]);
+    if (solution.times.empty() || solution.final_time > solution.times.back())
+        add(solution.final_time, solution.final_state);
     const std::string group = "/rods/" + work.of().name;
     store_trajectory(session, group, path);
     store_bodies(session.results, group, work.problem, session.units);
     store_attributes(session, work, group, order);
-    session.directory.write(work.of().folder + "rods.csv", rods_csv(path));
+    RecordTable table;
+    table.add(path.times);
+    for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
+        table.add(path.rods[rod], std::to_string(rod));
+    session.directory.write(work.of().folder + "rods.csv", table.csv());
     std::optional<DrawnReport> drawn;
     if (!work.samples.empty())
         drawn = drawn_report(work.samples, work.problem.box, session.units);

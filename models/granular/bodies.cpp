@@ -32,16 +32,6 @@ void unpack(const Rows& rows, std::vector<double>& x, std::vector<double>& y, st
     }
 }
 
-void add_rod(Bodies& bodies, const RodSpec& spec, const RodBody& body) {
-    const auto index = static_cast<std::uint32_t>(bodies.rods.size());
-    bodies.rods.emplace_back(spec, body);
-    bodies.first_sphere.push_back(bodies.radius.size());
-    for (const double radius : bodies.rods.back().clump().radius) {
-        bodies.radius.push_back(radius);
-        bodies.rod_of.push_back(index);
-    }
-}
-
 /// Whole rows, four numbers at a time: they are looked at every few steps.
 Eigen::Map<const Eigen::Array4Xd> bead_velocities(const Bodies& bodies) {
     return {bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads)};
@@ -138,8 +128,15 @@ Bodies make_bodies(const GranularProblem& problem, const State& state) {
     bodies.position = packed(b.x, b.y, b.z, radius);
     bodies.velocity = packed(b.vx, b.vy, b.vz, [](std::size_t) { return 0.0; });
     bodies.spin = packed(b.wx, b.wy, b.wz, mass);
-    for (std::size_t i = 0; i < state.rods.size(); ++i)
-        add_rod(bodies, problem.rods[i], state.rods[i]);
+    for (std::size_t i = 0; i < state.rods.size(); ++i) {
+        const auto index = static_cast<std::uint32_t>(bodies.rods.size());
+        bodies.rods.emplace_back(problem.rods[i], state.rods[i]);
+        bodies.first_sphere.push_back(bodies.radius.size());
+        for (const double sphere : bodies.rods.back().clump().radius) {
+            bodies.radius.push_back(sphere);
+            bodies.rod_of.push_back(index);
+        }
+    }
     bodies.position.resize(4 * bodies.spheres(), 0.0);
     for (std::size_t k = bodies.beads; k < bodies.spheres(); ++k)
         bodies.position[4 * k + 3] = bodies.radius[k];

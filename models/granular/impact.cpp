@@ -20,17 +20,6 @@ ContactTerms terms_of(const Eigen::Matrix3d& inverse_mass, const Surface& surfac
                         surface);
 }
 
-ImpactProgress start_of(const Eigen::Vector3d& velocity) {
-    constexpr double fastest =
-        1e150; // slip this fast keeps direction and speed to rounding; squares are finite
-    ImpactProgress start;
-    const double speed = velocity.head<2>().norm();
-    if (speed > 0.0)
-        start.direction = velocity.head<2>() / speed;
-    start.speed = std::min(speed / -velocity.z(), fastest);
-    return start;
-}
-
 } // namespace
 
 Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d& velocity,
@@ -40,7 +29,13 @@ Impact stronge_impact(const Eigen::Matrix3d& inverse_mass, const Eigen::Vector3d
     const double unit = -velocity.z() / inverse_mass(2, 2);
     if (surface.friction == 0.0)
         return impact_of(inverse_mass, velocity, {0.0, 0.0, (1.0 + surface.restitution) * unit});
-    ImpactProgress at = start_of(velocity);
+    constexpr double fastest =
+        1e150; // slip this fast keeps direction and speed to rounding; squares are finite
+    ImpactProgress at;
+    const double speed = velocity.head<2>().norm();
+    if (speed > 0.0)
+        at.direction = velocity.head<2>() / speed;
+    at.speed = std::min(speed / -velocity.z(), fastest);
     follow_impact(terms_of(inverse_mass, surface), at);
     return impact_of(
         inverse_mass, velocity,

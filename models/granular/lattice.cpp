@@ -40,15 +40,6 @@ double largest_stretch(const Matrix2d& f) {
                   repeatable::length(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1)));
 }
 
-double shortest_vector(const Matrix2d& lattice) {
-    double shortest = std::numeric_limits<double>::infinity();
-    for (int i = -3; i <= 3; ++i)
-        for (int j = -3; j <= 3; ++j)
-            if (i != 0 || j != 0)
-                shortest = std::min(shortest, product(lattice, Eigen::Vector2d(i, j)).norm());
-    return shortest;
-}
-
 /// The lattice with these box edges; its vectors are the columns of box N^-1, N = (m1 m2; n1 n2).
 LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     LatticeFit fit{m1, n1, m2, n2};
@@ -58,7 +49,11 @@ LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     lattice.row(0) *= box.x / static_cast<double>(fit.sites);
     lattice.row(1) *= box.y / static_cast<double>(fit.sites);
     fit.orientation = repeatable::atan2(lattice(1, 0), lattice(0, 0));
-    fit.spacing = shortest_vector(lattice);
+    fit.spacing = std::numeric_limits<double>::infinity();
+    for (int i = -3; i <= 3; ++i)
+        for (int j = -3; j <= 3; ++j)
+            if (i != 0 || j != 0)
+                fit.spacing = std::min(fit.spacing, product(lattice, Eigen::Vector2d(i, j)).norm());
     const Matrix2d perfect =
         perfect_lattice(perfect_spacing(box, static_cast<double>(fit.sites)), fit.orientation);
     fit.strain = largest_stretch(product(lattice, Matrix2d(perfect.inverse()))) - 1.0;

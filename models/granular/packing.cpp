@@ -208,25 +208,6 @@ double cover(double x, double y, double bead, const Room& room) {
     return overlap({{x, y, bead}}, room.rods, room.box);
 }
 
-/// Sites in the order in which they are given up: covered ones by depth, the others at random.
-std::vector<std::size_t> by_vacancy(const std::vector<Eigen::Vector2d>& sites,
-                                    const std::vector<double>& radius, const GranularProblem& problem,
-                                    const Room& room, std::uint32_t run) {
-    std::vector<double> rank(sites.size());
-    for (std::size_t k = 0; k < sites.size(); ++k) {
-        const double bead = radius.empty() ? room.radius : radius[k],
-                     depth = room.rods.empty()
-                                 ? -1.0
-                                 : cover(sites[k].x(), sites[k].y(), bead, room) / room.box.shorter();
-        rank[k] = depth > 0.0 ? depth : -stream_for(Purpose::vacancy, problem.seed, run, k).uniform();
-    }
-    std::vector<std::size_t> order(sites.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return rank[a] > rank[b]; });
-    return order;
-}
-
 /// As dense between the rods as the beads are to be: sites for the beads, and for the area that the rods
 /// take.
 long sites_needed(const GranularProblem& problem, const Room& room) {
@@ -295,7 +276,19 @@ void BeadPositions::add(double to_x, double to_y, double to_z, double of_radius,
 std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
                                     const std::vector<double>& radius, const GranularProblem& problem,
                                     const Room& room, std::uint32_t run) {
-    const auto order = by_vacancy(sites, radius, problem, room, run);
+    // Sites in the order in which they are given up: covered ones by depth, the others at random.
+    std::vector<double> rank(sites.size());
+    for (std::size_t k = 0; k < sites.size(); ++k) {
+        const double bead = radius.empty() ? room.radius : radius[k],
+                     depth = room.rods.empty()
+                                 ? -1.0
+                                 : cover(sites[k].x(), sites[k].y(), bead, room) / room.box.shorter();
+        rank[k] = depth > 0.0 ? depth : -stream_for(Purpose::vacancy, problem.seed, run, k).uniform();
+    }
+    std::vector<std::size_t> order(sites.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rank[a] > rank[b]; });
     std::vector<std::size_t> kept(order.end() - static_cast<std::ptrdiff_t>(problem.beads), order.end());
     std::sort(kept.begin(), kept.end());
     return kept;
@@ -363,17 +356,6 @@ double square_in_plan(double dx, double dy, const PeriodicBox& box) {
     return dx * dx + dy * dy;
 }
 
-/// In an order that decides how beads are moved apart: that of the cells.
-void bead_pairs(const CellList& cells, const std::vector<double>& radius, const PeriodicBox& box, double skin,
-                std::vector<NearPair>& pairs) {
-    const auto &x = cells.x(), &y = cells.y();
-    cells.pairs([&](std::size_t p, std::size_t q) {
-        const double range = radius[p] + radius[q] + skin;
-        if (square_in_plan(x[p] - x[q], y[p] - y[q], box) < range * range)
-            pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q)});
-    });
-}
-
 /// Cells along one side that a disc may reach into.
 struct Span {
     std::ptrdiff_t first, count;
@@ -386,24 +368,6 @@ Span span_of(std::size_t at, std::size_t cells, double range_in_cells) {
     return {static_cast<std::ptrdiff_t>(at) - count / 2, count};
 }
 
-void rod_pairs(const CellList& cells, const std::vector<double>& radius, const Room& room, double skin,
-               std::vector<NearPair>& pairs) {
-    const double largest = radius.empty() ? 0.0 : std::ranges::max(radius);
-    for (std::size_t k = 0; k < room.rods.size(); ++k) {
-        const Disc& disc = room.rods[k];
-        const double range = disc.radius + largest + skin;
-        const Span columns = span_of(cells.column(disc.x), cells.columns(), range / cells.width()),
-                   rows = span_of(cells.row(disc.y), cells.rows(), range / cells.height());
-        for (std::ptrdiff_t i = 0; i < columns.count; ++i)
-            for (std::ptrdiff_t j = 0; j < rows.count; ++j)
-                cells.in_cell(columns.first + i, rows.first + j, [&](std::size_t p) {
-                    const double near = disc.radius + radius[p] + skin;
-                    if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) < near * near)
-                        pairs.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(k)});
-                });
-    }
-}
-
 } // namespace
 
 NeighbourPairs neighbours(const BeadPositions& places, const Room& room, double skin) {
@@ -414,8 +378,26 @@ NeighbourPairs neighbours(const BeadPositions& places, const Room& room, double 
     std::vector<double> radius; // in the order of the cells
     for (const std::uint32_t i : found.order)
         radius.push_back(places.radius[i]);
-    bead_pairs(cells, radius, room.box, skin, found.beads);
-    rod_pairs(cells, radius, room, skin, found.rods);
+    // In an order that decides how beads are moved apart: that of the cells.
+    const auto &x = cells.x(), &y = cells.y();
+    cells.pairs([&](std::size_t p, std::size_t q) {
+        const double range = radius[p] + radius[q] + skin;
+        if (square_in_plan(x[p] - x[q], y[p] - y[q], room.box) < range * range)
+            found.beads.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q)});
+    });
+    for (std::size_t k = 0; k < room.rods.size(); ++k) {
+        const Disc& disc = room.rods[k];
+        const double range = disc.radius + largest + skin;
+        const Span columns = span_of(cells.column(disc.x), cells.columns(), range / cells.width()),
+                   rows = span_of(cells.row(disc.y), cells.rows(), range / cells.height());
+        for (std::ptrdiff_t i = 0; i < columns.count; ++i)
+            for (std::ptrdiff_t j = 0; j < rows.count; ++j)
+                cells.in_cell(columns.first + i, rows.first + j, [&](std::size_t p) {
+                    const double near = disc.radius + radius[p] + skin;
+                    if (square_in_plan(cells.x()[p] - disc.x, cells.y()[p] - disc.y, room.box) < near * near)
+                        found.rods.push_back({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(k)});
+                });
+    }
     return found;
 }
 

@@ -27,39 +27,6 @@ void check_surface(std::string_view pair, const Surface& surface, Checks& checks
                   fmt::format("{} restitution", pair), surface.restitution, "between 0 and 1");
 }
 
-void check_plates(const GranularProblem& problem, Checks& checks) {
-    const Plates& plates = problem.plates;
-    checks.positive("gap", plates.gap);
-    checks.positive("frequency", plates.frequency);
-    checks.number(plates.gamma >= 0.0, "gamma", plates.gamma, ">= 0 and finite (0: static plates)");
-    checks.number(problem.gravity >= 0.0, "gravity", problem.gravity, ">= 0 and finite (m/s^2)");
-    checks.require(problem.gravity != 0.0 || !(plates.gamma > 0.0),
-                   fmt::format("gamma = {} with gravity = 0: gamma is the acceleration of the plates over "
-                               "gravity, so without it they cannot move; must be 0 (static plates)",
-                               plates.gamma));
-    const bool sound = plates.frequency > 0.0 && plates.gamma >= 0.0 && problem.gravity >= 0.0;
-    const double amplitude = plates.amplitude(problem.gravity);
-    checks.require(
-        !sound || std::isfinite(amplitude),
-        fmt::format("amplitude gamma g/(2 pi f)^2 = {} m: must be finite; raise the frequency", amplitude));
-}
-
-void check_time(const GranularProblem& problem, Checks& checks) {
-    checks.positive("time_step", problem.time_step);
-    for (const auto& [name, steps] :
-         {std::pair{"equilibration_steps", problem.equilibration_steps}, std::pair{"steps", problem.steps}})
-        checks.require(
-            steps >= 0 && steps <= most_steps,
-            fmt::format("{} = {}: must be 0 to {:g}", name, steps, static_cast<double>(most_steps)));
-    const double per_period = 1.0 / (problem.plates.frequency * problem.time_step);
-    checks.require(
-        problem.plates.gamma == 0.0 || !(per_period < least_steps_per_period * (1.0 - 1e-9)),
-        fmt::format("time_step = {} s is {:.3g} steps a period of the plates ({} Hz): must be at least {}, "
-                    "that is time_step <= {:.3g} s",
-                    problem.time_step, per_period, problem.plates.frequency, least_steps_per_period,
-                    1.0 / (problem.plates.frequency * least_steps_per_period)));
-}
-
 void check_sizes(const GranularProblem& problem, Checks& checks) {
     checks.positive("bead_radius", problem.bead_radius);
     checks.require(problem.bead_kinds.size() <= most_bead_kinds,
@@ -102,28 +69,52 @@ void check_numbers(const GranularProblem& problem, Checks& checks) {
     check_surface("rod-rod", contacts.rod_rod, checks);
     check_surface("bead-plate", contacts.bead_plate, checks);
     check_surface("rod-plate", contacts.rod_plate, checks);
-    check_plates(problem, checks);
-    check_time(problem, checks);
-}
-
-void check_rod_numbers(const RodSpec& rod, std::string_view name, const PeriodicBox& box, Checks& checks) {
-    checks.number(std::abs(rod.position.x()) <= furthest_rod * box.x, fmt::format("{}: position x", name),
-                  rod.position.x(), fmt::format("within {} box lengths of 0", furthest_rod));
-    checks.number(std::abs(rod.position.y()) <= furthest_rod * box.y, fmt::format("{}: position y", name),
-                  rod.position.y(), fmt::format("within {} box lengths of 0", furthest_rod));
-    checks.number(true, fmt::format("{}: heading", name), rod.heading, "finite (rad)");
-    if (rod.imposed_speed)
-        checks.number(true, fmt::format("{}: imposed_speed", name), *rod.imposed_speed, "finite (m/s)");
+    const Plates& plates = problem.plates;
+    checks.positive("gap", plates.gap);
+    checks.positive("frequency", plates.frequency);
+    checks.number(plates.gamma >= 0.0, "gamma", plates.gamma, ">= 0 and finite (0: static plates)");
+    checks.number(problem.gravity >= 0.0, "gravity", problem.gravity, ">= 0 and finite (m/s^2)");
+    checks.require(problem.gravity != 0.0 || !(plates.gamma > 0.0),
+                   fmt::format("gamma = {} with gravity = 0: gamma is the acceleration of the plates over "
+                               "gravity, so without it they cannot move; must be 0 (static plates)",
+                               plates.gamma));
+    const bool sound = plates.frequency > 0.0 && plates.gamma >= 0.0 && problem.gravity >= 0.0;
+    const double amplitude = plates.amplitude(problem.gravity);
+    checks.require(
+        !sound || std::isfinite(amplitude),
+        fmt::format("amplitude gamma g/(2 pi f)^2 = {} m: must be finite; raise the frequency", amplitude));
+    checks.positive("time_step", problem.time_step);
+    for (const auto& [name, steps] :
+         {std::pair{"equilibration_steps", problem.equilibration_steps}, std::pair{"steps", problem.steps}})
+        checks.require(
+            steps >= 0 && steps <= most_steps,
+            fmt::format("{} = {}: must be 0 to {:g}", name, steps, static_cast<double>(most_steps)));
+    const double per_period = 1.0 / (problem.plates.frequency * problem.time_step);
+    checks.require(
+        problem.plates.gamma == 0.0 || !(per_period < least_steps_per_period * (1.0 - 1e-9)),
+        fmt::format("time_step = {} s is {:.3g} steps a period of the plates ({} Hz): must be at least {}, "
+                    "that is time_step <= {:.3g} s",
+                    problem.time_step, per_period, problem.plates.frequency, least_steps_per_period,
+                    1.0 / (problem.plates.frequency * least_steps_per_period)));
 }
 
 /// Clumps of all rods, as far as they are rods.
 std::vector<Clump> check_rods(const GranularProblem& problem, Checks& checks) {
     std::vector<Clump> clumps;
     for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const RodSpec& rod = problem.rods[k];
         const auto name = fmt::format("rod {}", k);
-        check_rod_numbers(problem.rods[k], name, problem.box, checks);
+        checks.number(std::abs(rod.position.x()) <= furthest_rod * problem.box.x,
+                      fmt::format("{}: position x", name), rod.position.x(),
+                      fmt::format("within {} box lengths of 0", furthest_rod));
+        checks.number(std::abs(rod.position.y()) <= furthest_rod * problem.box.y,
+                      fmt::format("{}: position y", name), rod.position.y(),
+                      fmt::format("within {} box lengths of 0", furthest_rod));
+        checks.number(true, fmt::format("{}: heading", name), rod.heading, "finite (rad)");
+        if (rod.imposed_speed)
+            checks.number(true, fmt::format("{}: imposed_speed", name), *rod.imposed_speed, "finite (m/s)");
         try {
-            clumps.push_back(make_clump(problem.rods[k].shape));
+            clumps.push_back(make_clump(rod.shape));
         } catch (const InputError& error) {
             checks.require(false, fmt::format("{}: {}", name, error.what()));
         }
@@ -265,37 +256,6 @@ void check_given(const GranularProblem& problem, Checks& checks) {
     }
 }
 
-void check_room(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
-    const double beads = bead_area_fraction(problem);
-    const char* room = problem.container ? "container" : "box";
-    double rods = 0.0;
-    for (const Clump& clump : clumps)
-        rods += clump.projected_area() / bed_area(problem);
-    checks.require(
-        beads + rods <= closest_packing,
-        fmt::format(
-            "{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
-            "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
-            problem.beads, beads, room, rods, beads + rods, closest_packing,
-            std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
-                                           (M_PI * std::pow(bead_mix(problem).root_mean_square(), 2)))),
-            room));
-}
-
-void check_overlaps(const GranularProblem& problem, const std::vector<Clump>& clumps, Checks& checks) {
-    std::vector<std::vector<Disc>> rows;
-    for (std::size_t k = 0; k < clumps.size(); ++k)
-        rows.push_back(rod_discs(problem.rods[k], clumps[k]));
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        for (std::size_t j = i + 1; j < rows.size(); ++j) {
-            const double depth = overlap(rows[i], rows[j], problem.box);
-            checks.require(depth <= 0.0,
-                           fmt::format("rods {} and {} overlap by {:.3g} m (seen in the periodic box): move "
-                                       "or turn one of them",
-                                       i, j, depth));
-        }
-}
-
 } // namespace
 
 double Plates::amplitude(double gravity) const {
@@ -375,8 +335,31 @@ void validate(const GranularProblem& problem) {
     check_gap(problem, checks);
     check_given(problem, checks);
     checks.finish();
-    check_room(problem, clumps, checks);
-    check_overlaps(problem, clumps, checks);
+    const double beads = bead_area_fraction(problem);
+    const char* room = problem.container ? "container" : "box";
+    double rods = 0.0;
+    for (const Clump& clump : clumps)
+        rods += clump.projected_area() / bed_area(problem);
+    checks.require(
+        beads + rods <= closest_packing,
+        fmt::format(
+            "{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
+            "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
+            problem.beads, beads, room, rods, beads + rods, closest_packing,
+            std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
+                                           (M_PI * std::pow(bead_mix(problem).root_mean_square(), 2)))),
+            room));
+    std::vector<std::vector<Disc>> rows;
+    for (std::size_t k = 0; k < clumps.size(); ++k)
+        rows.push_back(rod_discs(problem.rods[k], clumps[k]));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        for (std::size_t j = i + 1; j < rows.size(); ++j) {
+            const double depth = overlap(rows[i], rows[j], problem.box);
+            checks.require(depth <= 0.0,
+                           fmt::format("rods {} and {} overlap by {:.3g} m (seen in the periodic box): move "
+                                       "or turn one of them",
+                                       i, j, depth));
+        }
     checks.finish();
 }
 

@@ -12,11 +12,6 @@ namespace rodwake::granular {
 
 namespace {
 
-/// The angle equal to `angle` modulo 2 pi that is nearest to `last`.
-double continued(double angle, double last) {
-    return last + std::remainder(angle - last, 2.0 * std::numbers::pi);
-}
-
 Eigen::Vector2d along(double heading) { return {std::cos(heading), std::sin(heading)}; }
 
 void add(PlaneTensor& sum, const PlaneTensor& term) {
@@ -91,7 +86,7 @@ void Record::follow_rods(const Simulation& simulation) {
         Eigen::Map<Eigen::Vector2d>(t.impulse_at.data()) = from_plates;
         p.x = rod.position.x();
         p.y = rod.position.y();
-        p.heading = continued(rod.heading(), p.heading);
+        p.heading = p.heading + std::remainder(rod.heading() - p.heading, 2.0 * std::numbers::pi);
     }
 }
 

@@ -9,12 +9,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Matrix3d cross_matrix(const Vector3d& v) {
-    Matrix3d m;
-    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-    return m;
-}
-
 /// Upper convex hull of (offset, radius); spheres on a straight line between two others are left out.
 std::vector<std::size_t> corners(const Clump& clump) {
     std::vector<std::size_t> hull;
@@ -63,7 +57,8 @@ void MovingRod::update() {
 }
 
 Matrix3d MovingRod::inverse_mass_at(const Vector3d& arm) const {
-    const Matrix3d r = cross_matrix(arm);
+    Matrix3d r;
+    r << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
     return inverse_mass_ - product(product(r, inverse_inertia_), r);
 }
 

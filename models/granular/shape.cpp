@@ -30,11 +30,6 @@ struct OutlineIntegrals {
     double r4 = 0.0;    ///< of R^4
 };
 
-/// Where the parabolas of two spheres meet; the one with the larger centre is above to the right of it.
-double crossing(double c1, double r1, double c2, double r2) {
-    return 0.5 * (c1 + c2) + 0.5 * (r1 - r2) * (r1 + r2) / (c2 - c1);
-}
-
 /// Antiderivatives at t = x - centre, all zero at the centre.
 OutlineIntegrals up_to(const OutlinePiece& piece, double x) {
     const double c = piece.centre, s = piece.radius * piece.radius;
@@ -56,7 +51,8 @@ std::vector<OutlinePiece> outline(const std::vector<double>& centre, const std::
         double from = centre[k] - radius[k];
         while (!pieces.empty()) { // the new sphere hides every earlier one that begins after they meet
             const auto& last = pieces.back();
-            from = crossing(last.centre, last.radius, centre[k], radius[k]);
+            from = 0.5 * (last.centre + centre[k]) +
+                   0.5 * (last.radius - radius[k]) * (last.radius + radius[k]) / (centre[k] - last.centre);
             if (from > last.from)
                 break;
             pieces.pop_back();
@@ -101,16 +97,6 @@ double taper_at(const RodShape& shape, std::size_t k) {
     return shape.segments > 1 ? static_cast<double>(segment) / static_cast<double>(shape.segments - 1) : 0.0;
 }
 
-void check_numbers(const RodShape& shape, Checks& checks) {
-    checks.positive("length", shape.length);
-    checks.positive("thick_diameter", shape.thick_diameter);
-    checks.positive("thin_diameter", shape.thin_diameter);
-    checks.positive("density", shape.density);
-    checks.require(shape.spheres >= 1 && shape.spheres <= most_spheres,
-                   fmt::format("spheres = {}: must be 1 to {}", shape.spheres, most_spheres));
-    checks.finish();
-}
-
 void check_segments(const RodShape& shape, Checks& checks) {
     if (shape.taper != Taper::stepwise)
         return;
@@ -123,42 +109,6 @@ void check_segments(const RodShape& shape, Checks& checks) {
                    fmt::format("segments = 1: one piece has one diameter, but thick_diameter = {} m and "
                                "thin_diameter = {} m; make them equal or segments >= 2",
                                shape.thick_diameter, shape.thin_diameter));
-}
-
-void check_proportions(const RodShape& shape, Checks& checks) {
-    checks.require(shape.thin_diameter <= shape.thick_diameter,
-                   fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
-                               shape.thin_diameter, shape.thick_diameter));
-    checks.require(shape.length >= shape.thick_diameter * (1.0 - length_rounding),
-                   fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
-                               shape.thick_diameter));
-    checks.require(shape.kind != RodKind::apolar || shape.spheres % 2 == 1,
-                   fmt::format("spheres = {}: an apolar rod needs an odd number (an even row has no middle "
-                               "sphere and starts to move by itself); use {}",
-                               shape.spheres, shape.spheres + 1));
-    const double longest = std::max(shape.length, shape.thick_diameter);
-    checks.require(
-        shape.spheres > 1 || longest - shape.thin_diameter <= length_rounding * longest,
-        fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
-                    "are {}, {} and {} m; make them equal or spheres >= 2",
-                    shape.length, shape.thick_diameter, shape.thin_diameter));
-    check_segments(shape, checks);
-    checks.finish();
-}
-
-/// Centres from the thick end at 0 on (apolar: from either end).
-Clump row_of(const RodShape& shape) {
-    Clump row;
-    const double first = 0.5 * (shape.kind == RodKind::apolar ? shape.thin_diameter : shape.thick_diameter);
-    const double last = shape.length - 0.5 * shape.thin_diameter;
-    for (std::size_t k = 0; k < shape.spheres; ++k) {
-        const double u =
-            shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
-        row.offset.push_back(first * (1.0 - u) + last * u);
-        const double taper = taper_at(shape, k);
-        row.radius.push_back(0.5 * (shape.thick_diameter * (1.0 - taper) + shape.thin_diameter * taper));
-    }
-    return row;
 }
 
 void check_row(const RodShape& shape, const Clump& row) {
@@ -210,9 +160,42 @@ double Clump::projected_area() const { return 2.0 * integrate(outline(offset, ra
 
 Clump make_clump(const RodShape& shape) {
     Checks checks;
-    check_numbers(shape, checks);
-    check_proportions(shape, checks);
-    Clump clump = row_of(shape);
+    checks.positive("length", shape.length);
+    checks.positive("thick_diameter", shape.thick_diameter);
+    checks.positive("thin_diameter", shape.thin_diameter);
+    checks.positive("density", shape.density);
+    checks.require(shape.spheres >= 1 && shape.spheres <= most_spheres,
+                   fmt::format("spheres = {}: must be 1 to {}", shape.spheres, most_spheres));
+    checks.finish();
+    checks.require(shape.thin_diameter <= shape.thick_diameter,
+                   fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
+                               shape.thin_diameter, shape.thick_diameter));
+    checks.require(shape.length >= shape.thick_diameter * (1.0 - length_rounding),
+                   fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
+                               shape.thick_diameter));
+    checks.require(shape.kind != RodKind::apolar || shape.spheres % 2 == 1,
+                   fmt::format("spheres = {}: an apolar rod needs an odd number (an even row has no middle "
+                               "sphere and starts to move by itself); use {}",
+                               shape.spheres, shape.spheres + 1));
+    const double longest = std::max(shape.length, shape.thick_diameter);
+    checks.require(
+        shape.spheres > 1 || longest - shape.thin_diameter <= length_rounding * longest,
+        fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
+                    "are {}, {} and {} m; make them equal or spheres >= 2",
+                    shape.length, shape.thick_diameter, shape.thin_diameter));
+    check_segments(shape, checks);
+    checks.finish();
+    // Centres from the thick end at 0 on (apolar: from either end).
+    Clump clump;
+    const double first = 0.5 * (shape.kind == RodKind::apolar ? shape.thin_diameter : shape.thick_diameter);
+    const double last = shape.length - 0.5 * shape.thin_diameter;
+    for (std::size_t k = 0; k < shape.spheres; ++k) {
+        const double u =
+            shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
+        clump.offset.push_back(first * (1.0 - u) + last * u);
+        const double taper = taper_at(shape, k);
+        clump.radius.push_back(0.5 * (shape.thick_diameter * (1.0 - taper) + shape.thin_diameter * taper));
+    }
     check_row(shape, clump);
     about_the_middle(shape, clump.offset); // the centre of mass is near it, so nothing cancels
     const auto solid = integrate(outline(clump.offset, clump.radius));

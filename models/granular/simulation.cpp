@@ -48,53 +48,6 @@ bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin
            std::abs(position.y()) <= furthest_image * box.y;
 }
 
-void check_numbers(const GranularProblem& problem, const State& state) {
-    constexpr auto wrong =
-        "the stored state is damaged: {} has a place or motion that is not a number, or is more than {:g} "
-        "boxes away; start again or from an older checkpoint";
-    const Beads& b = state.beads;
-    for (std::size_t i = 0; i < b.size(); ++i)
-        if (!sound({b.x[i], b.y[i], b.z[i]}, {b.vx[i], b.vy[i], b.vz[i]}, {b.wx[i], b.wy[i], b.wz[i]},
-                   problem.box))
-            throw InputError(fmt::format(wrong, fmt::format("bead {}", i), furthest_image));
-    for (std::size_t i = 0; i < state.rods.size(); ++i) {
-        const RodBody& rod = state.rods[i];
-        if (!sound(rod.position, rod.velocity, rod.angular_momentum, problem.box) ||
-            !(std::abs(rod.orientation.norm() - 1.0) < 1e-6))
-            throw InputError(fmt::format(wrong, fmt::format("rod {}", i), furthest_image));
-    }
-}
-
-/// In a container: a state of another one.
-void check_place(const GranularProblem& problem, const State& state) {
-    const Beads& b = state.beads;
-    for (std::size_t i = 0; i < b.size(); ++i)
-        if (const double radius = b.radius.empty() ? problem.bead_radius : b.radius[i];
-            nearest_wall(*problem.container, {b.x[i], b.y[i]}, radius).depth > radius)
-            throw InputError(fmt::format("the stored state is damaged or of another container: bead {} is "
-                                         "outside the wall; start again or from an older checkpoint",
-                                         i));
-}
-
-void check_fit(const GranularProblem& problem, const State& state) {
-    if (state.beads.size() != problem.beads || state.rods.size() != problem.rods.size())
-        throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
-                                     state.beads.size(), state.rods.size(), problem.beads,
-                                     problem.rods.size()));
-    const Beads& b = state.beads;
-    const std::size_t kinds = std::max<std::size_t>(problem.bead_kinds.size(), 1);
-    const bool radii = (b.radius.empty() || b.radius.size() == b.size()) &&
-                       std::ranges::all_of(b.radius, [&](double radius) {
-                           return radius > 0.0 && 2.0 * radius < problem.plates.gap;
-                       });
-    if (!radii || !(b.kind.empty() || b.kind.size() == b.size()) ||
-        std::ranges::any_of(b.kind, [&](std::uint8_t kind) { return kind >= kinds; }))
-        throw InputError(
-            "the stored state is damaged or of another scene: its beads have radii that do not fit "
-            "between the plates, or kinds that the scene does not have; start again or from an "
-            "older checkpoint");
-}
-
 } // namespace
 
 struct Simulation::Impl {
@@ -391,10 +344,45 @@ std::size_t worthwhile_threads(const GranularProblem& problem, std::size_t threa
 Simulation::Simulation(const GranularProblem& problem, const State& state, const Counters& tallies,
                        std::size_t threads) {
     validate(problem);
-    check_fit(problem, state);
-    check_numbers(problem, state);
-    if (problem.container)
-        check_place(problem, state);
+    if (state.beads.size() != problem.beads || state.rods.size() != problem.rods.size())
+        throw InputError(fmt::format("the stored state has {} beads and {} rods, the scene {} and {}",
+                                     state.beads.size(), state.rods.size(), problem.beads,
+                                     problem.rods.size()));
+    const Beads& b = state.beads;
+    const std::size_t kinds = std::max<std::size_t>(problem.bead_kinds.size(), 1);
+    const bool radii = (b.radius.empty() || b.radius.size() == b.size()) &&
+                       std::ranges::all_of(b.radius, [&](double radius) {
+                           return radius > 0.0 && 2.0 * radius < problem.plates.gap;
+                       });
+    if (!radii || !(b.kind.empty() || b.kind.size() == b.size()) ||
+        std::ranges::any_of(b.kind, [&](std::uint8_t kind) { return kind >= kinds; }))
+        throw InputError(
+            "the stored state is damaged or of another scene: its beads have radii that do not fit "
+            "between the plates, or kinds that the scene does not have; start again or from an "
+            "older checkpoint");
+    constexpr auto wrong =
+        "the stored state is damaged: {} has a place or motion that is not a number, or is more than {:g} "
+        "boxes away; start again or from an older checkpoint";
+    for (std::size_t i = 0; i < b.size(); ++i)
+        if (!sound({b.x[i], b.y[i], b.z[i]}, {b.vx[i], b.vy[i], b.vz[i]}, {b.wx[i], b.wy[i], b.wz[i]},
+                   problem.box))
+            throw InputError(fmt::format(wrong, fmt::format("bead {}", i), furthest_image));
+    for (std::size_t i = 0; i < state.rods.size(); ++i) {
+        const RodBody& rod = state.rods[i];
+        if (!sound(rod.position, rod.velocity, rod.angular_momentum, problem.box) ||
+            !(std::abs(rod.orientation.norm() - 1.0) < 1e-6))
+            throw InputError(fmt::format(wrong, fmt::format("rod {}", i), furthest_image));
+    }
+    if (problem.container) {
+        // In a container: a state of another one.
+        for (std::size_t i = 0; i < b.size(); ++i)
+            if (const double radius = b.radius.empty() ? problem.bead_radius : b.radius[i];
+                nearest_wall(*problem.container, {b.x[i], b.y[i]}, radius).depth > radius)
+                throw InputError(
+                    fmt::format("the stored state is damaged or of another container: bead {} is "
+                                "outside the wall; start again or from an older checkpoint",
+                                i));
+    }
     impl_ = std::make_unique<Impl>(problem, state, tallies, threads);
 }
 

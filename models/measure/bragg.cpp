@@ -107,34 +107,6 @@ Triple best_triple(const std::vector<Wave>& waves, const PeriodicBox& box) {
     return best;
 }
 
-/// Orders with angles in [0, pi), rising: then the middle one is the sum of the others.
-std::array<Order, 3> canonical(std::array<Order, 3> order) {
-    for (Order& item : order)
-        if (item.second < 0 || (item.second == 0 && item.first < 0))
-            item = {-item.first, -item.second};
-    std::ranges::sort(order, [](const Order& a, const Order& b) {
-        return std::atan2(a.second, a.first) < std::atan2(b.second, b.first);
-    });
-    return order;
-}
-
-BraggPeaks peaks_of(const std::vector<Wave>& ring, const std::array<Order, 3>& order,
-                    const PeriodicBox& box) {
-    BraggPeaks peaks;
-    double total = 0.0;
-    for (const Wave& wave : ring)
-        total += wave.strength;
-    for (std::size_t k = 0; k < 3; ++k) {
-        peaks.m[k] = order[k].first;
-        peaks.n[k] = order[k].second;
-        peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box.x, 2.0 * M_PI * peaks.n[k] / box.y};
-        peaks.strength[k] = std::ranges::find(ring, order[k], &Wave::order)->strength;
-        total -= peaks.strength[k];
-    }
-    peaks.liquid_strength = std::max(total, 0.0) / static_cast<double>(ring.size() - 3);
-    return peaks;
-}
-
 } // namespace
 
 double BraggPeaks::contrast() const {
@@ -173,7 +145,26 @@ BraggPeaks find_peaks(std::span<const double> x, std::span<const double> y, cons
     if (best.product < 0.0)
         throw RunError(
             fmt::format("measure: no three wave vectors of a lattice of {} beads fit the box", x.size()));
-    return peaks_of(ring, canonical(best.order), box);
+    // Angles rise within [0, pi): then the middle order is the sum of the others.
+    for (Order& item : best.order)
+        if (item.second < 0 || (item.second == 0 && item.first < 0))
+            item = {-item.first, -item.second};
+    std::ranges::sort(best.order, [](const Order& a, const Order& b) {
+        return std::atan2(a.second, a.first) < std::atan2(b.second, b.first);
+    });
+    BraggPeaks peaks;
+    double total = 0.0;
+    for (const Wave& wave : ring)
+        total += wave.strength;
+    for (std::size_t k = 0; k < 3; ++k) {
+        peaks.m[k] = best.order[k].first;
+        peaks.n[k] = best.order[k].second;
+        peaks.G[k] = {2.0 * M_PI * peaks.m[k] / box.x, 2.0 * M_PI * peaks.n[k] / box.y};
+        peaks.strength[k] = std::ranges::find(ring, best.order[k], &Wave::order)->strength;
+        total -= peaks.strength[k];
+    }
+    peaks.liquid_strength = std::max(total, 0.0) / static_cast<double>(ring.size() - 3);
+    return peaks;
 }
 
 Vector2 displacement_of(const BraggPeaks& peaks, const std::array<double, 3>& phase) {

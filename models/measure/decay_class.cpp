@@ -63,17 +63,6 @@ struct Chosen {
     std::vector<double> r, error;
 };
 
-Chosen choose(const DecayPoints& points, double from) {
-    Chosen chosen;
-    for (std::size_t i = 0; i < points.r.size(); ++i)
-        if (points.r[i] >= from && points.r[i] > 0.0 && points.error[i] > 0.0) {
-            chosen.index.push_back(i);
-            chosen.r.push_back(points.r[i]);
-            chosen.error.push_back(points.error[i]);
-        }
-    return chosen;
-}
-
 std::vector<double> pick(const std::vector<double>& all, const Chosen& chosen) {
     std::vector<double> values;
     for (const std::size_t i : chosen.index)
@@ -141,13 +130,6 @@ void set_errors(const DecayPoints& points, const Chosen& chosen, Fits& fits) {
     fits.plateau_error = jackknife(without, growth, [](const Fits& f) { return f.plateau; });
 }
 
-double chi2_of_zero(const Points& points) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < points.r.size(); ++i)
-        sum += points.value[i] * points.value[i] / (points.error[i] * points.error[i]);
-    return sum;
-}
-
 Estimate length_of(const ShapeFit& rate, double farthest, std::size_t points) {
     if (!(rate.k * farthest > 1e-6))
         return {0.0, unknown_error, points};
@@ -188,7 +170,13 @@ DecayClass classify(const DecayPoints& points, double from) {
     if (points.g_B.size() != points.r.size() || points.error.size() != points.r.size())
         throw InputError(fmt::format("measure: g_B(r) with {} distances, {} values and {} errors",
                                      points.r.size(), points.g_B.size(), points.error.size()));
-    const Chosen chosen = choose(points, from);
+    Chosen chosen;
+    for (std::size_t i = 0; i < points.r.size(); ++i)
+        if (points.r[i] >= from && points.r[i] > 0.0 && points.error[i] > 0.0) {
+            chosen.index.push_back(i);
+            chosen.r.push_back(points.r[i]);
+            chosen.error.push_back(points.error[i]);
+        }
     DecayClass c;
     c.points = static_cast<long>(chosen.r.size());
     if (chosen.r.size() < fewest_points) {
@@ -207,7 +195,10 @@ DecayClass classify(const DecayPoints& points, double from) {
     c.chi2_algebraic = fits.algebraic.chi2;
     c.chi2_exponential = fits.exponential.chi2;
     c.chi2_constant = chi2_of_shape(algebraic_shape, data, 0.0, points.box);
-    decide(c, chi2_probability(chi2_of_zero(data), c.points), chosen.r.back());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < data.r.size(); ++i)
+        sum += data.value[i] * data.value[i] / (data.error[i] * data.error[i]);
+    decide(c, chi2_probability(sum, c.points), chosen.r.back());
     return c;
 }
 

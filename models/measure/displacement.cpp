@@ -16,52 +16,11 @@ namespace {
 
 constexpr int reference_rounds = 3;
 
-void check(std::span<const DisplacementAccumulator> runs) {
-    const bool same = std::ranges::all_of(runs, [&](const DisplacementAccumulator& run) {
-        return run.layout() == runs[0].layout() && run.options() == runs[0].options();
-    });
-    if (!same)
-        throw InputError(
-            "measure: displacement: accumulators of different beds or options cannot be put together");
-    if (std::ranges::none_of(
-            runs, [](const DisplacementAccumulator& run) { return DisplacementSums::of(run).frames > 0; }))
-        throw InputError(
-            "measure: displacement: there are no frames to measure, or none has a bead farther than "
-            "far_from from every rod; lengthen the runs or lower `from` or `far_from`");
-}
-
 std::vector<bool> known(const DisplacementField& field) {
     std::vector<bool> result(field.count.size());
     for (std::size_t j = 0; j < result.size(); ++j)
         result[j] = field.count[j] > 0.0;
     return result;
-}
-
-/// Mean of the filled field over the reference.
-Vector2 reference_of(const DisplacementField& field, double far_from) {
-    const RodGrid& grid = field.grid;
-    const double inside = std::min(0.5 * grid.width * static_cast<double>(grid.columns),
-                                   0.5 * grid.height * static_cast<double>(grid.rows)); // at any heading
-    Vector2 sum;
-    double total = 0.0;
-    for (std::size_t j = 0; j < grid.bins(); ++j) {
-        const double r = std::hypot(grid.x_of(j), grid.y_of(j));
-        const bool counts = field.reference == Reference::far ? field.count[j] > 0.0 && r > far_from
-                                                              : field.count[j] > 0.0 || r < inside;
-        if (!counts)
-            continue;
-        sum.x += field.Ux[j];
-        sum.y += field.Uy[j];
-        total += 1.0;
-    }
-    return total > 0.0 ? Vector2{sum.x / total, sum.y / total} : Vector2{};
-}
-
-void shift(DisplacementField& field, const Vector2& by) {
-    for (double& u : field.Ux)
-        u -= by.x;
-    for (double& u : field.Uy)
-        u -= by.y;
 }
 
 void fill_gaps(DisplacementField& field) {
@@ -83,14 +42,28 @@ void place(const BinSamples& samples, double far_from, DisplacementField& field)
                                   samples.place[j].y - samples.value[j].y + field.offset.y};
         regrid(samples, undisplaced, field);
         fill_gaps(field);
-        field.offset = reference_of(field, far_from);
+        // The offset is the mean of the filled field over the reference.
+        const RodGrid& grid = field.grid;
+        const double inside = std::min(0.5 * grid.width * static_cast<double>(grid.columns),
+                                       0.5 * grid.height * static_cast<double>(grid.rows)); // at any heading
+        Vector2 sum;
+        double total = 0.0;
+        for (std::size_t j = 0; j < grid.bins(); ++j) {
+            const double r = std::hypot(grid.x_of(j), grid.y_of(j));
+            const bool counts = field.reference == Reference::far ? field.count[j] > 0.0 && r > far_from
+                                                                  : field.count[j] > 0.0 || r < inside;
+            if (!counts)
+                continue;
+            sum.x += field.Ux[j];
+            sum.y += field.Uy[j];
+            total += 1.0;
+        }
+        field.offset = total > 0.0 ? Vector2{sum.x / total, sum.y / total} : Vector2{};
     }
-    shift(field, field.offset);
-}
-
-/// Bin of (x, -y).
-std::size_t mirrored(std::size_t bin, const RodGrid& grid) {
-    return (grid.rows - bin / grid.columns) % grid.rows * grid.columns + bin % grid.columns;
+    for (double& u : field.Ux)
+        u -= field.offset.x;
+    for (double& u : field.Uy)
+        u -= field.offset.y;
 }
 
 struct Pair {
@@ -105,7 +78,9 @@ Pair mean_of(double u, double v, double su, double sv, double cu, double cv) {
 DisplacementField with_mirror_image(const DisplacementField& field) {
     DisplacementField mean = field;
     for (std::size_t j = 0; j < field.grid.bins(); ++j) {
-        const std::size_t k = mirrored(j, field.grid);
+        const std::size_t k =
+            (field.grid.rows - j / field.grid.columns) % field.grid.rows * field.grid.columns +
+            j % field.grid.columns;
         if (field.count[j] + field.count[k] == 0.0)
             continue;
         const auto x = mean_of(field.Ux[j], field.Ux[k], field.sigma_x[j], field.sigma_x[k], field.count[j],
@@ -137,9 +112,62 @@ double scatter(const std::vector<double>& values, const std::vector<bool>& measu
     return std::sqrt(std::max(squares / count - sum * sum / (count * count), 0.0));
 }
 
-/// One block tells no error, nor do two frames of a film; a bin without data may be anything that the field
-/// is elsewhere.
-void complete_errors(DisplacementField& field, bool is_film) {
+} // namespace
+
+DisplacementField reduce(std::span<const DisplacementAccumulator> given) {
+    const bool same = std::ranges::all_of(given, [&](const DisplacementAccumulator& run) {
+        return run.layout() == given[0].layout() && run.options() == given[0].options();
+    });
+    if (!same)
+        throw InputError(
+            "measure: displacement: accumulators of different beds or options cannot be put together");
+    if (std::ranges::none_of(
+            given, [](const DisplacementAccumulator& run) { return DisplacementSums::of(run).frames > 0; }))
+        throw InputError(
+            "measure: displacement: there are no frames to measure, or none has a bead farther than "
+            "far_from from every rod; lengthen the runs or lower `from` or `far_from`");
+    std::vector<DisplacementAccumulator> complete;
+    if (given[0].layout().window) {
+        // Frames that wait for the end of a block of time are added.
+        complete.assign(given.begin(), given.end());
+        for (DisplacementAccumulator& run : complete)
+            DisplacementSums::finish(run);
+    }
+    const auto runs = complete.empty() ? given : std::span<const DisplacementAccumulator>(complete);
+    const DisplacementOptions& options = runs[0].options();
+    DisplacementField field;
+    field.grid = grid_of(runs[0]);
+    field.method = options.method;
+    field.reference = runs[0].layout().window ? Reference::far : options.reference; // a window has no mean
+    double path = 0.0, duration = 0.0;
+    for (const DisplacementAccumulator& run : runs) {
+        const auto& impl = DisplacementSums::of(run);
+        field.frames += impl.frames;
+        path += impl.path;
+        duration += impl.duration;
+        std::visit(
+            [&](const auto& sums) { // Parts of one block that differ in the rod's heading count once.
+                const std::span<const BlockSums> parts = sums.blocks();
+                std::size_t count = 0;
+                for (std::size_t b = 0; b < parts.size(); ++b)
+                    count += b == 0 || parts[b].number != parts[b - 1].number;
+                field.blocks += count;
+            },
+            impl.sums);
+        if (const auto* phase = std::get_if<PhaseAccumulator>(&impl.sums);
+            phase && phase->peaks() && field.peaks.m[0] == 0 && field.peaks.n[0] == 0)
+            field.peaks = *phase->peaks();
+    }
+    field.mean_speed = duration > 0.0 ? path / duration : 0.0;
+    const BinSamples samples =
+        options.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
+    field.block_correlation = samples.block_correlation;
+    place(samples, DisplacementSums::of(runs[0]).far_from, field);
+    if (options.mirror)
+        field = with_mirror_image(field);
+    // One block tells no error, nor do two frames of a film; a bin without data may be anything that the
+    // field is elsewhere.
+    const bool is_film = !runs[0].layout().velocities;
     const auto measured = known(field);
     const bool tells = field.blocks > 1 && !(is_film && field.frames < 3);
     const double sx = tells ? scatter(field.Ux, measured) : unknown_error,
@@ -149,64 +177,6 @@ void complete_errors(DisplacementField& field, bool is_film) {
             field.sigma_x[j] = sx;
             field.sigma_y[j] = sy;
         }
-}
-
-/// Parts of one block that differ in the rod's heading count once.
-std::size_t block_count(std::span<const BlockSums> parts) {
-    std::size_t count = 0;
-    for (std::size_t b = 0; b < parts.size(); ++b)
-        count += b == 0 || parts[b].number != parts[b - 1].number;
-    return count;
-}
-
-void describe(std::span<const DisplacementAccumulator> runs, DisplacementField& field) {
-    double path = 0.0, duration = 0.0;
-    for (const DisplacementAccumulator& run : runs) {
-        const auto& impl = DisplacementSums::of(run);
-        field.frames += impl.frames;
-        path += impl.path;
-        duration += impl.duration;
-        std::visit([&](const auto& sums) { field.blocks += block_count(sums.blocks()); }, impl.sums);
-        if (const auto* phase = std::get_if<PhaseAccumulator>(&impl.sums);
-            phase && phase->peaks() && field.peaks.m[0] == 0 && field.peaks.n[0] == 0)
-            field.peaks = *phase->peaks();
-    }
-    field.mean_speed = duration > 0.0 ? path / duration : 0.0;
-}
-
-} // namespace
-
-namespace {
-
-/// With what waits for the end of a block of time.
-std::vector<DisplacementAccumulator> finished(std::span<const DisplacementAccumulator> runs) {
-    std::vector<DisplacementAccumulator> all(runs.begin(), runs.end());
-    for (DisplacementAccumulator& run : all)
-        DisplacementSums::finish(run);
-    return all;
-}
-
-} // namespace
-
-DisplacementField reduce(std::span<const DisplacementAccumulator> given) {
-    check(given);
-    std::vector<DisplacementAccumulator> complete;
-    if (given[0].layout().window)
-        complete = finished(given);
-    const auto runs = complete.empty() ? given : std::span<const DisplacementAccumulator>(complete);
-    const DisplacementOptions& options = runs[0].options();
-    DisplacementField field;
-    field.grid = grid_of(runs[0]);
-    field.method = options.method;
-    field.reference = runs[0].layout().window ? Reference::far : options.reference; // a window has no mean
-    describe(runs, field);
-    const BinSamples samples =
-        options.method == DisplacementMethod::lagrangian ? lagrangian_samples(runs) : phase_samples(runs);
-    field.block_correlation = samples.block_correlation;
-    place(samples, DisplacementSums::of(runs[0]).far_from, field);
-    if (options.mirror)
-        field = with_mirror_image(field);
-    complete_errors(field, !runs[0].layout().velocities);
     return field;
 }
 

@@ -43,20 +43,6 @@ using Row = std::vector<double>;
 constexpr std::size_t fewest_intervals = 2; // of the window of lags
 constexpr double longest_lag = 1.0;         // s; no decay that is slower is looked for
 
-void check(std::span<const DriftPath> runs, const DriftDecayOptions& o) {
-    if (!(std::isfinite(o.block) && o.block > 0.0 && std::isfinite(o.settle) && o.settle > 0.0))
-        throw InputError(
-            fmt::format("measure: decay of the drift: blocks of {:g} s and a first lag of {:g} s must be "
-                        "finite and positive",
-                        o.block, o.settle));
-    for (const DriftPath& run : runs) {
-        const std::size_t n = run.time.size(), pushes = run.impulse_x.size();
-        if (run.x.size() != n || run.y.size() != n || run.impulse_y.size() != pushes ||
-            (pushes != 0 && pushes != n))
-            throw InputError("measure: decay of the drift: rows of a path differ in length");
-    }
-}
-
 bool even(const DriftPath& path, double interval) {
     constexpr double rounding = 1e-6; // far above that of times, far below a frame
     for (std::size_t i = 1; i < path.time.size(); ++i)
@@ -163,7 +149,18 @@ double jackknife_error(const Row& without) {
 
 DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estimate& drag_rate,
                        const DriftDecayOptions& options) {
-    check(runs, options);
+    if (!(std::isfinite(options.block) && options.block > 0.0 && std::isfinite(options.settle) &&
+          options.settle > 0.0))
+        throw InputError(
+            fmt::format("measure: decay of the drift: blocks of {:g} s and a first lag of {:g} s must be "
+                        "finite and positive",
+                        options.block, options.settle));
+    for (const DriftPath& run : runs) {
+        const std::size_t n = run.time.size(), pushes = run.impulse_x.size();
+        if (run.x.size() != n || run.y.size() != n || run.impulse_y.size() != pushes ||
+            (pushes != 0 && pushes != n))
+            throw InputError("measure: decay of the drift: rows of a path differ in length");
+    }
     DriftDecay result;
     result.absence = runs.empty() ? "no runs" : absence_of(runs, drag_rate, options);
     if (!result.absence.empty())
@@ -244,23 +241,21 @@ Fluctuations of_run(const DriftPath& path, double interval) {
             fluctuations(along(path.impulse_x, path.impulse_y, c, s), interval)};
 }
 
-void add_start(DriftSums& sums, const Fluctuations& run, std::size_t start) {
-    for (const Row& v : run.velocity)
-        for (std::size_t lag = 0; lag < sums.drift.size() && start + lag < v.size(); ++lag) {
-            sums.drift[lag] += v[start] * v[start + lag];
-            sums.pairs[lag] += 1.0;
-            if (!run.force.empty())
-                sums.force[lag] += v[start] * run.force[start + lag];
-        }
-}
-
 void add_run(std::vector<DriftSums>& blocks, const Fluctuations& run, std::size_t lags, std::size_t length) {
     const std::size_t n = run.velocity[0].size(), count = std::max<std::size_t>(1, (n + length / 2) / length),
                       first = blocks.size();
     for (std::size_t b = 0; b < count; ++b)
         blocks.push_back({Row(lags, 0.0), Row(run.force.empty() ? 0 : lags, 0.0), Row(lags, 0.0)});
-    for (std::size_t start = 0; start < n; ++start)
-        add_start(blocks[first + std::min(start / length, count - 1)], run, start);
+    for (std::size_t start = 0; start < n; ++start) {
+        DriftSums& sums = blocks[first + std::min(start / length, count - 1)];
+        for (const Row& v : run.velocity)
+            for (std::size_t lag = 0; lag < sums.drift.size() && start + lag < v.size(); ++lag) {
+                sums.drift[lag] += v[start] * v[start + lag];
+                sums.pairs[lag] += 1.0;
+                if (!run.force.empty())
+                    sums.force[lag] += v[start] * run.force[start + lag];
+            }
+    }
 }
 
 } // namespace

@@ -36,15 +36,6 @@ void check(Runs runs) {
             "lag (measure.flow_lag)");
 }
 
-FlowField empty_field(const RodGrid& grid) {
-    FlowField field;
-    field.grid = grid;
-    for (Row* row :
-         {&field.vx, &field.vy, &field.sigma_x, &field.sigma_y, &field.unit_x, &field.unit_y, &field.count})
-        row->assign(grid.bins(), 0.0);
-    return field;
-}
-
 void set_bin(FlowField& field, std::size_t bin,
              const std::vector<const FlowAccumulator::FlowBlock*>& blocks) {
     Row vx, vy, weights;
@@ -82,43 +73,40 @@ double near_speed(const FlowField& field, double within) {
     return count > 0.0 ? sum / count : 0.0;
 }
 
-/// Mean displacement of the marked beads of a run along the rod's first heading.
-double drag_of(const FlowAccumulator& run, const std::vector<MarkedBead>& beads) {
-    const double c = std::cos(run.first_heading()), s = std::sin(run.first_heading());
-    double sum = 0.0, seen = 0.0;
-    for (const MarkedBead& bead : beads)
-        if (!std::isnan(bead.x1)) {
-            sum += c * (bead.x1 - bead.x0) + s * (bead.y1 - bead.y0);
-            seen += 1.0;
-        }
-    return sum / seen;
-}
+} // namespace
 
-void set_drag(FlowField& field, Runs runs) {
+FlowField reduce(Runs runs) {
+    check(runs);
+    const RodGrid& grid = runs[0].grid();
+    FlowField field;
+    field.grid = grid;
+    for (Row* row :
+         {&field.vx, &field.vy, &field.sigma_x, &field.sigma_y, &field.unit_x, &field.unit_y, &field.count})
+        row->assign(grid.bins(), 0.0);
+    const auto blocks = all_blocks(runs);
+    for (std::size_t bin = 0; bin < field.grid.bins(); ++bin)
+        set_bin(field, bin, blocks);
+    field.marked = runs[0].marked();
     Row drags, shares;
     for (const FlowAccumulator& run : runs) {
         const std::vector<MarkedBead> beads = run.marked();
         const auto is_seen = [](const MarkedBead& bead) { return !std::isnan(bead.x1); };
         if (std::ranges::none_of(beads, is_seen) || run.frames() < 2)
             continue;
-        drags.push_back(drag_of(run, beads));
+        // The drag is the mean displacement of marked beads along the rod's first heading.
+        const double c = std::cos(run.first_heading()), s = std::sin(run.first_heading());
+        double sum = 0.0, seen = 0.0;
+        for (const MarkedBead& bead : beads)
+            if (!std::isnan(bead.x1)) {
+                sum += c * (bead.x1 - bead.x0) + s * (bead.y1 - bead.y0);
+                seen += 1.0;
+            }
+        drags.push_back(sum / seen);
         if (run.rod_travel() >= run.layout().bead_radius)
             shares.push_back(drags.back() / run.rod_travel());
     }
     field.drag = mean_of_blocks(drags);
     field.drag_share = mean_of_blocks(shares);
-}
-
-} // namespace
-
-FlowField reduce(Runs runs) {
-    check(runs);
-    FlowField field = empty_field(runs[0].grid());
-    const auto blocks = all_blocks(runs);
-    for (std::size_t bin = 0; bin < field.grid.bins(); ++bin)
-        set_bin(field, bin, blocks);
-    field.marked = runs[0].marked();
-    set_drag(field, runs);
     field.near_speed = near_speed(field, 6.0 * runs[0].layout().bead_radius);
     field.blocks = blocks.size();
     for (const FlowAccumulator& run : runs)
@@ -156,11 +144,6 @@ std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
     const auto found = std::ranges::lower_bound(names, bead);
     return found != names.end() && *found == bead ? static_cast<std::uint32_t>(found - names.begin())
                                                   : nowhere;
-}
-
-RodPosition halfway(const RodPosition& before, const RodPosition& now) {
-    return {(before.x + now.x) / 2.0, (before.y + now.y) / 2.0,
-            before.heading + std::remainder(now.heading - before.heading, 2.0 * std::numbers::pi) / 2.0};
 }
 
 } // namespace
@@ -263,7 +246,11 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
     const double lag = now.time - before.time;
     const MeanStep step(before, now);
     const PeriodicBox images = image_box(layout_);
-    const RodView view(halfway(before.rod, now.rod), images);
+    const RodView view(
+        RodPosition{(before.rod.x + now.rod.x) / 2.0, (before.rod.y + now.rod.y) / 2.0,
+                    before.rod.heading +
+                        std::remainder(now.rod.heading - before.rod.heading, 2.0 * std::numbers::pi) / 2.0},
+        images);
     FlowBlock& block = block_at((before.time + now.time) / 2.0);
     for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
         const RelativePosition position = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),

@@ -73,29 +73,6 @@ using Row = std::vector<double>;
 constexpr std::size_t enough_runs = 8; // for errors from runs alone
 constexpr double lowest_cosine = 0.2;
 
-void check(std::span<const HeadingTrack> runs, const HeadingOptions& o) {
-    if (!(o.block > 0.0 && o.lag_low > 0.0 && o.lag_low < o.lag_high && std::isfinite(o.block + o.lag_high)))
-        throw InputError(
-            fmt::format("measure: heading_diffusion: lags from {:g} s to {:g} s in blocks of {:g} s: must be "
-                        "positive and rise",
-                        o.lag_low, o.lag_high, o.block));
-    if (2.0 * o.lag_high > o.block * (1.0 + 1e-9))
-        throw InputError(fmt::format("measure: heading_diffusion: lags up to {:g} s need blocks of twice as "
-                                     "much, not {:g} s",
-                                     o.lag_high, o.block));
-    check_tracks(runs, "heading_diffusion");
-}
-
-/// Numbers of steps, each about a seventh above the one before, the last lag_high.
-std::vector<std::size_t> lags_of(double step, double lag_high) {
-    const auto most = static_cast<std::size_t>(std::min(1e15, lag_high / step * (1.0 + 1e-9)));
-    std::vector<std::size_t> lags;
-    for (std::size_t k = 1; k < most; k = std::max(k + 1, k + k / 7))
-        lags.push_back(k);
-    lags.push_back(most);
-    return lags;
-}
-
 /// Of a block, of several, or of all but some.
 struct DiffusionSums {
     Row origins, square, cosine; // by lag
@@ -184,27 +161,6 @@ std::vector<DiffusionSums> blocks_of(const HeadingTrack& run, double step, const
         if (const std::size_t first = from(b), last = std::min(from(b + 1), steps); first < last)
             blocks.push_back(sums_of(rows, first, last, even ? 0.0 : step, lags));
     return blocks;
-}
-
-/// Takes out the lags that no two rows have in all blocks or, for the errors, in all but one.
-void drop_unknown(std::vector<std::size_t>& lags, std::vector<DiffusionSums>& blocks,
-                  std::vector<DiffusionSums>& of_runs) {
-    for (std::size_t k = lags.size(); k-- > 0;) {
-        double all = 0.0, most = 0.0;
-        for (const DiffusionSums& part : blocks) {
-            all += part.origins[k];
-            most = std::max(most, blocks.size() > 1 ? part.origins[k] : 0.0);
-        }
-        if (all > most)
-            continue;
-        const auto at = static_cast<std::ptrdiff_t>(k);
-        lags.erase(lags.begin() + at);
-        for (std::vector<DiffusionSums>* sums : {&blocks, &of_runs})
-            for (DiffusionSums& part : *sums)
-                for (auto row : {&DiffusionSums::origins, &DiffusionSums::square, &DiffusionSums::cosine,
-                                 &DiffusionSums::off})
-                    (part.*row).erase((part.*row).begin() + at);
-    }
 }
 
 DiffusionSums sum_of(std::span<const DiffusionSums> all, std::size_t without) {
@@ -362,13 +318,28 @@ void set_interval(HeadingDiffusion& r) {
 } // namespace
 
 HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const HeadingOptions& options) {
-    check(runs, options);
+    if (!(options.block > 0.0 && options.lag_low > 0.0 && options.lag_low < options.lag_high &&
+          std::isfinite(options.block + options.lag_high)))
+        throw InputError(
+            fmt::format("measure: heading_diffusion: lags from {:g} s to {:g} s in blocks of {:g} s: must be "
+                        "positive and rise",
+                        options.lag_low, options.lag_high, options.block));
+    if (2.0 * options.lag_high > options.block * (1.0 + 1e-9))
+        throw InputError(fmt::format("measure: heading_diffusion: lags up to {:g} s need blocks of twice as "
+                                     "much, not {:g} s",
+                                     options.lag_high, options.block));
+    check_tracks(runs, "heading_diffusion");
     const double step = common_step(runs);
     if (!(step > 0.0) || options.lag_high < step)
         throw InputError(fmt::format("measure: heading_diffusion: tracks with rows {:g} s apart have no lag "
                                      "up to {:g} s; shorten granular.output.table",
                                      step, options.lag_high));
-    std::vector<std::size_t> lags = lags_of(step, options.lag_high);
+    // Each lag is about a seventh above the one before; the last one is lag_high.
+    const auto most = static_cast<std::size_t>(std::min(1e15, options.lag_high / step * (1.0 + 1e-9)));
+    std::vector<std::size_t> lags;
+    for (std::size_t k = 1; k < most; k = std::max(k + 1, k + k / 7))
+        lags.push_back(k);
+    lags.push_back(most);
     std::vector<DiffusionSums> blocks, of_runs;
     for (const HeadingTrack& run : runs) {
         const std::vector<DiffusionSums> own = blocks_of(run, step, options, lags);
@@ -378,7 +349,23 @@ HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const Hea
         of_runs.push_back(sum_of(own, own.size()));
         blocks.insert(blocks.end(), own.begin(), own.end());
     }
-    drop_unknown(lags, blocks, of_runs);
+    // Lags go that no two rows have in all blocks or, for the errors, in all but one.
+    for (std::size_t k = lags.size(); k-- > 0;) {
+        double all = 0.0, largest = 0.0;
+        for (const DiffusionSums& part : blocks) {
+            all += part.origins[k];
+            largest = std::max(largest, blocks.size() > 1 ? part.origins[k] : 0.0);
+        }
+        if (all > largest)
+            continue;
+        const auto at = static_cast<std::ptrdiff_t>(k);
+        lags.erase(lags.begin() + at);
+        for (std::vector<DiffusionSums>* sums : {&blocks, &of_runs})
+            for (DiffusionSums& part : *sums)
+                for (auto row : {&DiffusionSums::origins, &DiffusionSums::square, &DiffusionSums::cosine,
+                                 &DiffusionSums::off})
+                    (part.*row).erase((part.*row).begin() + at);
+    }
     const DiffusionSums all = sum_of(blocks, blocks.size());
     const std::vector<DiffusionSums>& parts = runs.size() >= enough_runs ? of_runs : blocks;
     HeadingDiffusion r = result_of(all, parts, window_of(all, step, lags, options));

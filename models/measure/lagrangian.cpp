@@ -162,40 +162,25 @@ struct Sources {
     std::vector<Follows> follows;
 };
 
-Sources sources_of(std::span<const DisplacementAccumulator> runs) {
-    Sources sources;
-    for (const DisplacementAccumulator& run : runs)
-        for (const BlockSums* before = nullptr;
-             const BlockSums& block : std::get<Lagrangian>(DisplacementSums::of(run).sums).blocks()) {
-            sources.follows.push_back(follows_of(before, block));
-            sources.blocks.push_back(&block);
-            before = &block;
-        }
-    return sources;
-}
-
-/// ChannelSums of a block over some bins, the displacements of each bin taken back by what U differs there.
-ChannelSums sums_of(const BlockSums& block, const std::vector<CellPart>& parts) {
-    ChannelSums total{};
-    for (const CellPart& part : parts) {
-        const double* from = &block.sums[part.bin * Lagrangian::channels];
-        for (std::size_t c = 0; c < Lagrangian::channels; ++c)
-            total[c] += part.weight * from[c];
-        total[Lagrangian::along] -= part.weight * from[Lagrangian::beads] * part.difference.x;
-        total[Lagrangian::across] -= part.weight * from[Lagrangian::beads] * part.difference.y;
-    }
-    return total;
-}
-
 /// Value and place (from the bin's middle) of the mean; adds to the scatter.
 void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& parts, BinSamples& samples,
          BlockScatter& scatter) {
     std::vector<ChannelSums> blocks;
     ChannelSums total{};
     for (const BlockSums* block : sources.blocks) {
-        blocks.push_back(sums_of(*block, parts));
+        // ChannelSums of a block over some bins, the displacements of each bin taken back by what U differs
+        // there.
+        ChannelSums of_block{};
+        for (const CellPart& part : parts) {
+            const double* from = &block->sums[part.bin * Lagrangian::channels];
+            for (std::size_t c = 0; c < Lagrangian::channels; ++c)
+                of_block[c] += part.weight * from[c];
+            of_block[Lagrangian::along] -= part.weight * from[Lagrangian::beads] * part.difference.x;
+            of_block[Lagrangian::across] -= part.weight * from[Lagrangian::beads] * part.difference.y;
+        }
+        blocks.push_back(of_block);
         for (std::size_t c = 0; c < Lagrangian::channels; ++c)
-            total[c] += blocks.back()[c];
+            total[c] += of_block[c];
     }
     const double beads = total[Lagrangian::beads];
     const Vector2 mean{total[Lagrangian::along] / beads, total[Lagrangian::across] / beads};
@@ -213,27 +198,7 @@ void put(const Sources& sources, std::size_t bin, const std::vector<CellPart>& p
     scatter.add(bin, pulls, present, sources.follows);
 }
 
-double beads_in(const Sources& sources, std::size_t bin) {
-    double beads = 0.0;
-    for (const BlockSums* block : sources.blocks)
-        beads += block->sums[bin * Lagrangian::channels + Lagrangian::beads];
-    return beads;
-}
-
 Vector2 middle(const RodGrid& grid, std::size_t bin) { return {grid.x_of(bin), grid.y_of(bin)}; }
-
-BinSamples of_bins(const Sources& sources, const RodGrid& grid) {
-    BinSamples samples(grid.bins());
-    BlockScatter scatter(grid.bins());
-    for (std::size_t j = 0; j < grid.bins(); ++j) {
-        samples.place[j] = middle(grid, j);
-        samples.count[j] = beads_in(sources, j);
-        if (samples.count[j] > 0.0)
-            put(sources, j, {{j, 1.0, {}}}, samples, scatter);
-    }
-    scatter.finish(samples);
-    return samples;
-}
 
 BinSamples of_cells(const Sources& sources, const CellWindow& window, const RodGrid& grid) {
     BinSamples samples(grid.bins());
@@ -254,8 +219,24 @@ BinSamples of_cells(const Sources& sources, const CellWindow& window, const RodG
 BinSamples lagrangian_samples(std::span<const DisplacementAccumulator> runs) {
     const RodGrid grid = grid_of(runs[0]);
     const double spacing = lattice_spacing(runs[0].layout());
-    const Sources sources = sources_of(runs);
-    const BinSamples single = of_bins(sources, grid);
+    Sources sources;
+    for (const DisplacementAccumulator& run : runs)
+        for (const BlockSums* before = nullptr;
+             const BlockSums& block : std::get<Lagrangian>(DisplacementSums::of(run).sums).blocks()) {
+            sources.follows.push_back(follows_of(before, block));
+            sources.blocks.push_back(&block);
+            before = &block;
+        }
+    BinSamples single(grid.bins());
+    BlockScatter scatter(grid.bins());
+    for (std::size_t j = 0; j < grid.bins(); ++j) {
+        single.place[j] = middle(grid, j);
+        for (const BlockSums* block : sources.blocks)
+            single.count[j] += block->sums[j * Lagrangian::channels + Lagrangian::beads];
+        if (single.count[j] > 0.0)
+            put(sources, j, {{j, 1.0, {}}}, single, scatter);
+    }
+    scatter.finish(single);
     const BinSamples plain = of_cells(sources, CellWindow(single, nullptr, grid, spacing), grid);
     BinSamples samples = of_cells(sources, CellWindow(single, &plain, grid, spacing), grid);
     for (std::size_t j = 0; j < grid.bins(); ++j) // differences across the cell were taken out

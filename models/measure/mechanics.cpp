@@ -115,26 +115,23 @@ void set_screening(MechanicsResult& result, const Estimate& shear_speed, const s
 
 double mass_of(const Layout& layout) { return static_cast<double>(layout.beads) * layout.bead_mass; }
 
-/// Impulses are left out where only a steady force pushes.
-DriftPath path_of(const MechanicsAccumulator& run, const RodPushes& pushes) {
-    DriftPath path;
-    for (const Mark& mark : run.path()) {
-        path.time.push_back(mark.time);
-        path.x.push_back(mark.x);
-        path.y.push_back(mark.y);
-        if (pushes.advance.empty())
-            continue;
-        path.impulse_x.push_back(at(pushes.time, pushes.impulse_x, mark.time));
-        path.impulse_y.push_back(at(pushes.time, pushes.impulse_y, mark.time));
-    }
-    return path;
-}
-
 DriftDecay decay_of(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes,
                     const Estimate& drag_rate) {
     std::vector<DriftPath> paths;
-    for (std::size_t r = 0; r < runs.size(); ++r)
-        paths.push_back(path_of(runs[r], pushes[r]));
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        // Impulses are left out where only a steady force pushes.
+        DriftPath path;
+        for (const Mark& mark : runs[r].path()) {
+            path.time.push_back(mark.time);
+            path.x.push_back(mark.x);
+            path.y.push_back(mark.y);
+            if (pushes[r].advance.empty())
+                continue;
+            path.impulse_x.push_back(at(pushes[r].time, pushes[r].impulse_x, mark.time));
+            path.impulse_y.push_back(at(pushes[r].time, pushes[r].impulse_y, mark.time));
+        }
+        paths.push_back(path);
+    }
     DriftDecayOptions options;
     options.block = runs[0].options().block;
     return drift_decay(paths, mass_of(runs[0].layout()), drag_rate, options);
@@ -166,18 +163,6 @@ std::vector<Share> shares_of(std::span<const MechanicsAccumulator> runs, std::sp
             shares.push_back(share_of(pushes[r], marks[b - 1], marks[b]));
     }
     return shares;
-}
-
-/// How far the rod came, the least of the runs.
-void set_travel(MechanicsResult& result, std::span<const MechanicsAccumulator> runs,
-                std::span<const RodPushes> pushes) {
-    result.before = result.along = INFINITY;
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        const double first = at(pushes[r].time, pushes[r].advance, runs[r].path().front().time),
-                     last = at(pushes[r].time, pushes[r].advance, runs[r].path().back().time);
-        result.before = std::min(result.before, std::abs(first));
-        result.along = std::min(result.along, std::abs(last - first));
-    }
 }
 
 } // namespace
@@ -241,8 +226,16 @@ MechanicsResult reduce(std::span<const MechanicsAccumulator> runs, std::span<con
     const Layout& layout = runs[0].layout();
     const bool rods = !pushes[0].advance.empty();
     MechanicsResult result;
-    if (rods)
-        set_travel(result, runs, pushes);
+    if (rods) {
+        // The distance that the rod came is the least of the runs.
+        result.before = result.along = INFINITY;
+        for (std::size_t r = 0; r < runs.size(); ++r) {
+            const double first = at(pushes[r].time, pushes[r].advance, runs[r].path().front().time),
+                         last = at(pushes[r].time, pushes[r].advance, runs[r].path().back().time);
+            result.before = std::min(result.before, std::abs(first));
+            result.along = std::min(result.along, std::abs(last - first));
+        }
+    }
     set_rates(result, shares, mass_of(layout), rods);
     result.decay = decay_of(runs, pushes, result.drag_rate);
     set_screening(result, shear_speed, inertia, layout.box.shorter());

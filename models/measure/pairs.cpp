@@ -29,28 +29,6 @@ void want_positive(const char* what, double value) {
         throw InputError(fmt::format("measure: pair, {} {:g}: must be finite and positive", what, value));
 }
 
-void check(const PairTrack& track, const PairOptions& options) {
-    want_positive("box (m)", options.box.x);
-    want_positive("box (m)", options.box.y);
-    want_positive("contact distance (m)", options.contact_distance);
-    const EndingCriteria& limit = options.ending;
-    want_positive("locked heading (rad)", limit.locked_heading);
-    want_positive("lateral offset", limit.lateral_offset);
-    want_positive("steady separation", limit.steady_separation);
-    want_positive("residual turn", limit.residual_turn);
-    want_positive("last part of the track", limit.steady_fraction);
-    if (track.t.size() < 2)
-        throw InputError(fmt::format("measure: pair: a track of {} rows: needs 2 or more", track.t.size()));
-    want_column(track.t, track.t.size());
-    for (const auto* columns : {&track.x, &track.y, &track.heading})
-        for (const Row& column : *columns)
-            want_column(column, track.t.size());
-    const auto back = std::ranges::adjacent_find(track.t, std::ranges::greater_equal());
-    if (back != track.t.end())
-        throw InputError(fmt::format("measure: pair: {:g} s follows {:g} s in a track: times must grow",
-                                     back[1], back[0]));
-}
-
 /// Turn of a rod from the first row to each, whole turns counted.
 Row turns(const Row& heading) {
     Row turn = {0.0};
@@ -82,12 +60,6 @@ PairOffset moved(const PairTrack& track, std::size_t from, std::size_t to) {
         return place[0][to] - place[1][to] - place[0][from] + place[1][from];
     };
     return {step(track.x), step(track.y)};
-}
-
-/// +1 if the other rod is first to the left of rod i, -1 to its right: a turn there is towards it.
-double side_of_other(const PairTrack& track, PairOffset first, int i) {
-    const double away = i == 0 ? -1.0 : 1.0, heading = track.heading[i][0];
-    return std::copysign(1.0, away * (std::cos(heading) * first.y - std::sin(heading) * first.x));
 }
 
 /// How far the rods came along the mean first heading, mean of both.
@@ -145,13 +117,6 @@ void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, Pa
         run.non_reciprocity = (rear - front) / (rear + front);
 }
 
-/// First row of the last part of a track: at most the last but one.
-std::size_t late_row(const PairTrack& track, double fraction) {
-    const double from = track.t.back() - fraction * (track.t.back() - track.t.front());
-    const auto found = std::ranges::lower_bound(track.t, from) - track.t.begin();
-    return std::min(static_cast<std::size_t>(found), track.t.size() - 2);
-}
-
 /// The end of a track from its rows `late` to last (core/encounter.hpp says what is a mean).
 PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late, const Row (&turn)[2]) {
     const std::size_t last = track.t.size() - 1;
@@ -177,14 +142,6 @@ PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late,
     return end;
 }
 
-/// The time from which on headings stay locked.
-double lock_begin(const PairTrack& track, double locked) {
-    std::size_t row = track.t.size() - 1;
-    while (row > 0 && angle_between(track.heading[0][row - 1], track.heading[1][row - 1]) <= locked)
-        --row;
-    return track.t[row];
-}
-
 void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options, const Row (&turn)[2]) {
     for (std::size_t row = 0; row < track.t.size(); ++row)
         if (separation(track, images_of(options), row) < options.contact_distance) {
@@ -192,24 +149,53 @@ void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options
             run.ending_time = track.t[row];
             return;
         }
-    const std::size_t late = late_row(track, options.ending.steady_fraction);
+    // The last part of a track begins at the last row but one at the latest.
+    const double from = track.t.back() - options.ending.steady_fraction * (track.t.back() - track.t.front());
+    const auto found = std::ranges::lower_bound(track.t, from) - track.t.begin();
+    const std::size_t late = std::min(static_cast<std::size_t>(found), track.t.size() - 2);
     run.ending = classify(end_of(track, images_of(options), late, turn), options.ending);
-    run.ending_time =
-        run.ending == Ending::pursuit ? lock_begin(track, options.ending.locked_heading) : track.t.back();
+    // Pursuit begins when the headings lock for good.
+    std::size_t row = track.t.size() - 1;
+    while (row > 0 && angle_between(track.heading[0][row - 1], track.heading[1][row - 1]) <=
+                          options.ending.locked_heading)
+        --row;
+    run.ending_time = run.ending == Ending::pursuit ? track.t[row] : track.t.back();
 }
 
 } // namespace
 
 PairRun follow_pair(const PairTrack& track, const PairOptions& options) {
-    check(track, options);
+    want_positive("box (m)", options.box.x);
+    want_positive("box (m)", options.box.y);
+    want_positive("contact distance (m)", options.contact_distance);
+    const EndingCriteria& limit = options.ending;
+    want_positive("locked heading (rad)", limit.locked_heading);
+    want_positive("lateral offset", limit.lateral_offset);
+    want_positive("steady separation", limit.steady_separation);
+    want_positive("residual turn", limit.residual_turn);
+    want_positive("last part of the track", limit.steady_fraction);
+    if (track.t.size() < 2)
+        throw InputError(fmt::format("measure: pair: a track of {} rows: needs 2 or more", track.t.size()));
+    want_column(track.t, track.t.size());
+    for (const auto* columns : {&track.x, &track.y, &track.heading})
+        for (const Row& column : *columns)
+            want_column(column, track.t.size());
+    const auto back = std::ranges::adjacent_find(track.t, std::ranges::greater_equal());
+    if (back != track.t.end())
+        throw InputError(fmt::format("measure: pair: {:g} s follows {:g} s in a track: times must grow",
+                                     back[1], back[0]));
     PairRun run;
     const double between = angle_between(track.heading[0][0], track.heading[1][0]);
     run.perpendicular = between > std::numbers::pi / 3.0 && between < 2.0 * std::numbers::pi / 3.0;
     const Row turn[2] = {turns(track.heading[0]), turns(track.heading[1])};
     const PeriodicBox images = images_of(options);
     const PairOffset first = apart(track, images, 0);
-    for (const int i : {0, 1})
-        run.turn[i] = side_of_other(track, first, i) * turn[i].back();
+    for (const int i : {0, 1}) {
+        // A turn counts as positive towards the side where the other rod is first.
+        const double away = i == 0 ? -1.0 : 1.0, heading = track.heading[i][0];
+        run.turn[i] = std::copysign(1.0, away * (std::cos(heading) * first.y - std::sin(heading) * first.x)) *
+                      turn[i].back();
+    }
     set_course(run, track, options.box, first, turn);
     run.min_separation = separation(track, images, 0);
     for (std::size_t row = 1; row < track.t.size(); ++row)

@@ -33,22 +33,6 @@ bool alike(const PhaseBlock& a, const PhaseBlock& b) {
            !differ(2);
 }
 
-/// The block to which most frames are alike.
-const PhaseBlock& centre_of(const std::vector<PhaseBlock>& blocks) {
-    std::size_t best = 0;
-    double most = -1.0;
-    for (std::size_t a = 0; a < blocks.size(); ++a) {
-        double frames = 0.0;
-        for (const PhaseBlock& b : blocks)
-            frames += alike(blocks[a], b) ? b.frames : 0.0;
-        if (frames > most) {
-            most = frames;
-            best = a;
-        }
-    }
-    return blocks[best];
-}
-
 /// phase_1 = phase_0 + phase_2 holds up to noise and a whole turn, which is taken out.
 Vector2 principal_value(const double* sums, const std::array<Vector2, 3>& g) {
     std::array<double, 3> phase{};
@@ -72,7 +56,19 @@ double quality(const double* sums) {
 /// Bins without beads of those blocks are filled in.
 std::vector<Vector2> first_guess(const std::vector<PhaseBlock>& blocks, const RodGrid& grid,
                                  double far_from) {
-    const PhaseBlock& centre = centre_of(blocks);
+    // The centre is the block to which most frames are alike.
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t a = 0; a < blocks.size(); ++a) {
+        double frames = 0.0;
+        for (const PhaseBlock& b : blocks)
+            frames += alike(blocks[a], b) ? b.frames : 0.0;
+        if (frames > most) {
+            most = frames;
+            best = a;
+        }
+    }
+    const PhaseBlock& centre = blocks[best];
     std::vector<double> pooled(centre.sums.size(), 0.0);
     for (const PhaseBlock& block : blocks)
         if (alike(centre, block))

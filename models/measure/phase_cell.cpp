@@ -210,15 +210,6 @@ BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool alo
     return result;
 }
 
-std::complex<double> far_sum(const BinSums& sums, std::size_t k, const RodGrid& grid, double far_from) {
-    std::complex<double> total = 0.0;
-    for (std::size_t j = 0; j < grid.bins(); ++j)
-        if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
-            total +=
-                std::complex<double>(sums[j * phase_channels + 2 * k], sums[j * phase_channels + 2 * k + 1]);
-    return total;
-}
-
 void take_off(BinSums& sums, std::size_t k, const std::complex<double>& phase) {
     for (std::size_t at = 2 * k; at < sums.size(); at += phase_channels) {
         const auto z = times({sums[at], sums[at + 1]}, phase);
@@ -234,21 +225,15 @@ std::vector<double> windowed_density(const BlockSums& block, const RodGrid& grid
     const double width = window_width * lattice_spacing;
     BinSums sums = blurred(blurred(block.sums, grid, width, true), grid, width, false);
     for (std::size_t k = 0; k < 3; ++k) {
-        const auto far = far_sum(sums, k, grid, far_from);
+        std::complex<double> far = 0.0;
+        for (std::size_t j = 0; j < grid.bins(); ++j)
+            if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
+                far += std::complex<double>(sums[j * phase_channels + 2 * k],
+                                            sums[j * phase_channels + 2 * k + 1]);
         if (far != 0.0)
             take_off(sums, k, std::conj(far) / std::abs(far));
     }
     return sums;
-}
-
-PhaseBlock lattice_of(const BraggPeaks& peaks, const BlockSums& block, Follows follows) {
-    PhaseBlock made;
-    made.m = peaks.m;
-    made.n = peaks.n;
-    made.heading = block.heading();
-    made.frames = block.frames;
-    made.follows = follows;
-    return made;
 }
 
 } // namespace
@@ -263,7 +248,12 @@ std::vector<PhaseBlock> phase_blocks(std::span<const DisplacementAccumulator> ru
         for (std::size_t b = 0; b < accumulator.blocks().size(); ++b) {
             const BlockSums& block = accumulator.blocks()[b];
             const BraggPeaks& peaks = accumulator.peaks(b);
-            PhaseBlock made = lattice_of(peaks, block, follows_of(before, block));
+            PhaseBlock made;
+            made.m = peaks.m;
+            made.n = peaks.n;
+            made.heading = block.heading();
+            made.frames = block.frames;
+            made.follows = follows_of(before, block);
             before = &block;
             if (run.layout().window)
                 made.m = made.n = {}; // no whole numbers of waves

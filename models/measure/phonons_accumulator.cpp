@@ -20,35 +20,8 @@ using Mode = PhononAccumulator::Mode;
 constexpr std::size_t most_shells = 16;
 constexpr std::size_t displacement_stride = 4; // u changes slowly against the interval of the currents
 
-void check(const PhononOptions& options) {
-    if (options.shells < 1 || options.shells > most_shells)
-        throw InputError(fmt::format("measure: phonons: {} waves along a side: must be from 1 to {}",
-                                     options.shells, most_shells));
-    if (!(std::isfinite(options.longest_lag) && options.longest_lag > 0.0))
-        throw InputError(fmt::format("measure: phonons, longest lag {:g} s: must be finite and positive",
-                                     options.longest_lag));
-    if (!(options.block >= 2.0 * options.longest_lag))
-        throw InputError(fmt::format("measure: phonons: blocks of {:g} s are shorter than twice the longest "
-                                     "lag of {:g} s; choose a longer measure.block",
-                                     options.block, options.longest_lag));
-}
-
-std::vector<Mode> modes_within(std::size_t shells) {
-    const int most = static_cast<int>(shells);
-    std::vector<Mode> modes;
-    for (int m = 0; m <= most; ++m)
-        for (int n = m == 0 ? 1 : -most; n <= most; ++n)
-            if (m * m + n * n <= most * most)
-                modes.push_back({m, n});
-    return modes;
-}
-
-double mean(const Row& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 Row without_mean(Row values) {
-    const double m = mean(values);
+    const double m = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     for (double& v : values)
         v -= m;
     return values;
@@ -102,8 +75,21 @@ Row fourier(const Layout& layout, std::span<const Mode> modes, std::size_t shell
 PhononAccumulator::PhononAccumulator(const Layout& layout, const PhononOptions& options)
     : layout_(layout), options_(options) {
     validate(layout);
-    check(options);
-    modes_ = modes_within(options.shells);
+    if (options.shells < 1 || options.shells > most_shells)
+        throw InputError(fmt::format("measure: phonons: {} waves along a side: must be from 1 to {}",
+                                     options.shells, most_shells));
+    if (!(std::isfinite(options.longest_lag) && options.longest_lag > 0.0))
+        throw InputError(fmt::format("measure: phonons, longest lag {:g} s: must be finite and positive",
+                                     options.longest_lag));
+    if (!(options.block >= 2.0 * options.longest_lag))
+        throw InputError(fmt::format("measure: phonons: blocks of {:g} s are shorter than twice the longest "
+                                     "lag of {:g} s; choose a longer measure.block",
+                                     options.block, options.longest_lag));
+    const int most = static_cast<int>(options.shells);
+    for (int m = 0; m <= most; ++m)
+        for (int n = m == 0 ? 1 : -most; n <= most; ++n)
+            if (m * m + n * n <= most * most)
+                modes_.push_back({m, n});
 }
 
 void PhononAccumulator::add(const Frame& frame) {

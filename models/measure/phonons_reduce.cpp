@@ -20,20 +20,6 @@ using Row = std::vector<double>;
 using Runs = std::span<const PhononAccumulator>;
 constexpr std::size_t fewest_blocks = 2;
 
-void check(Runs runs) {
-    if (runs.empty())
-        throw InputError("measure: phonons: no runs");
-    for (const PhononAccumulator& run : runs) {
-        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
-            throw InputError("measure: phonons: the runs were measured with different options or beds");
-        if (run.lags() != runs[0].lags() ||
-            std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
-            throw InputError(fmt::format("measure: phonons: frames are {:g} s apart in one run and {:g} s in "
-                                         "another: must be the same",
-                                         runs[0].interval(), run.interval()));
-    }
-}
-
 /// Numbers of one branch, in this order in a row.
 enum BranchNumber : std::size_t { omega, gamma, temperature, displacement, omega_static, amplitude };
 constexpr std::size_t branch_numbers = 6;
@@ -196,23 +182,6 @@ void set_curves(PhononBranch& b, const Row& correlation, double step) {
         f *= b.share;
 }
 
-void set_modes(PhononResult& result, const Analysis& analysis, const PhononSums& all, const Row& rows,
-               const Row& errors) {
-    for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
-        const MirrorModes& modes = analysis.classes()[i];
-        PhononMode mode{modes.m, modes.n, analysis.qx(modes), analysis.qy(modes), analysis.angle(all, modes),
-                        {},      {}};
-        const std::size_t at = 2 * i * branch_numbers;
-        const CurrentCorrelations c = analysis.branches(all, modes);
-        mode.longitudinal = branch_of(&rows[at], &errors[at], result.blocks, result.kept_places);
-        mode.transverse = branch_of(&rows[at + branch_numbers], &errors[at + branch_numbers], result.blocks,
-                                    result.kept_places);
-        set_curves(mode.longitudinal, c.LL, result.step);
-        set_curves(mode.transverse, c.TT, result.step);
-        result.modes.push_back(std::move(mode));
-    }
-}
-
 /// Of the last block of each run: how far beads are from where they were in the first frame.
 void set_travel(PhononResult& result, Runs runs) {
     double squares = 0.0;
@@ -233,7 +202,17 @@ double temperature_of(const PhononSums& sums) { return sums.block.temperature / 
 } // namespace
 
 PhononResult reduce(Runs runs) {
-    check(runs);
+    if (runs.empty())
+        throw InputError("measure: phonons: no runs");
+    for (const PhononAccumulator& run : runs) {
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: phonons: the runs were measured with different options or beds");
+        if (run.lags() != runs[0].lags() ||
+            std::abs(run.interval() - runs[0].interval()) > 1e-6 * runs[0].interval())
+            throw InputError(fmt::format("measure: phonons: frames are {:g} s apart in one run and {:g} s in "
+                                         "another: must be the same",
+                                         runs[0].interval(), run.interval()));
+    }
     const std::vector<PhononSums> blocks = phonon_blocks(runs);
     if (blocks.size() < fewest_blocks)
         throw InputError(fmt::format("measure: phonons: {} blocks of time: errors need at least {}; shorten "
@@ -260,7 +239,19 @@ PhononResult reduce(Runs runs) {
     for (const PhononAccumulator& run : runs)
         result.frames += run.frames();
     set_travel(result, runs);
-    set_modes(result, analysis, all, row, errors);
+    for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
+        const MirrorModes& modes = analysis.classes()[i];
+        PhononMode mode{modes.m, modes.n, analysis.qx(modes), analysis.qy(modes), analysis.angle(all, modes),
+                        {},      {}};
+        const std::size_t at = 2 * i * branch_numbers;
+        const CurrentCorrelations c = analysis.branches(all, modes);
+        mode.longitudinal = branch_of(&row[at], &errors[at], result.blocks, result.kept_places);
+        mode.transverse = branch_of(&row[at + branch_numbers], &errors[at + branch_numbers], result.blocks,
+                                    result.kept_places);
+        set_curves(mode.longitudinal, c.LL, result.step);
+        set_curves(mode.transverse, c.TT, result.step);
+        result.modes.push_back(std::move(mode));
+    }
     for (std::size_t i = 0; i < number.size(); ++i)
         if (std::isfinite(number[i]))
             result.*constants[i].estimate = {number[i], number_errors[i], blocks.size()};
@@ -322,23 +313,6 @@ double coupling_constant(const ElasticNumbers& e, double modulus, double cx, dou
     return std::sqrt((modulus - xx) * (modulus - yy)) / (cx * cy) - e.C66;
 }
 
-void set_isotropic(ElasticNumbers& e) {
-    e.bulk = (e.C11 + e.C22 + 2.0 * e.C12) / 4.0;
-    e.mu = (e.C11 + e.C22 - 2.0 * e.C12 + 4.0 * e.C66) / 8.0;
-    e.eta = e.bulk / e.mu;
-    double low_L = INFINITY, high_L = -INFINITY, low_T = INFINITY, high_T = -INFINITY;
-    for (std::size_t i = 0; i < directions; ++i) {
-        const double angle = 0.5 * std::numbers::pi * static_cast<double>(i) / (directions - 1);
-        const WaveModuli moduli = wave_moduli(e.C11, e.C22, e.C12, e.C66, angle);
-        low_L = std::min(low_L, moduli.longitudinal);
-        high_L = std::max(high_L, moduli.longitudinal);
-        low_T = std::min(low_T, moduli.transverse);
-        high_T = std::max(high_T, moduli.transverse);
-    }
-    e.spread_L = std::isfinite(e.mu) ? (high_L - low_L) / (e.bulk + e.mu) : NAN;
-    e.spread_T = std::isfinite(e.mu) ? (high_T - low_T) / e.mu : NAN;
-}
-
 } // namespace
 
 WaveModuli wave_moduli(double C11, double C22, double C12, double C66, double angle) {
@@ -369,7 +343,20 @@ ElasticNumbers elastic_numbers(const Numbers& modes, double density) {
     const auto oblique = std::ranges::find_if(modes, diagonal);
     const double q = oblique == modes.end() ? 0.0 : std::hypot(oblique->qx, oblique->qy);
     e.C12 = q > 0.0 ? coupling_constant(e, modulus(e.c_Ld), oblique->qx / q, oblique->qy / q) : NAN;
-    set_isotropic(e);
+    e.bulk = (e.C11 + e.C22 + 2.0 * e.C12) / 4.0;
+    e.mu = (e.C11 + e.C22 - 2.0 * e.C12 + 4.0 * e.C66) / 8.0;
+    e.eta = e.bulk / e.mu;
+    double low_L = INFINITY, high_L = -INFINITY, low_T = INFINITY, high_T = -INFINITY;
+    for (std::size_t i = 0; i < directions; ++i) {
+        const double angle = 0.5 * std::numbers::pi * static_cast<double>(i) / (directions - 1);
+        const WaveModuli moduli = wave_moduli(e.C11, e.C22, e.C12, e.C66, angle);
+        low_L = std::min(low_L, moduli.longitudinal);
+        high_L = std::max(high_L, moduli.longitudinal);
+        low_T = std::min(low_T, moduli.transverse);
+        high_T = std::max(high_T, moduli.transverse);
+    }
+    e.spread_L = std::isfinite(e.mu) ? (high_L - low_L) / (e.bulk + e.mu) : NAN;
+    e.spread_T = std::isfinite(e.mu) ? (high_T - low_T) / e.mu : NAN;
     set_drag(e, modes);
     return e;
 }

@@ -80,14 +80,6 @@ struct SurroundingBeads {
 
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-std::size_t nearest_bead(const SurroundingBeads& near) {
-    std::size_t best = none;
-    for (std::size_t k = 0; k < near.bead.size(); ++k)
-        if (best == none || near.size2(k) < near.size2(best))
-            best = k;
-    return best;
-}
-
 /// A neighbour and the circle through it, the bead in the middle and the next neighbour anticlockwise.
 struct Turn {
     std::size_t next = none;
@@ -114,7 +106,11 @@ Turn turn_from(const SurroundingBeads& near, std::size_t p, std::vector<double>&
 /// Appends the bonds of bead `from`; false if the beads within the reach do not tell.
 bool follow(const SurroundingBeads& near, std::size_t from, double reach, const PeriodicBox& box,
             std::vector<Bond>& bonds, std::vector<double>& scratch) {
-    const std::size_t first = nearest_bead(near), before = bonds.size();
+    std::size_t best = none;
+    for (std::size_t b = 0; b < near.bead.size(); ++b)
+        if (best == none || near.size2(b) < near.size2(best))
+            best = b;
+    const std::size_t first = best, before = bonds.size();
     if (first == none)
         return false;
     std::size_t at = first;
@@ -145,31 +141,26 @@ bool follow(const SurroundingBeads& near, std::size_t from, double reach, const 
     return false;
 }
 
-/// All beads and images within the reach of a bead, straight from the list of all.
-SurroundingBeads all_within(const std::vector<double>& x, const std::vector<double>& y, std::size_t i,
-                            double reach, const PeriodicBox& box) {
-    SurroundingBeads near;
-    const auto images = [&](double side) { // up to half the box nearest images are all there are
-        return reach <= 0.5 * box.shorter() ? 0 : static_cast<int>(std::ceil(reach / side + 0.5));
-    };
-    const int most_m = images(box.x), most_n = images(box.y);
-    for (int m = -most_m; m <= most_m; ++m)
-        for (int n = -most_n; n <= most_n; ++n)
-            for (std::size_t j = 0; j < x.size(); ++j) {
-                const double dx = nearest_image_once(x[j] - x[i], box.x) + m * box.x;
-                const double dy = nearest_image_once(y[j] - y[i], box.y) + n * box.y;
-                const double r2 = dx * dx + dy * dy;
-                if (r2 > 0.0 && r2 < reach * reach)
-                    near.add(j, dx, dy);
-            }
-    return near;
-}
-
 void follow_farther(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, double reach,
                     const PeriodicBox& box, std::vector<Bond>& bonds, std::vector<double>& scratch) {
     while (reach < widest * box.longer()) {
         reach = std::min(2.0 * reach, widest * box.longer());
-        if (follow(all_within(x, y, i, reach, box), i, reach, box, bonds, scratch))
+        // All beads and images within the reach of a bead, straight from the list of all.
+        SurroundingBeads near;
+        const auto images = [&](double side) { // up to half the box nearest images are all there are
+            return reach <= 0.5 * box.shorter() ? 0 : static_cast<int>(std::ceil(reach / side + 0.5));
+        };
+        const int most_m = images(box.x), most_n = images(box.y);
+        for (int m = -most_m; m <= most_m; ++m)
+            for (int n = -most_n; n <= most_n; ++n)
+                for (std::size_t j = 0; j < x.size(); ++j) {
+                    const double dx = nearest_image_once(x[j] - x[i], box.x) + m * box.x;
+                    const double dy = nearest_image_once(y[j] - y[i], box.y) + n * box.y;
+                    const double r2 = dx * dx + dy * dy;
+                    if (r2 > 0.0 && r2 < reach * reach)
+                        near.add(j, dx, dy);
+                }
+        if (follow(near, i, reach, box, bonds, scratch))
             return;
     }
     throw RunError("measure: no Delaunay triangulation of these beads");

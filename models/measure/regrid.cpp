@@ -71,23 +71,6 @@ namespace {
 
 constexpr double own = 0.5, nearest_allowed = 0.75; // in spacings
 
-std::vector<NearSample> behind(const std::vector<NearSample>& near) {
-    std::vector<NearSample> found;
-    std::optional<NearSample> nearest;
-    const auto size = [](const NearSample& sample) {
-        return std::max(std::abs(sample.x), std::abs(sample.y));
-    };
-    for (const NearSample& near_sample : near) {
-        if (size(near_sample) <= own)
-            found.push_back(near_sample);
-        if (!nearest || size(near_sample) < size(*nearest))
-            nearest = near_sample;
-    }
-    if (found.empty() && nearest && size(*nearest) <= nearest_allowed)
-        found.push_back(*nearest);
-    return found;
-}
-
 void put(std::size_t bin, const std::vector<NearSample>& own_samples, const LocalFit& fit,
          const BinSamples& samples, DisplacementField& field) {
     double total = 0.0;
@@ -116,7 +99,19 @@ void regrid(const BinSamples& samples, const std::vector<Vector2>& undisplaced, 
     const Scattered scattered(samples, undisplaced, field.grid);
     for (std::size_t bin = 0; bin < field.grid.bins(); ++bin) {
         const auto near = scattered.around(bin, LocalFit::reach);
-        const auto own_samples = behind(near);
+        std::vector<NearSample> own_samples;
+        std::optional<NearSample> nearest;
+        const auto size = [](const NearSample& sample) {
+            return std::max(std::abs(sample.x), std::abs(sample.y));
+        };
+        for (const NearSample& near_sample : near) {
+            if (size(near_sample) <= own)
+                own_samples.push_back(near_sample);
+            if (!nearest || size(near_sample) < size(*nearest))
+                nearest = near_sample;
+        }
+        if (own_samples.empty() && nearest && size(*nearest) <= nearest_allowed)
+            own_samples.push_back(*nearest);
         if (!own_samples.empty())
             put(bin, own_samples, LocalFit(near, samples), samples, field);
     }

@@ -48,12 +48,6 @@ bool goes_on(const Tracks& tracks, const RodTrack& first, const RodTrack& second
     return way.length() <= reach;
 }
 
-void append(RodTrack& first, const RodTrack& second) {
-    first.frame.insert(first.frame.end(), second.frame.begin(), second.frame.end());
-    for (auto part : {&RodTrack::x, &RodTrack::y, &RodTrack::heading})
-        (first.*part).insert((first.*part).end(), (second.*part).begin(), (second.*part).end());
-}
-
 /// Of the rods of which this holds the first, if all others may be the same one once more, later; `is_later`
 /// (rod, other) says so. Nothing: there is a rival, or none.
 template<class Holds, class IsLater>
@@ -81,48 +75,16 @@ bool join_two(Tracks& tracks, double spacing) {
         if (!next || without_rival(
                          rods.size(), [&](std::size_t k) { return follows(k, *next); }, precedes) != i)
             continue;
-        append(rods[i], rods[*next]);
+        RodTrack& first = rods[i];
+        const RodTrack& second = rods[*next];
+        first.frame.insert(first.frame.end(), second.frame.begin(), second.frame.end());
+        for (auto part : {&RodTrack::x, &RodTrack::y, &RodTrack::heading})
+            (first.*part).insert((first.*part).end(), (second.*part).begin(), (second.*part).end());
         rods.erase(rods.begin() + static_cast<std::ptrdiff_t>(*next));
         ++tracks.counts.joined;
         return true;
     }
     return false;
-}
-
-/// Rows in which an axis can be followed: where it turns by an eighth at most and is not away for long.
-std::size_t end_of_stretch(const Tracks& tracks, const RodTrack& rod, std::size_t first) {
-    constexpr std::int64_t longest_gap = 5; // frames
-    std::size_t last = first;
-    const auto since_last = [&](std::size_t i) {
-        return tracks.tick[rod.frame[i]] - tracks.tick[rod.frame[last]];
-    };
-    for (std::size_t i = first + 1; i < rod.frame.size() && since_last(i) <= longest_gap + 1; ++i) {
-        if (std::isnan(rod.heading[i]))
-            continue;
-        if (std::abs(std::remainder(rod.heading[i] - rod.heading[last], half_turn)) > half_turn / 4.0)
-            break;
-        last = i;
-    }
-    return last + 1;
-}
-
-/// Headings of rows whose axes hang together, from the way they go; NaN if it is too short to tell.
-void turn_ahead(const Tracks& tracks, RodTrack& rod, std::size_t first, std::size_t end) {
-    double along = 0.0;
-    std::size_t last = first;
-    for (std::size_t i = first + 1; i < end; ++i) {
-        if (std::isnan(rod.heading[i]))
-            continue;
-        rod.heading[i] = rod.heading[last] + std::remainder(rod.heading[i] - rod.heading[last], half_turn);
-        const double heading = 0.5 * (rod.heading[i] + rod.heading[last]);
-        const RodWay way = step(tracks, rod, last, i);
-        along += way.x * std::cos(heading) + way.y * std::sin(heading);
-        last = i;
-    }
-    for (std::size_t i = first; i < end; ++i)
-        rod.heading[i] = std::abs(along) < tracks.bead_radius
-                             ? std::nan("")
-                             : rod.heading[i] + (along < 0.0 ? half_turn : 0.0);
 }
 
 void axes_to_headings(const Tracks& tracks, RodTrack& rod) {
@@ -131,8 +93,38 @@ void axes_to_headings(const Tracks& tracks, RodTrack& rod) {
             ++i;
             continue;
         }
-        const std::size_t end = end_of_stretch(tracks, rod, i);
-        turn_ahead(tracks, rod, i, end);
+        // Rows in which an axis can be followed: where it turns by an eighth at most and is not away for
+        // long.
+        constexpr std::int64_t longest_gap = 5; // frames
+        std::size_t last = i;
+        const auto since_last = [&](std::size_t row) {
+            return tracks.tick[rod.frame[row]] - tracks.tick[rod.frame[last]];
+        };
+        for (std::size_t row = i + 1; row < rod.frame.size() && since_last(row) <= longest_gap + 1; ++row) {
+            if (std::isnan(rod.heading[row]))
+                continue;
+            if (std::abs(std::remainder(rod.heading[row] - rod.heading[last], half_turn)) > half_turn / 4.0)
+                break;
+            last = row;
+        }
+        const std::size_t end = last + 1;
+        // Headings of rows whose axes hang together, from the way they go; NaN if it is too short to tell.
+        double along = 0.0;
+        std::size_t before = i;
+        for (std::size_t row = i + 1; row < end; ++row) {
+            if (std::isnan(rod.heading[row]))
+                continue;
+            rod.heading[row] =
+                rod.heading[before] + std::remainder(rod.heading[row] - rod.heading[before], half_turn);
+            const double heading = 0.5 * (rod.heading[row] + rod.heading[before]);
+            const RodWay way = step(tracks, rod, before, row);
+            along += way.x * std::cos(heading) + way.y * std::sin(heading);
+            before = row;
+        }
+        for (std::size_t row = i; row < end; ++row)
+            rod.heading[row] = std::abs(along) < tracks.bead_radius
+                                   ? std::nan("")
+                                   : rod.heading[row] + (along < 0.0 ? half_turn : 0.0);
         i = end;
     }
 }

@@ -15,27 +15,6 @@ constexpr std::size_t fewest_modes = 4, most_modes = 2048;
 constexpr double least_inertia = 1e-12, most_inertia = 1e6; // smaller ones overflow a mode's rates
 constexpr double most_own_width = 10.0; // alpha force_width, beyond which own_response.cpp's integral is off
 
-void check_lengths(const DynamicMedium& m) {
-    if (!(m.box > 0.0 && std::isfinite(m.box)))
-        throw InputError(
-            fmt::format("box = {}: the side of the periodic medium must be > 0 and finite", m.box));
-    if (m.modes < fewest_modes || m.modes > most_modes)
-        throw InputError(fmt::format("modes = {}: must be {} to {}", m.modes, fewest_modes, most_modes));
-    if (!(m.force_width > 0.0 && std::isfinite(m.force_width)))
-        throw InputError(fmt::format("force_width = {}: must be > 0 and finite", m.force_width));
-    const double spacing = m.box / static_cast<double>(m.modes);
-    if (m.force_width < spacing)
-        throw InputError(
-            fmt::format("force_width = {} is below the grid spacing box/modes = {:.4g}: take modes = "
-                        "{:.0f} or more, or a wider force",
-                        m.force_width, spacing, std::ceil(m.box / m.force_width)));
-    if (m.box < 4.0 * m.force_width)
-        throw InputError(
-            fmt::format("box = {} is less than 4 force_width = {}: the force would overlap its own "
-                        "images",
-                        m.box, 4.0 * m.force_width));
-}
-
 void check_closure(const DynamicMedium& m) {
     if (m.closure == Closure::none)
         return;
@@ -73,7 +52,24 @@ double bytes_needed(const DynamicMedium& medium, std::size_t rods) {
 
 void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::size_t rods) {
     elastic::validate(elastic);
-    check_lengths(medium);
+    if (!(medium.box > 0.0 && std::isfinite(medium.box)))
+        throw InputError(
+            fmt::format("box = {}: the side of the periodic medium must be > 0 and finite", medium.box));
+    if (medium.modes < fewest_modes || medium.modes > most_modes)
+        throw InputError(fmt::format("modes = {}: must be {} to {}", medium.modes, fewest_modes, most_modes));
+    if (!(medium.force_width > 0.0 && std::isfinite(medium.force_width)))
+        throw InputError(fmt::format("force_width = {}: must be > 0 and finite", medium.force_width));
+    const double spacing = medium.box / static_cast<double>(medium.modes);
+    if (medium.force_width < spacing)
+        throw InputError(
+            fmt::format("force_width = {} is below the grid spacing box/modes = {:.4g}: take modes = "
+                        "{:.0f} or more, or a wider force",
+                        medium.force_width, spacing, std::ceil(medium.box / medium.force_width)));
+    if (medium.box < 4.0 * medium.force_width)
+        throw InputError(
+            fmt::format("box = {} is less than 4 force_width = {}: the force would overlap its own "
+                        "images",
+                        medium.box, 4.0 * medium.force_width));
     check_closure(medium);
     if (medium.inertia != 0.0 && !(medium.inertia >= least_inertia && medium.inertia <= most_inertia))
         throw InputError(

@@ -23,21 +23,6 @@ std::size_t points_needed(const DynamicMedium& m) {
     return fourier::Fft::suitable(std::max(least, fewest_points));
 }
 
-void check_grid(const DynamicMedium& m) {
-    if (m.film_grid < fewest_points || m.film_grid > most_points ||
-        fourier::Fft::suitable(m.film_grid) != m.film_grid)
-        throw InputError(fmt::format("film_grid = {}: must be {} to {}, even and without prime factors but "
-                                     "2, 3 and 5, such as {}",
-                                     m.film_grid, fewest_points, most_points,
-                                     std::min(fourier::Fft::suitable(std::max(m.film_grid, fewest_points)),
-                                              fourier::Fft::suitable(most_points))));
-    if (const double spacing = m.box / static_cast<double>(m.film_grid); spacing > m.force_width)
-        throw InputError(fmt::format("film_grid = {}: its spacing box/film_grid = {:.4g} is above "
-                                     "force_width = {}, so that rods would fall between the points; take {} "
-                                     "or more",
-                                     m.film_grid, spacing, m.force_width, points_needed(m)));
-}
-
 } // namespace
 
 std::vector<double> film_times(const DynamicMedium& medium, double t_end) {
@@ -65,7 +50,18 @@ void validate_film(const DynamicMedium& m, std::size_t rods, double t_end) {
     if (m.closure != Closure::none)
         throw InputError("film_interval needs a medium that is integrated, and a closure replaces it: leave "
                          "film_interval out, or set closure = \"none\"");
-    check_grid(m);
+    if (m.film_grid < fewest_points || m.film_grid > most_points ||
+        fourier::Fft::suitable(m.film_grid) != m.film_grid)
+        throw InputError(fmt::format("film_grid = {}: must be {} to {}, even and without prime factors but "
+                                     "2, 3 and 5, such as {}",
+                                     m.film_grid, fewest_points, most_points,
+                                     std::min(fourier::Fft::suitable(std::max(m.film_grid, fewest_points)),
+                                              fourier::Fft::suitable(most_points))));
+    if (const double spacing = m.box / static_cast<double>(m.film_grid); spacing > m.force_width)
+        throw InputError(fmt::format("film_grid = {}: its spacing box/film_grid = {:.4g} is above "
+                                     "force_width = {}, so that rods would fall between the points; take {} "
+                                     "or more",
+                                     m.film_grid, spacing, m.force_width, points_needed(m)));
     const double frames = std::floor(t_end / *m.film_interval) + 1.0,
                  bytes = 8.0 * frames * static_cast<double>(film_frame_size(m, rods));
     if (frames > most_frames || bytes > most_film_bytes)

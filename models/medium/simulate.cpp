@@ -23,36 +23,6 @@ using rods::RodCheckpoint;
 using rods::RodOptions;
 using rods::RodProblem;
 
-/// The problem as rods see it: in the medium's box.
-RodProblem in_box(const MediumProblem& problem) {
-    RodProblem rods = problem.rods;
-    if (rods.box && *rods.box != problem.medium.box)
-        throw InputError(fmt::format("the rods' box, {}, differs from the box of the dynamic medium, {}",
-                                     to_string(*rods.box), problem.medium.box));
-    rods.box = problem.medium.box;
-    return rods;
-}
-
-void check(const RodProblem& rods, const DynamicMedium& medium, const RodOptions& options) {
-    if (!rods::contact_at_start(rods))
-        rods::validate(rods);
-    if (!rods.medium)
-        throw InputError("rods in a dynamic medium need its eta and xi");
-    validate(*rods.medium, medium, rods.rods.size());
-    if (options.form != rods::Form::angle)
-        throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
-    if (rods.bodies.any())
-        throw InputError("a dynamic medium takes no rods with bodies");
-    if (rods.rows.any())
-        throw InputError("a dynamic medium takes no rows of a crystal");
-    if (rods.field || rods.sums.turning_tolerance != 0.0 || rods.sums.accuracy != elastic::Accuracy::full)
-        throw InputError("a dynamic medium takes no other field, no turning_tolerance and no lower accuracy");
-    if (!(options.ode.rtol >= 1e-13 && options.ode.rtol <= 0.1 && options.ode.atol > 0.0))
-        throw InputError(fmt::format("rtol = {}, atol = {}: rtol must be 1e-13 to 0.1, atol > 0",
-                                     options.ode.rtol, options.ode.atol));
-    validate_start(medium, rods.rods, rods.contact_distance);
-}
-
 /// Rods whose own turning is kept by itself.
 std::size_t told_apart(const DynamicMedium& medium, std::size_t rods) {
     return medium.self_field && evaluation_of(medium, rods) == Evaluation::sums && rods <= most_fields ? rods
@@ -339,8 +309,29 @@ std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
 }
 
 MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& options, const FilmSink& film) {
-    const RodProblem rods = in_box(problem);
-    check(rods, problem.medium, options);
+    // The problem as rods see it: in the medium's box.
+    RodProblem rods = problem.rods;
+    if (rods.box && *rods.box != problem.medium.box)
+        throw InputError(fmt::format("the rods' box, {}, differs from the box of the dynamic medium, {}",
+                                     to_string(*rods.box), problem.medium.box));
+    rods.box = problem.medium.box;
+    if (!rods::contact_at_start(rods))
+        rods::validate(rods);
+    if (!rods.medium)
+        throw InputError("rods in a dynamic medium need its eta and xi");
+    validate(*rods.medium, problem.medium, rods.rods.size());
+    if (options.form != rods::Form::angle)
+        throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
+    if (rods.bodies.any())
+        throw InputError("a dynamic medium takes no rods with bodies");
+    if (rods.rows.any())
+        throw InputError("a dynamic medium takes no rows of a crystal");
+    if (rods.field || rods.sums.turning_tolerance != 0.0 || rods.sums.accuracy != elastic::Accuracy::full)
+        throw InputError("a dynamic medium takes no other field, no turning_tolerance and no lower accuracy");
+    if (!(options.ode.rtol >= 1e-13 && options.ode.rtol <= 0.1 && options.ode.atol > 0.0))
+        throw InputError(fmt::format("rtol = {}, atol = {}: rtol must be 1e-13 to 0.1, atol > 0",
+                                     options.ode.rtol, options.ode.atol));
+    validate_start(problem.medium, rods.rods, rods.contact_distance);
     validate_film(problem.medium, rods.rods.size(), rods.t_end);
     if (problem.medium.closure != Closure::none)
         return {simulate_closed(rods, problem.medium, options), {}};

@@ -12,15 +12,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// exp(6 i angle) by multiplication: no angle is made, and |.| is 1 to a few roundings. By hand, because
-/// std::complex asks after infinities.
-Complex sixfold(double dx, double dy) {
-    const double size2 = dx * dx + dy * dy;
-    const double c2 = (dx * dx - dy * dy) / size2, s2 = (dx * dy + dy * dx) / size2; // twice the angle
-    const double c4 = c2 * c2 - s2 * s2, s4 = c2 * s2 + s2 * c2;
-    return {c4 * c2 - s4 * s2, c4 * s2 + s4 * c2};
-}
-
 double per_bead(double sum, std::size_t beads) { return beads == 0 ? 0.0 : sum / static_cast<double>(beads); }
 
 /// Bonds from either end, sorted by (from, to) in two passes: by `to`, then, keeping that order, by `from`.
@@ -83,7 +74,13 @@ double LocalOrder::global() const {
 LocalOrder bond_order(std::size_t beads, std::span<const Bond> bonds) {
     LocalOrder order{std::vector<Complex>(beads), std::vector<int>(beads, 0)};
     for (const Bond& bond : bonds) {
-        order.psi[bond.from] += sixfold(bond.dx, bond.dy);
+        // exp(6 i angle) by multiplication: no angle is made, and |.| is 1 to a few roundings. By hand,
+        // because std::complex asks after infinities.
+        const double size2 = bond.dx * bond.dx + bond.dy * bond.dy;
+        const double c2 = (bond.dx * bond.dx - bond.dy * bond.dy) / size2,
+                     s2 = (bond.dx * bond.dy + bond.dy * bond.dx) / size2; // twice the angle
+        const double c4 = c2 * c2 - s2 * s2, s4 = c2 * s2 + s2 * c2;
+        order.psi[bond.from] += Complex{c4 * c2 - s4 * s2, c4 * s2 + s4 * c2};
         ++order.neighbours[bond.from];
     }
     for (std::size_t i = 0; i < beads; ++i)

@@ -21,36 +21,20 @@ void require(bool legal, fmt::format_string<Values...> message, Values&&... valu
         throw InputError("cannot integrate: " + fmt::format(message, std::forward<Values>(values)...));
 }
 
-void check_functions(const OdeProblem& problem) {
+} // namespace
+
+void check_problem(const OdeProblem& problem, const OdeOptions& options,
+                   std::span<const double> output_times) {
     require(static_cast<bool>(problem.rhs), "the problem has no right-hand side");
     for (std::size_t i = 0; i < problem.events.size(); ++i)
         require(static_cast<bool>(problem.events[i].value), "event {} ('{}') has no function", i,
                 problem.events[i].name);
-}
-
-void check_state(const OdeProblem& problem) {
     const std::vector<double>& y = problem.initial_state;
     require(!y.empty(), "the initial state is empty");
     for (std::size_t i = 0; i < y.size(); ++i)
         if (!std::isfinite(y[i]))
             require(false, "the initial value of {} is {}; it must be finite",
                     problem.component_name ? problem.component_name(i) : fmt::format("y[{}]", i), y[i]);
-}
-
-void check_constraints(const OdeProblem& problem, Method method) {
-    const auto algebraic = static_cast<std::size_t>(std::ranges::count(problem.algebraic, true));
-    require(problem.algebraic.empty() || problem.algebraic.size() == problem.initial_state.size(),
-            "{} components are marked as algebraic or not, but there are {} components",
-            problem.algebraic.size(), problem.initial_state.size());
-    require(algebraic == 0 || algebraic < problem.initial_state.size(),
-            "every component is algebraic; nothing moves");
-    require(algebraic == 0 || method == Method::bdf,
-            "components are algebraic, and method {} has none; use bdf", to_string(method));
-    require(!problem.project || method != Method::adams,
-            "the problem has a projection, and method adams takes none; use bdf or erk");
-}
-
-void check_options(const OdeOptions& options) {
     require(options.rtol >= min_rtol && options.rtol <= max_rtol, "rtol is {}; it must lie from {} to {}",
             options.rtol, min_rtol, max_rtol);
     require(options.atol > 0.0 && std::isfinite(options.atol), "atol is {}; it must be positive and finite",
@@ -61,29 +45,27 @@ void check_options(const OdeOptions& options) {
             "initial_step is {}; it must be positive, or 0 for automatic", options.initial_step);
     require(options.max_step >= 0.0 && std::isfinite(options.max_step),
             "max_step is {}; it must be positive, or 0 for none", options.max_step);
-}
-
-void check_times(double start, std::span<const double> times) {
-    require(std::isfinite(start), "the start time is {}; it must be finite", start);
-    require(!times.empty(), "there are no output times");
-    require(times.front() >= start, "output time 0 is {}, before the start time {}", times.front(), start);
-    for (std::size_t i = 0; i < times.size(); ++i) {
-        require(std::isfinite(times[i]), "output time {} is {}; it must be finite", i, times[i]);
-        if (i > 0 && !(times[i] > times[i - 1]))
-            require(false, "output time {} is {}, not after the one before it, {}", i, times[i],
-                    times[i - 1]);
+    const auto algebraic = static_cast<std::size_t>(std::ranges::count(problem.algebraic, true));
+    require(problem.algebraic.empty() || problem.algebraic.size() == problem.initial_state.size(),
+            "{} components are marked as algebraic or not, but there are {} components",
+            problem.algebraic.size(), problem.initial_state.size());
+    require(algebraic == 0 || algebraic < problem.initial_state.size(),
+            "every component is algebraic; nothing moves");
+    require(algebraic == 0 || options.method == Method::bdf,
+            "components are algebraic, and method {} has none; use bdf", to_string(options.method));
+    require(!problem.project || options.method != Method::adams,
+            "the problem has a projection, and method adams takes none; use bdf or erk");
+    require(std::isfinite(problem.start_time), "the start time is {}; it must be finite", problem.start_time);
+    require(!output_times.empty(), "there are no output times");
+    require(output_times.front() >= problem.start_time, "output time 0 is {}, before the start time {}",
+            output_times.front(), problem.start_time);
+    for (std::size_t i = 0; i < output_times.size(); ++i) {
+        require(std::isfinite(output_times[i]), "output time {} is {}; it must be finite", i,
+                output_times[i]);
+        if (i > 0 && !(output_times[i] > output_times[i - 1]))
+            require(false, "output time {} is {}, not after the one before it, {}", i, output_times[i],
+                    output_times[i - 1]);
     }
-}
-
-} // namespace
-
-void check_problem(const OdeProblem& problem, const OdeOptions& options,
-                   std::span<const double> output_times) {
-    check_functions(problem);
-    check_state(problem);
-    check_options(options);
-    check_constraints(problem, options.method);
-    check_times(problem.start_time, output_times);
 }
 
 } // namespace rodwake::integrate

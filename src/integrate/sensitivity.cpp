@@ -17,7 +17,11 @@ void require(bool legal, const std::string& message) {
         throw InputError("cannot integrate sensitivities: " + message);
 }
 
-void check_functions(const SensitivityProblem& problem) {
+} // namespace
+
+SensitivitySolution solve_with_sensitivities(const SensitivityProblem& problem, const OdeOptions& options,
+                                             std::span<const double> output_times) {
+    check_problem(problem.ode, options, output_times);
     require(problem.parameters > 0, "there are no parameters; use solve()");
     require(static_cast<bool>(problem.ode.jacobian), "the problem has no Jacobian");
     require(!problem.ode.project && problem.ode.algebraic.empty(),
@@ -27,9 +31,6 @@ void check_functions(const SensitivityProblem& problem) {
         require(!problem.ode.events[i].terminal ||
                     (i < problem.event_gradient.size() && problem.event_gradient[i]),
                 fmt::format("terminal event {} ('{}') has no gradient", i, problem.ode.events[i].name));
-}
-
-void check_numbers(const SensitivityProblem& problem) {
     const auto n = static_cast<Eigen::Index>(problem.ode.initial_state.size()),
                parameters = static_cast<Eigen::Index>(problem.parameters);
     require(problem.initial.rows() == n && problem.initial.cols() == parameters,
@@ -43,15 +44,6 @@ void check_numbers(const SensitivityProblem& problem) {
         require(problem.parameter_scale[j] > 0.0 && std::isfinite(problem.parameter_scale[j]),
                 fmt::format("the scale of parameter {} is {}; it must be positive and finite", j,
                             problem.parameter_scale[j]));
-}
-
-} // namespace
-
-SensitivitySolution solve_with_sensitivities(const SensitivityProblem& problem, const OdeOptions& options,
-                                             std::span<const double> output_times) {
-    check_problem(problem.ode, options, output_times);
-    check_functions(problem);
-    check_numbers(problem);
     require(options.method != Method::erk, "method erk has none; use adams or, if the problem is stiff, bdf");
     return Run(problem.ode, &problem, options, output_times).execute();
 }

@@ -85,22 +85,6 @@ Remedy remedy_for(const std::string& flag) {
     return {nullptr, "try another method, or loosen rtol"};
 }
 
-/// The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of all.
-std::vector<Status::Component> worst_components(const std::vector<double>& errors,
-                                                const UserFunctions& calls) {
-    auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
-    std::vector<std::size_t> order(errors.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
-    const double least = order.empty() || std::isinf(rank(order[0])) ? 0.0 : 1e-3 * rank(order[0]);
-    std::vector<Status::Component> worst;
-    for (std::size_t i : order)
-        if (rank(i) > least && worst.size() < 10)
-            worst.push_back({calls.component_name(i), errors[i]});
-    return worst;
-}
-
 std::string failure_message(const Status& status) {
     std::string text =
         fmt::format("integration stopped at t={} of {} ({}, step {:.3g}, order {}): {}.", status.reached,
@@ -140,7 +124,18 @@ void describe_failure(const StepFailure& failure, const Stepper& stepper, const 
     if (!failure.cause.empty())
         return; // a function failed, not the step: error estimates would mislead
     status.cause = remedy.cause ? remedy.cause : stepper.solver_text();
-    status.worst = worst_components(stepper.weighted_errors(), calls);
+    // The ten largest, by name; those a thousand times below the largest say nothing, NaN is the worst of
+    // all.
+    const std::vector<double>& errors = stepper.weighted_errors();
+    auto rank = [&](std::size_t i) { return std::isnan(errors[i]) ? HUGE_VAL : errors[i]; };
+    std::vector<std::size_t> order(errors.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rank(a) > rank(b); });
+    const double least = order.empty() || std::isinf(rank(order[0])) ? 0.0 : 1e-3 * rank(order[0]);
+    for (std::size_t i : order)
+        if (rank(i) > least && status.worst.size() < 10)
+            status.worst.push_back({calls.component_name(i), errors[i]});
 }
 
 std::string Status::message() const {

@@ -58,17 +58,6 @@ Pair pair_of(const OutcomeChange& crossing) {
 /// Which crossings are joined within a cell, as indices.
 using Links = std::map<std::size_t, std::vector<std::size_t>>;
 
-/// Two crossings between the same outcomes are joined; one alone may be joined in the next cell. Four (a
-/// saddle): lower with left and upper with right, which for the shortest curves is as good as the other way.
-void join(Links& links, const std::vector<std::size_t>& crossings) {
-    for (const std::size_t crossing : crossings)
-        links.try_emplace(crossing);
-    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-        links[crossings[i]].push_back(crossings[i + 1]);
-        links[crossings[i + 1]].push_back(crossings[i]);
-    }
-}
-
 /// The crossings of a cell between two outcomes, in an order in which neighbours can be joined.
 std::map<Pair, std::vector<std::size_t>> crossings_in(const Lattice& lattice, const Leaf& cell,
                                                       std::span<const OutcomeChange> crossings) {
@@ -111,8 +100,18 @@ public:
         : lattice_(refinement.lattice()), crossings_(crossings) {
         for (const Leaf& cell : finest_mixed(refinement))
             for (const auto& [pair, inside] : crossings_in(lattice_, cell, crossings))
-                if (pair.first >= 0)
-                    join(links_[pair], inside);
+                if (pair.first >= 0) {
+                    // Two crossings between the same outcomes are joined; one alone may be joined in the next
+                    // cell. Four (a saddle): lower with left and upper with right, which for the shortest
+                    // curves is as good as the other way.
+                    Links& links = links_[pair];
+                    for (const std::size_t crossing : inside)
+                        links.try_emplace(crossing);
+                    for (std::size_t i = 0; i + 1 < inside.size(); i += 2) {
+                        links[inside[i]].push_back(inside[i + 1]);
+                        links[inside[i + 1]].push_back(inside[i]);
+                    }
+                }
     }
 
     std::vector<Curve> curves() {

@@ -14,16 +14,6 @@ namespace rodwake::scan {
 
 namespace {
 
-/// Sobol' points in base 2 (direction numbers of Joe and Kuo, from Boost, which leaves out the corner).
-std::vector<double> sobol_fractions(std::size_t points, std::size_t axes) {
-    boost::random::sobol sequence(axes);
-    const double unit = 1.0 / (static_cast<double>(boost::random::sobol::max()) + 1.0);
-    std::vector<double> fractions(points * axes);
-    for (double& fraction : fractions)
-        fraction = static_cast<double>(sequence()) * unit;
-    return fractions;
-}
-
 /// One point in each of `points` slices of every axis, the slices in random order.
 std::vector<double> lhs_fractions(std::size_t points, std::size_t axes, std::uint64_t seed) {
     std::vector<double> fractions(points * axes);
@@ -122,8 +112,15 @@ PointList::PointList(const Design& design) : design_(design), size_(scan::size(d
     const std::size_t axes = design.axes.size(), count = static_cast<std::size_t>(places(design));
     if (design.kind == Kind::lhs)
         fractions_ = lhs_fractions(count, axes, design.seed);
-    if (design.kind == Kind::sobol)
-        fractions_ = sobol_fractions(count, axes);
+    if (design.kind == Kind::sobol) {
+        // Sobol' points in base 2 (direction numbers of Joe and Kuo, from Boost, which leaves out the
+        // corner).
+        boost::random::sobol sequence(axes);
+        const double unit = 1.0 / (static_cast<double>(boost::random::sobol::max()) + 1.0);
+        fractions_.resize(count * axes);
+        for (double& fraction : fractions_)
+            fraction = static_cast<double>(sequence()) * unit;
+    }
     if (design.costs.empty())
         return;
     order_.resize(count);

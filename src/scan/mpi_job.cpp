@@ -20,15 +20,6 @@ enum Tag : int { points_tag = 1, results_tag = 2, home_tag = 3, failure_tag = 4 
 /// Rank 0's core also computes: at 50 us the waking up alone took a tenth of it. A chunk takes 10 ms.
 constexpr std::chrono::microseconds poll(200);
 
-/// MPI waits by spinning; ranks that share cores with computing ones must not.
-void wait_for_message(int from, MPI_Status& status) {
-    for (int there = 0; there == 0;) {
-        MPI_Iprobe(from, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
-        if (there == 0)
-            std::this_thread::sleep_for(poll);
-    }
-}
-
 template<class T>
 std::vector<T> receive(const MPI_Status& status) {
     int bytes = 0;
@@ -42,14 +33,6 @@ std::vector<T> receive(const MPI_Status& status) {
 template<class T>
 void send(std::span<const T> items, int to, Tag tag) {
     MPI_Send(items.data(), static_cast<int>(items.size_bytes()), MPI_BYTE, to, tag, MPI_COMM_WORLD);
-}
-
-/// Open MPI's libraries for networks with matching hardware wait 0.2 s for devices that are not there; ranks
-/// on one machine share memory. What the environment or mpiexec sets stays; openmpi-mca-params.conf does not.
-void look_for_no_network() {
-    const char *all = std::getenv("OMPI_COMM_WORLD_SIZE"), *here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
-    if (all && here && std::string_view(all) == here)
-        setenv("OMPI_MCA_pml", "^cm", 0);
 }
 
 } // namespace
@@ -103,7 +86,12 @@ std::unique_ptr<MpiJob> MpiJob::join() {
 }
 
 MpiJob::MpiJob() {
-    look_for_no_network();
+    // Open MPI's libraries for networks with matching hardware wait 0.2 s for devices that are not there;
+    // ranks on one machine share memory. What the environment or mpiexec sets stays; openmpi-mca-params.conf
+    // does not.
+    const char *all = std::getenv("OMPI_COMM_WORLD_SIZE"), *here = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");
+    if (all && here && std::string_view(all) == here)
+        setenv("OMPI_MCA_pml", "^cm", 0);
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
@@ -162,7 +150,12 @@ void MpiJob::serve(const Evaluate& evaluate) {
     std::vector<Result> results;
     for (;;) {
         MPI_Status status;
-        wait_for_message(0, status);
+        // MPI waits by spinning; ranks that share cores with computing ones must not.
+        for (int there = 0; there == 0;) {
+            MPI_Iprobe(0, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status);
+            if (there == 0)
+                std::this_thread::sleep_for(poll);
+        }
         const std::vector<Point> points = receive<Point>(status);
         if (status.MPI_TAG == home_tag)
             return;

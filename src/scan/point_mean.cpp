@@ -9,29 +9,6 @@
 
 namespace rodwake::scan {
 
-namespace {
-
-Estimate mean_value(std::span<const Result> runs, std::size_t observable) {
-    std::vector<double> values;
-    for (const Result& run : runs)
-        if (run.ok() && std::isfinite(run.values[observable]))
-            values.push_back(run.values[observable]);
-    return values.empty() ? Estimate{std::nan(""), unknown_error, 0} : mean_of(values);
-}
-
-std::int64_t count_of(std::span<const Result> runs, std::size_t outcome) {
-    return std::ranges::count_if(runs, [&](const Result& run) {
-        return run.ok() && run.outcome == static_cast<std::int32_t>(outcome);
-    });
-}
-
-std::int32_t most_frequent(const std::vector<Proportion>& outcomes) {
-    const auto most = std::ranges::max_element(outcomes, {}, &Proportion::count);
-    return static_cast<std::int32_t>(most - outcomes.begin());
-}
-
-} // namespace
-
 PointMean mean_of_runs(std::span<const Result> runs, const Columns& columns) {
     if (runs.empty())
         throw InputError("the mean of no runs");
@@ -42,11 +19,23 @@ PointMean mean_of_runs(std::span<const Result> runs, const Columns& columns) {
     mean.failed = static_cast<std::int64_t>(runs.size()) - mean.runs;
     mean.status = mean.runs > 0 ? Status::ok : runs.front().status;
     for (std::size_t k = 0; k < columns.outcomes.size(); ++k)
-        mean.outcomes.push_back({count_of(runs, k), mean.runs});
-    if (mean.runs > 0)
-        mean.outcome = most_frequent(mean.outcomes);
-    for (std::size_t k = 0; k < columns.observables.size(); ++k)
-        mean.values.push_back(mean_value(runs, k));
+        mean.outcomes.push_back({std::ranges::count_if(runs,
+                                                       [&](const Result& run) {
+                                                           return run.ok() &&
+                                                                  run.outcome == static_cast<std::int32_t>(k);
+                                                       }),
+                                 mean.runs});
+    if (mean.runs > 0) {
+        const auto most = std::ranges::max_element(mean.outcomes, {}, &Proportion::count);
+        mean.outcome = static_cast<std::int32_t>(most - mean.outcomes.begin());
+    }
+    for (std::size_t k = 0; k < columns.observables.size(); ++k) {
+        std::vector<double> values;
+        for (const Result& run : runs)
+            if (run.ok() && std::isfinite(run.values[k]))
+                values.push_back(run.values[k]);
+        mean.values.push_back(values.empty() ? Estimate{std::nan(""), unknown_error, 0} : mean_of(values));
+    }
     return mean;
 }
 

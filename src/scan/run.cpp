@@ -64,19 +64,14 @@ private:
     const RunOptions& options_;
 };
 
-/// Which points of the list the ledger holds, by their numbers.
-std::vector<bool> numbers_in(const Ledger& ledger, const PointList& points) {
+void run_list(const Design& design, Ledger& ledger, ChunkEvaluation& evaluate, Part part, Summary& summary) {
+    const PointList points(design);
+    // The ledger holds some points of the list already.
     std::vector<bool> there(static_cast<std::size_t>(points.size()), false);
     ledger.for_each_id([&](std::int64_t id) {
         if (const auto number = points.number_of(id))
             there[static_cast<std::size_t>(*number)] = true;
     });
-    return there;
-}
-
-void run_list(const Design& design, Ledger& ledger, ChunkEvaluation& evaluate, Part part, Summary& summary) {
-    const PointList points(design);
-    const std::vector<bool> there = numbers_in(ledger, points);
     std::vector<Point> next;
     for (std::int64_t i = part.index; i < points.size(); i += part.of) {
         ++evaluate.total;
@@ -131,17 +126,6 @@ bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evalua
     return true;
 }
 
-/// Brackets of the ledger that belong to these edges replace those one edge long.
-void take_known(std::vector<OutcomeChange>& edges, const Ledger& ledger) {
-    for (const OutcomeChange& known : ledger.crossings()) {
-        const auto at = std::ranges::lower_bound(edges, known.id, {}, &OutcomeChange::id);
-        const bool narrower =
-            at != edges.end() && at->id == known.id && known.u_low >= at->u_low && known.u_high <= at->u_high;
-        if (narrower)
-            *at = known;
-    }
-}
-
 /// Points that brackets cost: each halved one.
 std::int64_t traced(std::span<const OutcomeChange> whole, std::span<const OutcomeChange> brackets) {
     double halvings = 0.0;
@@ -154,7 +138,14 @@ std::int64_t traced(std::span<const OutcomeChange> whole, std::span<const Outcom
 bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, const Execute& execute,
            ChunkEvaluation& evaluate, Summary& summary) {
     std::vector<OutcomeChange> edges = crossed_edges(refinement);
-    take_known(edges, ledger);
+    // Brackets of the ledger that belong to these edges replace those one edge long.
+    for (const OutcomeChange& known : ledger.crossings()) {
+        const auto at = std::ranges::lower_bound(edges, known.id, {}, &OutcomeChange::id);
+        const bool narrower =
+            at != edges.end() && at->id == known.id && known.u_low >= at->u_low && known.u_high <= at->u_high;
+        if (narrower)
+            *at = known;
+    }
     for (const OutcomeChange& edge : edges) // halvings that are left
         evaluate.total += static_cast<std::int64_t>(
             std::ceil(std::log2(std::max((edge.u_high - edge.u_low) / design.boundary_tolerance, 1.0))));
@@ -189,23 +180,6 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
     return true;
 }
 
-void run_adaptive(const Design& design, Ledger& ledger, const Execute& execute, ChunkEvaluation& evaluate,
-                  Summary& summary) {
-    Refinement refinement(design);
-    constexpr int most_rounds = 8;
-    bool going = refine(refinement, evaluate, summary);
-    while (going && design.audit > 0 && summary.audit_rounds < most_rounds) {
-        going = audit(refinement, design, evaluate, summary) && refine(refinement, evaluate, summary);
-        if (summary.audit.missed == 0)
-            break;
-    }
-    if (going && design.boundary_tolerance > 0.0)
-        going = trace(refinement, design, ledger, execute, evaluate, summary);
-    summary.complete = going;
-    if (going)
-        summary.leaves = refinement.leaves();
-}
-
 } // namespace
 
 void require_part(const Design& design, Part part) {
@@ -221,8 +195,21 @@ Summary run(const Design& design, Ledger& ledger, const Execute& execute, const 
     ChunkEvaluation evaluate(ledger, execute, options);
     if (design.kind != Kind::adaptive)
         run_list(design, ledger, evaluate, options.part, summary);
-    else
-        run_adaptive(design, ledger, execute, evaluate, summary);
+    else {
+        Refinement refinement(design);
+        constexpr int most_rounds = 8;
+        bool going = refine(refinement, evaluate, summary);
+        while (going && design.audit > 0 && summary.audit_rounds < most_rounds) {
+            going = audit(refinement, design, evaluate, summary) && refine(refinement, evaluate, summary);
+            if (summary.audit.missed == 0)
+                break;
+        }
+        if (going && design.boundary_tolerance > 0.0)
+            going = trace(refinement, design, ledger, execute, evaluate, summary);
+        summary.complete = going;
+        if (going)
+            summary.leaves = refinement.leaves();
+    }
     summary.evaluated = ledger.points();
     return summary;
 }

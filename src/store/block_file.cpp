@@ -30,16 +30,6 @@ Integer peek(std::string_view bytes, std::size_t offset) {
     return value;
 }
 
-void put_block(std::string& out, const Block& block) {
-    const std::size_t start = out.size();
-    put(out, static_cast<std::uint32_t>(block.name.size()));
-    put(out, block.layout);
-    put(out, std::uint64_t{block.content.size()});
-    out += block.name;
-    out += as_text(block.content);
-    put(out, xxh3(std::string_view(out).substr(start)));
-}
-
 std::size_t encoded_size(std::span<const Block> blocks) {
     std::size_t size = block_header_size + 8;
     for (const Block& block : blocks)
@@ -146,8 +136,15 @@ std::string encode_blocks(std::span<const Block> blocks) {
     put(out, std::uint64_t{encoded_size(blocks)});
     put(out, std::uint64_t{blocks.size()});
     put(out, xxh3(out));
-    for (const Block& block : blocks)
-        put_block(out, block);
+    for (const Block& block : blocks) {
+        const std::size_t start = out.size();
+        put(out, static_cast<std::uint32_t>(block.name.size()));
+        put(out, block.layout);
+        put(out, std::uint64_t{block.content.size()});
+        out += block.name;
+        out += as_text(block.content);
+        put(out, xxh3(std::string_view(out).substr(start)));
+    }
     put(out, xxh3(out));
     return out;
 }

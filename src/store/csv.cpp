@@ -110,7 +110,9 @@ Header read_names(std::string_view line, const LinesOfBlocks& lines, CsvPosition
     return header;
 }
 
-void require_columns(const Header& header, const CsvPosition& at, std::span<const std::string> required) {
+Header read_header(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at,
+                   std::span<const std::string> required, std::span<const std::string> optional) {
+    Header header = read_names(line, lines, at);
     std::vector<std::string_view> names;
     for (const FileColumn& column : header.columns)
         names.emplace_back(column.name);
@@ -122,12 +124,6 @@ void require_columns(const Header& header, const CsvPosition& at, std::span<cons
                                 shown(name), fmt::join(required, ","),
                                 shown(fmt::format("{}", fmt::join(names, ","))),
                                 blanks ? "; columns are separated by commas, semicolons or tabs" : ""));
-}
-
-Header read_header(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at,
-                   std::span<const std::string> required, std::span<const std::string> optional) {
-    Header header = read_names(line, lines, at);
-    require_columns(header, at, required);
     const Names needed(required.begin(), required.end()), welcome(optional.begin(), optional.end());
     for (FileColumn& column : header.columns) {
         column.required = needed.contains(column.name);
@@ -178,14 +174,6 @@ void for_each_line(const std::filesystem::path& path, std::span<const std::strin
         throw InputError(fmt::format("{}: no header line{}{}", at.file,
                                      required.empty() ? "" : "; expected at least ",
                                      fmt::join(required, ",")));
-}
-
-/// NaN as an empty field, which is how it is read.
-void append_field(fmt::memory_buffer& out, bool comma, double value) {
-    if (comma)
-        out.push_back(',');
-    if (!std::isnan(value))
-        fmt::format_to(std::back_inserter(out), "{:.17g}", value);
 }
 
 } // namespace
@@ -249,8 +237,14 @@ std::string to_csv(std::span<const std::string> names, std::span<const std::vect
     fmt::format_to(std::back_inserter(out), "{}\n", fmt::join(names, ","));
     const std::size_t rows = columns.empty() ? 0 : columns.front().size();
     for (std::size_t row = 0; row < rows; ++row) {
-        for (std::size_t column = 0; column < columns.size(); ++column)
-            append_field(out, column > 0, columns[column][row]);
+        for (std::size_t column = 0; column < columns.size(); ++column) {
+            // NaN is written as an empty field, which is how it is read.
+            const auto value = columns[column][row];
+            if (column > 0)
+                out.push_back(',');
+            if (!std::isnan(value))
+                fmt::format_to(std::back_inserter(out), "{:.17g}", value);
+        }
         out.push_back('\n');
     }
     return fmt::to_string(out);

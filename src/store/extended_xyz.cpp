@@ -17,18 +17,6 @@ void print(Text& out, fmt::format_string<Values...> format, Values&&... values) 
     fmt::format_to(std::back_inserter(out), format, std::forward<Values>(values)...);
 }
 
-void print_head(Text& out, const FrameLayout& layout, const Frame& frame, double unit) {
-    const auto& [x, y, z] = layout.box;
-    const auto flag = [&](std::size_t axis) { return layout.periodic[axis] ? 'T' : 'F'; };
-    print(out, "{}\n", layout.particles());
-    print(out, "Lattice=\"{} 0 0 0 {} 0 0 0 {}\" ", x / unit, y / unit, z / unit);
-    print(out, "Properties=species:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1:kind:S:1 ");
-    print(out, "pbc=\"{} {} {}\" Time={} Step={}", flag(0), flag(1), flag(2), frame.time, frame.step);
-    for (std::size_t i = 0; i < frame.observables.size(); ++i)
-        print(out, " {}={}", layout.observables[i], frame.observables[i]);
-    out.push_back('\n');
-}
-
 void print_vector(Text& out, const double* v, double unit) {
     print(out, " {} {} {}", v[0] / unit, v[1] / unit, v[2] / unit);
 }
@@ -47,7 +35,15 @@ void ExtendedXyzWriter::add_frame(const Frame& frame) {
     check_frame(layout_, frame, last_step_);
     const WrappedVectors position = wrap(frame.position, layout_);
     Text out;
-    print_head(out, layout_, frame, unit_);
+    const auto& [x, y, z] = layout_.box;
+    const auto flag = [&](std::size_t axis) { return layout_.periodic[axis] ? 'T' : 'F'; };
+    print(out, "{}\n", layout_.particles());
+    print(out, "Lattice=\"{} 0 0 0 {} 0 0 0 {}\" ", x / unit_, y / unit_, z / unit_);
+    print(out, "Properties=species:S:1:pos:R:3:velo:R:3:id:I:1:molecule:I:1:radius:R:1:kind:S:1 ");
+    print(out, "pbc=\"{} {} {}\" Time={} Step={}", flag(0), flag(1), flag(2), frame.time, frame.step);
+    for (std::size_t i = 0; i < frame.observables.size(); ++i)
+        print(out, " {}={}", layout_.observables[i], frame.observables[i]);
+    out.push_back('\n');
     std::size_t of_rods = 0;
     for (std::size_t i = 0; i < layout_.particles(); ++i) {
         const int molecule = layout_.species[i] == 0 ? 0 : layout_.rod_of_sphere[of_rods++] + 1;

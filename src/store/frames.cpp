@@ -24,14 +24,6 @@ void check_name(const std::string& name) {
         throw InputError(fmt::format("frames: \"{}\" is no name; use letters, digits and _ -", name));
 }
 
-/// Observables stand beside these in extended XYZ and in the readers' own tables.
-void check_not_reserved(const std::string& name) {
-    static const std::set<std::string> reserved = {"Lattice", "Properties", "pbc", "Time",
-                                                   "Step",    "time",       "step"};
-    if (reserved.contains(name))
-        throw InputError(fmt::format("frames: no observable can be named \"{}\": the formats use it", name));
-}
-
 template<class Values>
 void want_distinct(const char* what, const Values& values) {
     if (std::set(values.begin(), values.end()).size() != values.size())
@@ -50,17 +42,6 @@ void want_below(const char* what, std::span<const std::int32_t> values, std::siz
             throw InputError(fmt::format("frames: {} = {}: must be from 0 to below {}", what, value, limit));
 }
 
-void check_counts(const FrameLayout& layout) {
-    const std::size_t n = layout.particles(), loose = std::ranges::count(layout.species, 0);
-    if (n == 0)
-        throw InputError("frames: no particles");
-    want_count<InputError>("ids", layout.id.size(), n);
-    want_count<InputError>("masses", layout.mass.size(), n);
-    want_count<InputError>("radii", layout.radius.size(), n);
-    want_count<InputError>("owners of the spheres of rods", layout.rod_of_sphere.size(), n - loose);
-    want_count<InputError>("masses of rods", layout.rod_mass.size(), layout.rods());
-}
-
 void want_values(const char* what, std::span<const double> values, std::size_t count) {
     want_count<RunError>(what, values.size(), count);
     if (!std::ranges::all_of(values, [](double value) { return std::isfinite(value); }))
@@ -70,7 +51,14 @@ void want_values(const char* what, std::span<const double> values, std::size_t c
 } // namespace
 
 void check_layout(const FrameLayout& layout) {
-    check_counts(layout);
+    const std::size_t n = layout.particles(), loose = std::ranges::count(layout.species, 0);
+    if (n == 0)
+        throw InputError("frames: no particles");
+    want_count<InputError>("ids", layout.id.size(), n);
+    want_count<InputError>("masses", layout.mass.size(), n);
+    want_count<InputError>("radii", layout.radius.size(), n);
+    want_count<InputError>("owners of the spheres of rods", layout.rod_of_sphere.size(), n - loose);
+    want_count<InputError>("masses of rods", layout.rod_mass.size(), layout.rods());
     want_positive("a side of the box", layout.box);
     want_positive("a mass", layout.mass);
     want_positive("a radius", layout.radius);
@@ -82,7 +70,12 @@ void check_layout(const FrameLayout& layout) {
     want_distinct("names of observables", layout.observables);
     for (const std::string& name : layout.observables) {
         check_name(name);
-        check_not_reserved(name);
+        // Observables stand beside these in extended XYZ and in the readers' own tables.
+        static const std::set<std::string> reserved = {"Lattice", "Properties", "pbc", "Time",
+                                                       "Step",    "time",       "step"};
+        if (reserved.contains(name))
+            throw InputError(
+                fmt::format("frames: no observable can be named \"{}\": the formats use it", name));
     }
     for (const Species& kind : layout.kinds) {
         check_name(kind.name);

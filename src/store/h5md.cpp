@@ -58,14 +58,6 @@ void write_parameters(Hdf5File& file, const FrameLayout& layout, const H5mdInfo&
         write_integers(file, "parameters/rod_of_sphere", layout.rod_of_sphere);
 }
 
-void write_constants(Hdf5File& file, const FrameLayout& layout) {
-    write_integers(file, spheres + "species", layout.species);
-    write_numbers(file, spheres + "mass", layout.mass);
-    write_numbers(file, spheres + "radius", layout.radius);
-    if (layout.rods() > 0)
-        write_numbers(file, rods + "mass", layout.rod_mass);
-}
-
 void write_box(hid_t file, const std::string& group, const FrameLayout& layout) {
     const Hdf5Handle box = open_group(file, group + "box");
     const std::int32_t dimension = 3;
@@ -89,7 +81,11 @@ struct H5mdWriter::Impl {
         : file(target), layout(std::move(checked_layout)), deflate(info.deflate) {
         write_metadata(file.get(), info);
         write_parameters(file, layout, info);
-        write_constants(file, layout);
+        write_integers(file, spheres + "species", layout.species);
+        write_numbers(file, spheres + "mass", layout.mass);
+        write_numbers(file, spheres + "radius", layout.radius);
+        if (layout.rods() > 0)
+            write_numbers(file, rods + "mass", layout.rod_mass);
         add_times();
         add_bodies(spheres, layout.particles());
         if (layout.rods() > 0)

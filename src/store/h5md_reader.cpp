@@ -33,33 +33,6 @@ std::vector<Number> read_column(const Hdf5Input& file, const std::string& path, 
     return values;
 }
 
-void read_moments(const Hdf5Input& file, TrajectoryInfo& info) {
-    info.step = read_column<std::int64_t>(file, spheres + "position/step", H5T_STD_I64LE);
-    info.time = read_column<double>(file, spheres + "position/time", H5T_IEEE_F64LE);
-    scale(info.time, si_factor(file, spheres + "position/time", H5mdUnit::time));
-    if (info.frames() == 0)
-        file.refuse("the trajectory holds no frames");
-    if (info.time.size() != info.frames())
-        file.refuse(fmt::format("{} steps at {} times", info.frames(), info.time.size()));
-    for (std::size_t k = 0; k < info.frames(); ++k) {
-        if (!std::isfinite(info.time[k]))
-            file.refuse(fmt::format("the time of frame {} is not finite", k));
-        if (k > 0 && (info.step[k] <= info.step[k - 1] || info.time[k] <= info.time[k - 1]))
-            file.refuse(
-                fmt::format("frame {} (step {}, {} s) is not later than the one before (step {}, {} s)", k,
-                            info.step[k], info.time[k], info.step[k - 1], info.time[k - 1]));
-    }
-}
-
-/// Whether the box is periodic in x and y.
-bool is_periodic(const Hdf5Input& file) {
-    const auto boundary = text_attribute(file, spheres + "box", "boundary");
-    if (boundary.size() != 3 || boundary[0] != boundary[1] ||
-        (boundary[0] != "periodic" && boundary[0] != "none"))
-        file.refuse("the box is not periodic in x and y, nor has it a wall (boundary \"none\") in both");
-    return boundary[0] == "periodic";
-}
-
 std::array<double, 3> sides(const Hdf5Input& file, const Edges& edges) {
     const std::array<double, 3> box = {edges[0], edges[4], edges[8]};
     const Edges upright = {box[0], 0, 0, 0, box[1], 0, 0, 0, box[2]};
@@ -70,7 +43,12 @@ std::array<double, 3> sides(const Hdf5Input& file, const Edges& edges) {
 }
 
 void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
-    info.periodic = is_periodic(file);
+    // The box is periodic in x and y, or has a wall in both.
+    const auto boundary = text_attribute(file, spheres + "box", "boundary");
+    if (boundary.size() != 3 || boundary[0] != boundary[1] ||
+        (boundary[0] != "periodic" && boundary[0] != "none"))
+        file.refuse("the box is not periodic in x and y, nor has it a wall (boundary \"none\") in both");
+    info.periodic = boundary[0] == "periodic";
     const std::string path = spheres + "box/edges/value";
     const Hdf5Table table(file, path, H5T_IEEE_F64LE);
     table.want_shape({info.frames(), 3, 3});
@@ -128,7 +106,28 @@ void read_sizes(const Hdf5Input& file, TrajectoryInfo& info) {
     info.bead_radius = unit->second;
 }
 
-void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
+/// The part of a trajectory that is the same in every frame, read and checked. Throws InputError.
+TrajectoryInfo read_trajectory_info(const Hdf5Input& file) {
+    for (const char* group : {"particles", "particles/trajectory"})
+        if (!file.has(group))
+            file.refuse(fmt::format("group {} is missing: this is no trajectory", group));
+    TrajectoryInfo info;
+    info.step = read_column<std::int64_t>(file, spheres + "position/step", H5T_STD_I64LE);
+    info.time = read_column<double>(file, spheres + "position/time", H5T_IEEE_F64LE);
+    scale(info.time, si_factor(file, spheres + "position/time", H5mdUnit::time));
+    if (info.frames() == 0)
+        file.refuse("the trajectory holds no frames");
+    if (info.time.size() != info.frames())
+        file.refuse(fmt::format("{} steps at {} times", info.frames(), info.time.size()));
+    for (std::size_t k = 0; k < info.frames(); ++k) {
+        if (!std::isfinite(info.time[k]))
+            file.refuse(fmt::format("the time of frame {} is not finite", k));
+        if (k > 0 && (info.step[k] <= info.step[k - 1] || info.time[k] <= info.time[k - 1]))
+            file.refuse(
+                fmt::format("frame {} (step {}, {} s) is not later than the one before (step {}, {} s)", k,
+                            info.step[k], info.time[k], info.step[k - 1], info.time[k - 1]));
+    }
+    read_box(file, info);
     const auto species = read_column<std::int32_t>(file, spheres + "species", H5T_STD_I32LE);
     const auto bead = [](std::int32_t kind) { return kind == 0; };
     info.particles = species.size();
@@ -137,17 +136,11 @@ void read_particles(const Hdf5Input& file, TrajectoryInfo& info) {
         std::any_of(species.begin() + static_cast<std::ptrdiff_t>(info.beads), species.end(), bead))
         file.refuse(
             fmt::format("the beads (species 0) are not the first of its {} particles", info.particles));
-}
-
-void count_rods(const Hdf5Input& file, TrajectoryInfo& info) {
     if (file.has("particles/trajectory_rods"))
         info.rods = read_column<double>(file, rods + "mass", H5T_IEEE_F64LE).size();
     if (info.rods == 0 && info.particles > info.beads)
         file.refuse(fmt::format("{} particles are not beads, but particles/trajectory_rods contains no rods",
                                 info.particles - info.beads));
-}
-
-void read_parameters(const Hdf5Input& file, TrajectoryInfo& info) {
     if (!file.has("parameters"))
         file.refuse("group parameters is missing");
     for (const std::string& name : real_attributes(file, "parameters")) {
@@ -156,19 +149,6 @@ void read_parameters(const Hdf5Input& file, TrajectoryInfo& info) {
             file.refuse(fmt::format("parameter {} is not finite", name));
         info.parameters.emplace(name, value);
     }
-}
-
-/// The part of a trajectory that is the same in every frame, read and checked. Throws InputError.
-TrajectoryInfo read_trajectory_info(const Hdf5Input& file) {
-    for (const char* group : {"particles", "particles/trajectory"})
-        if (!file.has(group))
-            file.refuse(fmt::format("group {} is missing: this is no trajectory", group));
-    TrajectoryInfo info;
-    read_moments(file, info);
-    read_box(file, info);
-    read_particles(file, info);
-    count_rods(file, info);
-    read_parameters(file, info);
     read_sizes(file, info);
     info.seed = unsigned_attribute(file, "rodwake", "seed");
     return info;

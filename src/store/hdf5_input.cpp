@@ -40,17 +40,12 @@ Hdf5Handle within_file(hid_t kind = H5P_LINK_ACCESS) {
     return Hdf5Handle(access, H5Pclose, "set up reading");
 }
 
-/// Rows are read once and in order: a cache of chunks would only copy them.
-Hdf5Handle without_cache() {
-    Hdf5Handle access = within_file(H5P_DATASET_ACCESS);
-    H5Pset_chunk_cache(access.get(), 0, 0, 0.0);
-    return access;
-}
-
 Hdf5Handle open_dataset(const Hdf5Input& file, const std::string& path) {
     if (!file.has(path))
         file.refuse(fmt::format("dataset {} is missing", path));
-    const Hdf5Handle access = without_cache();
+    // Rows are read once and in order: a cache of chunks would only copy them.
+    Hdf5Handle access = within_file(H5P_DATASET_ACCESS);
+    H5Pset_chunk_cache(access.get(), 0, 0, 0.0);
     return file.handle(H5Dopen2(file.get(), path.c_str(), access.get()), H5Dclose, "open dataset " + path);
 }
 
@@ -59,13 +54,6 @@ double product(const std::vector<hsize_t>& shape) {
     for (const hsize_t extent : shape)
         out *= static_cast<double>(extent);
     return out;
-}
-
-/// What the dataset takes in the file at most.
-double stored_bytes(const Hdf5Input& file, hid_t dataset) {
-    hsize_t whole = 0;
-    H5Fget_filesize(file.get(), &whole);
-    return static_cast<double>(std::min(whole, H5Dget_storage_size(dataset)));
 }
 
 } // namespace
@@ -127,7 +115,10 @@ void Hdf5Table::check_storage(std::size_t bytes) const {
             (H5Dget_num_chunks(get(), space_.get(), &found) < 0 || static_cast<double>(found) < wanted))
             file_->refuse(path_ + " is not complete");
     }
-    if (needed > most * stored_bytes(*file_, get()))
+    // A dataset takes no more than the file.
+    hsize_t whole = 0;
+    H5Fget_filesize(file_->get(), &whole);
+    if (needed > most * static_cast<double>(std::min(whole, H5Dget_storage_size(get()))))
         file_->refuse(path_ + " is not complete");
 }
 

@@ -154,17 +154,13 @@ std::string listing(const std::filesystem::path& path) {
 // `whole`.
 constexpr char let_in = '!', listed = '+', refused = '-', whole = '.';
 
-/// A crash of the child is an answer: handlers of the parent (of a test, of Python) would report it as
-/// theirs.
-void die_in_silence() {
-    for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
-        std::signal(crash, SIG_DFL);
-}
-
 [[noreturn]] void answer(const std::filesystem::path& path, int to) {
     constexpr unsigned longest = 15; // s; a large file takes some tenths of one
     is_child = true;
-    die_in_silence();
+    // A crash of the child is an answer: handlers of the parent (of a test, of Python) would report it as
+    // theirs.
+    for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+        std::signal(crash, SIG_DFL);
     const rlimit none{0, 0};
     ::setrlimit(RLIMIT_CORE, &none);
     rlim_t pages = 0;
@@ -189,17 +185,6 @@ void die_in_silence() {
     ::_exit(0);
 }
 
-/// Whether the child is let in. It is not if some library of this process (h5py) was inside HDF5 as it was
-/// forked.
-bool is_let_in(int from) {
-    constexpr int longest = 3000; // ms
-    pollfd waiting{from, POLLIN, 0};
-    char said = 0;
-    while (::poll(&waiting, 1, longest) < 0 && errno == EINTR) {
-    }
-    return (waiting.revents & POLLIN) != 0 && ::read(from, &said, 1) == 1 && said == let_in;
-}
-
 std::string heard(int from) {
     std::string text;
     std::array<char, 4096> some{};
@@ -221,7 +206,15 @@ std::optional<std::string> asked_of_child(const std::filesystem::path& path) {
     if (child == 0)
         answer(path, ends[1]);
     ::close(ends[1]);
-    const bool asked = child > 0 && is_let_in(ends[0]);
+    // Whether the child is let in. It is not if some library of this process (h5py) was inside HDF5 as it was
+    // forked.
+    constexpr int longest = 3000; // ms
+    pollfd waiting{ends[0], POLLIN, 0};
+    char said = 0;
+    while (::poll(&waiting, 1, longest) < 0 && errno == EINTR) {
+    }
+    const bool asked =
+        child > 0 && (waiting.revents & POLLIN) != 0 && ::read(ends[0], &said, 1) == 1 && said == let_in;
     std::string text = asked ? heard(ends[0]) : "";
     ::close(ends[0]);
     if (child > 0 && !asked)

@@ -9,19 +9,6 @@
 
 namespace rodwake::store {
 
-namespace {
-
-std::string utc_now() {
-    const std::time_t now = std::time(nullptr);
-    std::tm parts{};
-    gmtime_r(&now, &parts);
-    char text[32];
-    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-    return text;
-}
-
-} // namespace
-
 std::string provenance_json(const Provenance& provenance) {
     const BuildInfo build = build_info();
     nlohmann::ordered_json json;
@@ -33,7 +20,12 @@ std::string provenance_json(const Provenance& provenance) {
     json["command"] = provenance.command;
     json["scene"] = provenance.scene;
     json["seed"] = provenance.seed;
-    json["date"] = utc_now();
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[32];
+    std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+    json["date"] = text;
     json["wall_seconds"] = provenance.wall_seconds;
     json["cpu"] = {{"model", cpu_model()}, {"features", cpu_features()}};
     json["compiler"] = build.compiler;

@@ -19,47 +19,6 @@ static_assert(std::endian::native == std::endian::little, "the bytes of numbers 
 
 constexpr std::size_t most_points = std::size_t{1} << 31; ///< extents are int in VTK
 
-void check_grid(const VtiGrid& grid) {
-    if (grid.nx == 0 || grid.ny == 0 || grid.nx >= most_points || grid.ny >= most_points)
-        throw InputError(
-            fmt::format("vti: a grid of {} x {} points; both must be from 1 to 2^31 - 1", grid.nx, grid.ny));
-    for (std::size_t c = 0; c < 2; ++c) {
-        if (!std::isfinite(grid.origin[c]))
-            throw InputError(fmt::format("vti: the grid's origin is {}: must be finite", grid.origin[c]));
-        if (!(grid.spacing[c] > 0.0) || !std::isfinite(grid.spacing[c]))
-            throw InputError(
-                fmt::format("vti: the grid's spacing is {}: must be positive and finite", grid.spacing[c]));
-    }
-}
-
-void check_name(const std::string& name) {
-    const auto bad = [](char c) { return c < ' ' || c > '~'; };
-    if (name.empty() || std::ranges::any_of(name, bad))
-        throw InputError(fmt::format("vti: \"{}\" is no name of a field; use printable ASCII", name));
-}
-
-void check_array(const VtiGrid& grid, const VtiArray& array) {
-    check_name(array.name);
-    if (array.components != 1 && array.components != 3)
-        throw InputError(
-            fmt::format("vti: field {} has {} components; 1 and 3 are legal", array.name, array.components));
-    if (array.values.size() != grid.nx * grid.ny * array.components)
-        throw InputError(fmt::format("vti: field {} has {} values, expected {} x {} x {}", array.name,
-                                     array.values.size(), grid.ny, grid.nx, array.components));
-    if (std::ranges::any_of(array.values, [](double value) { return std::isinf(value); }))
-        throw InputError(fmt::format("vti: field {} has infinite values", array.name));
-}
-
-void check(const VtiGrid& grid, std::span<const VtiArray> arrays) {
-    check_grid(grid);
-    std::set<std::string> names;
-    for (const VtiArray& array : arrays) {
-        check_array(grid, array);
-        if (!names.insert(array.name).second)
-            throw InputError(fmt::format("vti: two fields are named {}", array.name));
-    }
-}
-
 std::string escaped(const std::string& text) {
     std::string out;
     for (const char c : text) {
@@ -93,36 +52,55 @@ std::string base64(const std::string& bytes) {
     return out;
 }
 
-/// Count of bytes and values are one run of bytes; VTK wants no gap between them.
-std::string data_array(const VtiArray& array) {
-    std::string bytes;
-    const std::uint64_t count = array.values.size_bytes();
-    append_bytes(bytes, &count, sizeof count);
-    append_bytes(bytes, array.values.data(), array.values.size_bytes());
-    return fmt::format("        <DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" "
-                       "format=\"binary\">\n{}\n        </DataArray>\n",
-                       escaped(array.name), array.components, base64(bytes));
-}
-
-std::string head(const VtiGrid& grid) {
-    const std::string extent = fmt::format("0 {} 0 {} 0 0", grid.nx - 1, grid.ny - 1);
-    return fmt::format("<?xml version=\"1.0\"?>\n"
-                       "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                       "header_type=\"UInt64\">\n"
-                       "  <ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} 0\" Spacing=\"{3} {4} 1\">\n"
-                       "    <Piece Extent=\"{0}\">\n"
-                       "      <PointData>\n",
-                       extent, grid.origin[0], grid.origin[1], grid.spacing[0], grid.spacing[1]);
-}
-
 } // namespace
 
 void write_vti(const std::filesystem::path& target, const VtiGrid& grid, std::span<const VtiArray> arrays) {
-    check(grid, arrays);
+    if (grid.nx == 0 || grid.ny == 0 || grid.nx >= most_points || grid.ny >= most_points)
+        throw InputError(
+            fmt::format("vti: a grid of {} x {} points; both must be from 1 to 2^31 - 1", grid.nx, grid.ny));
+    for (std::size_t c = 0; c < 2; ++c) {
+        if (!std::isfinite(grid.origin[c]))
+            throw InputError(fmt::format("vti: the grid's origin is {}: must be finite", grid.origin[c]));
+        if (!(grid.spacing[c] > 0.0) || !std::isfinite(grid.spacing[c]))
+            throw InputError(
+                fmt::format("vti: the grid's spacing is {}: must be positive and finite", grid.spacing[c]));
+    }
+    std::set<std::string> names;
+    for (const VtiArray& array : arrays) {
+        const auto bad = [](char c) { return c < ' ' || c > '~'; };
+        if (array.name.empty() || std::ranges::any_of(array.name, bad))
+            throw InputError(
+                fmt::format("vti: \"{}\" is no name of a field; use printable ASCII", array.name));
+        if (array.components != 1 && array.components != 3)
+            throw InputError(fmt::format("vti: field {} has {} components; 1 and 3 are legal", array.name,
+                                         array.components));
+        if (array.values.size() != grid.nx * grid.ny * array.components)
+            throw InputError(fmt::format("vti: field {} has {} values, expected {} x {} x {}", array.name,
+                                         array.values.size(), grid.ny, grid.nx, array.components));
+        if (std::ranges::any_of(array.values, [](double value) { return std::isinf(value); }))
+            throw InputError(fmt::format("vti: field {} has infinite values", array.name));
+        if (!names.insert(array.name).second)
+            throw InputError(fmt::format("vti: two fields are named {}", array.name));
+    }
     PendingFile file(target);
-    file.write(head(grid));
-    for (const VtiArray& array : arrays)
-        file.write(data_array(array));
+    const std::string extent = fmt::format("0 {} 0 {} 0 0", grid.nx - 1, grid.ny - 1);
+    file.write(fmt::format("<?xml version=\"1.0\"?>\n"
+                           "<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                           "header_type=\"UInt64\">\n"
+                           "  <ImageData WholeExtent=\"{0}\" Origin=\"{1} {2} 0\" Spacing=\"{3} {4} 1\">\n"
+                           "    <Piece Extent=\"{0}\">\n"
+                           "      <PointData>\n",
+                           extent, grid.origin[0], grid.origin[1], grid.spacing[0], grid.spacing[1]));
+    for (const VtiArray& array : arrays) {
+        // The count of bytes and the values are one run of bytes; VTK wants no gap between them.
+        std::string bytes;
+        const std::uint64_t count = array.values.size_bytes();
+        append_bytes(bytes, &count, sizeof count);
+        append_bytes(bytes, array.values.data(), array.values.size_bytes());
+        file.write(fmt::format("        <DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" "
+                               "format=\"binary\">\n{}\n        </DataArray>\n",
+                               escaped(array.name), array.components, base64(bytes)));
+    }
     file.write("      </PointData>\n    </Piece>\n  </ImageData>\n</VTKFile>\n");
     file.commit();
 }

@@ -14,51 +14,12 @@ class BadInputTest(ProgramTest):
         self.write("pair.toml", PAIR)
 
     def test_values_out_of_range(self):
-        for key, value, pattern in [
-                ("medium.alpha", "0", r"medium\.alpha = 0: must be"),
-                ("medium.alpha", "-1", r"medium\.alpha = -1: must be"),
-                ("medium.eta", "-1", r"medium\.eta = -1: must be > -1"),
-                ("medium.eta", "nan", "must be a finite number"),
-                ("rods.0.heading", "nan", "must be a finite number"),
-                ("rods.1.position.0", "inf", "must be a finite number"),
-                ("rods_run.t_end", "0", "rods_run.t_end = 0: must be"),
-                ("rods_run.t_end", "inf", "must be a finite number")]:
-            for verb in ("check", "rods", "run"):
-                self.refuse(2, pattern, verb, "pair.toml", "-s", f"{key}={value}")
+        for verb in ("check", "rods", "run"):
+            self.refuse(2, r"medium\.alpha = -1: must be", verb, "pair.toml", "-s", "medium.alpha=-1")
 
     def test_rods_in_one_place_without_a_contact_distance(self):
         self.refuse(2, r"rods\[0\].* and rods\[1\].* start at the same point", "rods", "pair.toml", "-s", "rods_run.contact_distance=",
                     "-s", "rods.1.position.1=2.5")
-
-    def test_a_nan_in_the_file_has_a_place(self):
-        self.write("nan.toml", PAIR.replace("eta = 1.0", "eta = nan"))
-        self.refuse(2, r"nan\.toml:4:\d+: medium\.eta = nan: must be a finite number", "rods", "nan.toml")
-
-    def test_all_errors_at_once(self):
-        self.write("bad.toml", PAIR.replace("eta = 1.0", "eta = -2.0").replace("kappa", "kapa").replace("t_end", "tend"))
-        done = self.refuse(2, r"bad\.toml:4:\d+: medium\.eta", "rods", "bad.toml")
-        self.assertRegex(done.stderr, r'bad\.toml:7:1: \[coupling\] unknown key "kapa" \(did you mean "kappa"\?\)')
-        self.assertRegex(done.stderr, r'unknown key "tend" \(did you mean "t_end"\?\)')
-
-    def test_a_typo_in_an_override(self):
-        self.refuse(2, r'unknown key "kapa" \(did you mean "kappa"\?\)', "rods", "pair.toml", "-s", "coupling.kapa=1")
-        self.refuse(2, "medium", "rods", "pair.toml", "-s", "medim.eta=1")
-        self.refuse(2, "-s", "rods", "pair.toml", "-s", "nonsense")
-
-    def test_files_that_cannot_be_read(self):
-        self.refuse(2, "nope.toml: no such file", "rods", "nope.toml")
-        self.refuse(2, r"\.: ", "rods", ".")
-        self.write("empty.toml", "")
-        self.refuse(2, r"empty\.toml:", "rods", "empty.toml")
-        self.write("text.toml", "this is no TOML\n")
-        self.refuse(2, r"text\.toml:1:", "rods", "text.toml")
-
-    def test_a_million_rods(self):
-        self.write("million.toml", "schema = 1\n[rods_run]\nt_end = 1.0\n"
-                   + "".join(f"[[rods]]\nposition = [{k}, 0]\n" for k in range(10**6)))
-        self.refuse(2, "larger than 16 MiB; a scene may have at most 1000 rods", "rods", "million.toml")
-        self.write("many.toml", rodwake.crowd(2000))
-        self.refuse(2, "rods: 2000 entries; at most 1000", "rods", "many.toml")
 
     def test_a_stage_the_scene_does_not_have(self):
         self.refuse(2, r"no \[field\] table", "field", "pair.toml")

@@ -121,15 +121,6 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assertGreater(plane["chi2"], 2.0 * inside["chi2"])
         self.assertEqual((inside["box"], plane["box"]), (78.0, None))
 
-    def test_dipole_offset_and_place_of_the_force(self):
-        true = {"f2d_over_mu": 3.0, "offset": 0.2, "x0": 0.7}
-        self.make_profile(**true)
-        self.make_profile("uy.csv", X, 4.0, "Uy", **true)
-        text = FIT.replace('"xi"]', '"xi", "f2d_over_mu", "offset", "x0"]') + '[[fit.profiles]]\nfile = "uy.csv"\ncomponent = "Uy"\nat = 4.0\n'
-        found, _ = self.fit(text)
-        self.assert_recovered(found, {**TRUE, **true})
-        self.assertGreater(found["parameters"]["f2d_over_mu"]["value"], 10.0 * found["parameters"]["f2d_over_mu"]["stderr"])
-
     def test_as_many_values_as_parameters_without_sigma_leave_the_errors_unknown(self):
         x = np.array([-20.0, -5.0, 12.0])
         value = wake(self, x, 0.0, "Ux", "x", None, **TRUE)
@@ -159,36 +150,6 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assertEqual((tied["tied_to"], tied["free"]), ("f_over_mu", False))
         self.assertAlmostEqual(tied["value"], 0.5 * found["parameters"]["f_over_mu"]["value"])
         self.assertEqual(found["free"], ["f_over_mu", "eta"])
-
-    def test_robust_loss_against_an_outlier(self):
-        self.make_profile()
-        lines = (self.folder / "ux.csv").read_text().splitlines()
-        x, value, sigma = lines[10].split(",")
-        self.write("ux.csv", "\n".join([*lines[:10], f"{x},{float(value) + 0.4},{sigma}", *lines[11:], ""]))
-        squares, _ = self.fit(FIT)
-        for loss in ("huber", "cauchy"):
-            robust, _ = self.fit(FIT, "-s", f"fit.loss={loss}", out=loss)
-            off = [abs(found["parameters"]["f_over_mu"]["value"] - TRUE["f_over_mu"]) for found in (robust, squares)]
-            self.assertLess(off[0], 0.5 * off[1], loss)
-
-    def test_profiles_without_sigma_get_errors_from_the_scatter(self):
-        self.make_profile()
-        text = "".join(",".join(line.split(",")[:2]) + "\n" for line in (self.folder / "ux.csv").read_text().splitlines())
-        self.write("ux.csv", text)
-        found, _ = self.fit(FIT)
-        self.assert_recovered(found, TRUE)
-        self.assertFalse(found["sigma_known"])
-        # the scatter has a relative error of 1/sqrt(2 dof) = 10 %: four of them
-        self.assertLess(abs(found["error_factor"] / SIGMA - 1.0), 0.4)
-
-    def test_points_that_share_data_get_larger_errors(self):
-        self.make_profile()
-        alone, _ = self.fit(FIT)
-        shared, _ = self.fit(FIT, "-s", "fit.independent_spacing=4.0", out="shared")
-        self.assertEqual(shared["profiles"][0]["independent"], 0.25)
-        for name in TRUE:
-            self.assertAlmostEqual(shared["parameters"][name]["value"], alone["parameters"][name]["value"], delta=1e-4 * alone["parameters"][name]["value"])
-            self.assertAlmostEqual(shared["parameters"][name]["stderr"], 2.0 * alone["parameters"][name]["stderr"], delta=1e-3 * alone["parameters"][name]["stderr"])
 
     def test_runs_in_one_file_and_equal_places_are_counted_for_what_they_are(self):
         self.make_profile()
@@ -253,14 +214,6 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
             found, done = self.fit(FIT + "at = 4.0\n", out=f"out{factor}")
             self.assertEqual("give place_unit or value_unit" in done.stderr, told)
             self.assertEqual(any("value_unit" in remark for remark in found["remarks"]), told)
-
-    def test_every_method_finds_the_same(self):
-        self.make_profile()
-        best, _ = self.fit(FIT)
-        bounds = "fit.bounds={ f_over_mu = [0.5, 10.0], eta = [0.1, 10.0], xi = [1.0, 200.0] }"
-        for method in ("bobyqa", "nelder-mead", "lbfgs", "mma", "mlsl", "crs", "isres", "direct-l"):
-            found, _ = self.fit(FIT, "-s", f"fit.method={method}", "-s", bounds, out=method)
-            self.assertAlmostEqual(found["chi2"], best["chi2"], delta=1e-6 * best["chi2"], msg=method)
 
     def test_a_point_without_a_sigma_is_left_out_and_said(self):
         self.make_profile()

@@ -81,17 +81,6 @@ class HelpTest(ProgramTest):
             if name not in VERBS:
                 self.assertIn(name, self.expect(0, "help", name).stdout)
 
-    def test_usage_errors(self):
-        self.refuse(2, "--hlep", "run", THEORY_PAIR, "--hlep")
-        self.refuse(2, "--frobnicate", "--frobnicate", "run", THEORY_PAIR)
-        self.refuse(2, "SCENE is required", "run")
-        self.refuse(2, "extra", "check", THEORY_PAIR, "extra")
-        for option, value in (("--threads", "0"), ("--threads", "many"), ("--threads", "1e9"), ("--seed", "-1"), ("--seed", "x")):
-            self.refuse(2, option, "rods", THEORY_PAIR, option, value)
-        for value in (-1, 2**63, 2**64 - 1, "1e300"):
-            done = self.refuse(2, rf"--seed: .* is not a whole number from 0 to {2**63 - 1}\n", "rods", THEORY_PAIR, "--seed", value)
-            self.assertLess(len(done.stderr), 300)
-
 
 class CommonOptionsTest(ProgramTest):
     def setUp(self):

@@ -162,11 +162,6 @@ class PointsTest(ProgramTest):
         self.refuse(2, "--table-tolerance: .*--backend table", "field", "--points", "points.csv", "--table-tolerance", "1e-6")
         self.refuse(2, "backend", "field", "--points", "points.csv", "--backend", "magic")
 
-    def test_points_and_scene_exclude_each_other(self):
-        self.refuse(2, "either a SCENE or --points", "field")
-        self.write("points.csv", "x,y,xi,eta\n")
-        self.refuse(2, "either a SCENE or --points", "field", rodwake.THEORY_PAIR, "--points", "points.csv")
-
     def test_dry_run_checks_and_prints_nothing(self):
         self.write("points.csv", "x,y,xi,eta\n1,1,1,1\n")
         done = self.expect(0, "field", "--points", "points.csv", "--dry-run")

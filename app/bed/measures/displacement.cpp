@@ -13,21 +13,17 @@ namespace {
 using measure::DisplacementAccumulator, measure::DisplacementField;
 using scene::Measure, scene::Scene;
 
-measure::DisplacementOptions options_of(const Measure& m, double a) {
+void include(const Scene& scene, MeasurePlan& plan) {
+    const auto& m = *scene.measure;
     measure::DisplacementOptions options;
     options.method = *m.displacement;
     options.reference = m.reference;
     options.rod = static_cast<std::size_t>(m.rod);
-    options.spacing = m.spacing.value_or(a);
+    options.spacing = m.spacing.value_or(scene::measured_radius(scene));
     options.far_from = m.far_from.value_or(0.0);
     options.block = m.block;
     options.mirror = m.mirror;
-    return options;
-}
-
-void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<DisplacementAccumulator>(plan, "displacement",
-                                          options_of(*scene.measure, scene::measured_radius(scene)));
+    include_sums<DisplacementAccumulator>(plan, "displacement", options);
 }
 
 void reset_postprocessing_keys(Measure& m) {
@@ -95,15 +91,6 @@ MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& 
     return grid;
 }
 
-MeasureImage image_of(const DisplacementField& u, double to_a) {
-    return {"displacement.vti",
-            u.grid,
-            {{"U", 3, vectors(u.Ux, u.Uy, to_a)},
-             {"sigma", 3, vectors(u.sigma_x, u.sigma_y, to_a)},
-             {"count", 1, u.count},
-             {"coherence", 1, u.coherence}}};
-}
-
 /// Of the lattice; nothing without Bragg peaks.
 Value of_lattice(const DisplacementField& u, double value) {
     return u.peaks.lattice_spacing() > 0.0 ? Value(value) : Value();
@@ -162,7 +149,12 @@ MeasureReport report(const MeasuredCase& data) {
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),
-            .images = {image_of(u, to_a)},
+            .images = {MeasureImage{"displacement.vti",
+                                    u.grid,
+                                    {{"U", 3, vectors(u.Ux, u.Uy, to_a)},
+                                     {"sigma", 3, vectors(u.sigma_x, u.sigma_y, to_a)},
+                                     {"count", 1, u.count},
+                                     {"coherence", 1, u.coherence}}}},
             .line = fmt::format("displacement field ({}) from {} frames in {} blocks; {} at {:.3g} a/s",
                                 measure::to_string(u.method), u.frames, u.blocks,
                                 of_rod(data.scene) ? "rod" : "force", u.mean_speed * to_a)};

@@ -13,7 +13,9 @@ namespace {
 using measure::FlowAccumulator, measure::FlowField;
 using scene::Measure, scene::Scene;
 
-measure::FlowOptions options_of(const Measure& m, double a) {
+void include(const Scene& scene, MeasurePlan& plan) {
+    const auto& m = *scene.measure;
+    const double a = scene::measured_radius(scene);
     measure::FlowOptions options;
     options.rod = static_cast<std::size_t>(m.rod);
     options.spacing = m.flow_spacing.value_or(2.0 * a);
@@ -21,11 +23,7 @@ measure::FlowOptions options_of(const Measure& m, double a) {
     options.block = m.block;
     options.marked_within = m.marked_within.value_or(6.0 * a);
     options.marked_travel = m.marked_travel.value_or(0.0);
-    return options;
-}
-
-void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<FlowAccumulator>(plan, "flow", options_of(*scene.measure, scene::measured_radius(scene)));
+    include_sums<FlowAccumulator>(plan, "flow", options);
 }
 
 std::string describe(const Scene& scene) {
@@ -47,36 +45,6 @@ constexpr RowColumn<Marked> marked_columns[] = {
 constexpr auto marked_infos = infos_of(marked_columns);
 constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_infos},
                               {"flow.vti", "flow field for ParaView"}};
-
-MeasureTable marked_table(const std::vector<measure::MarkedBead>& marked, double a) {
-    std::vector<Marked> rows;
-    for (const measure::MarkedBead& m : marked)
-        rows.push_back({m, a});
-    return {"marked.csv",
-            "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
-            "drift removed; a",
-            marked_infos, columns_of(marked_columns, rows)};
-}
-
-MeasureGrid grid_of(const FlowField& f, double to_a) {
-    return {"/flow",
-            f.grid,
-            {{"vx", scaled(f.vx, to_a), "a/s"},
-             {"vy", scaled(f.vy, to_a), "a/s"},
-             {"sigma_x", scaled(f.sigma_x, to_a), "a/s"},
-             {"sigma_y", scaled(f.sigma_y, to_a), "a/s"},
-             {"unit_x", f.unit_x, ""},
-             {"unit_y", f.unit_y, ""},
-             {"count", f.count, ""}}};
-}
-
-MeasureImage image_of(const FlowField& f, double to_a) {
-    return {"flow.vti",
-            f.grid,
-            {{"velocity", 3, vectors(f.vx, f.vy, to_a)},
-             {"unit", 3, vectors(f.unit_x, f.unit_y, 1.0)},
-             {"count", 1, f.count}}};
-}
 
 struct FlowValues {
     const FlowField& r;
@@ -100,10 +68,29 @@ constexpr auto value_infos = infos_of(values);
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const FlowField f = measure::reduce(measure::take<FlowAccumulator>(data.sums, "flow"));
+    std::vector<Marked> rows;
+    for (const measure::MarkedBead& m : f.marked)
+        rows.push_back({m, a});
     return {.values = values_of(values, FlowValues{f, a}),
-            .tables = {marked_table(f.marked, a)},
-            .grids = {grid_of(f, to_a)},
-            .images = {image_of(f, to_a)},
+            .tables = {MeasureTable{
+                "marked.csv",
+                "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
+                "drift removed; a",
+                marked_infos, columns_of(marked_columns, rows)}},
+            .grids = {MeasureGrid{"/flow",
+                                  f.grid,
+                                  {{"vx", scaled(f.vx, to_a), "a/s"},
+                                   {"vy", scaled(f.vy, to_a), "a/s"},
+                                   {"sigma_x", scaled(f.sigma_x, to_a), "a/s"},
+                                   {"sigma_y", scaled(f.sigma_y, to_a), "a/s"},
+                                   {"unit_x", f.unit_x, ""},
+                                   {"unit_y", f.unit_y, ""},
+                                   {"count", f.count, ""}}}},
+            .images = {MeasureImage{"flow.vti",
+                                    f.grid,
+                                    {{"velocity", 3, vectors(f.vx, f.vy, to_a)},
+                                     {"unit", 3, vectors(f.unit_x, f.unit_y, 1.0)},
+                                     {"count", 1, f.count}}}},
             .line = fmt::format("beads near the rod move at {:.3g} a/s and are dragged by {} of its way",
                                 f.near_speed / a, text(f.drag_share))};
 }

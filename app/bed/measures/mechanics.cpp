@@ -216,13 +216,6 @@ constexpr ResultValue<MechanicsValues> values[] = {
 };
 constexpr auto value_infos = infos_of(values);
 
-std::string line_of(const MechanicsResult& r, double box, double a) {
-    const std::string inertia = r.decay.inertia.count > 0 ? ", m* " + text(r.decay.inertia) : "";
-    return fmt::format("drift {} a/s, drag rate {} /s{}, screening length {} a in a box of {:.4g} a{}",
-                       text(r.drift.scaled(1.0 / a)), text(r.drag_rate), inertia,
-                       text(r.screening.scaled(1.0 / a)), box / a, shortness(r, a));
-}
-
 MeasureReport report(const MeasuredCase& data) {
     const Inertia used = inertia_of(data); // before the sums are taken
     const auto runs = measure::take<MechanicsAccumulator>(data.sums, "mechanics");
@@ -230,8 +223,12 @@ MeasureReport report(const MeasuredCase& data) {
     const Estimate shear_speed = shear_speed_of(data);
     const MechanicsResult r = measure::reduce(runs, pushes_of(data, runs.front().layout()), shear_speed,
                                               given_inertia(*data.scene.measure));
+    const std::string inertia = r.decay.inertia.count > 0 ? ", m* " + text(r.decay.inertia) : "";
     return {.values = values_of(values, MechanicsValues{r, shear_speed, used, box, a}),
-            .line = line_of(r, box, a)};
+            .line =
+                fmt::format("drift {} a/s, drag rate {} /s{}, screening length {} a in a box of {:.4g} a{}",
+                            text(r.drift.scaled(1.0 / a)), text(r.drag_rate), inertia,
+                            text(r.screening.scaled(1.0 / a)), box / a, shortness(r, a))};
 }
 
 } // namespace

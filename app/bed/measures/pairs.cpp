@@ -54,21 +54,6 @@ measure::PairOptions options_of_bed(const Scene& scene) {
     return {.box = bed_size(*scene.granular).box, .contact_distance = contact_distance(scene)};
 }
 
-measure::PairOptions options_of_film(const MeasuredCase& data) {
-    const measure::Layout& layout = data.sums.front().layout();
-    return {.box = layout.box,
-            .contact_distance = data.scene.measure->contact_distance.value(),
-            .images = !layout.window};
-}
-
-PairResult pairs_of(const MeasuredCase& data) {
-    const measure::PairOptions options = data.film ? options_of_film(data) : options_of_bed(data.scene);
-    std::vector<measure::PairRun> runs;
-    for (const RunTables& run : data.tables)
-        runs.push_back(measure::follow_pair(track_of(run), options));
-    return measure::reduce(runs);
-}
-
 PairNumbers numbers_of(const measure::PairRun& p, double a) {
     return {.outcome_time = p.ending_time,
             .half_box_change = p.half_box_change ? *p.half_box_change / a : std::nan(""),
@@ -109,16 +94,6 @@ constexpr RowColumn<PairRow> pairs_columns[] = {
 constexpr auto pairs_infos = infos_of(pairs_columns);
 constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_infos}};
 
-MeasureTable table_of(const PairResult& pairs, double a) {
-    std::vector<PairRow> rows;
-    for (const measure::PairRun& run : pairs.runs)
-        rows.push_back({numbers_of(run, a), rows.size() + 1, run.perpendicular});
-    return {"pairs.csv",
-            "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
-            "half_box_change empty: the rods did not come half a box",
-            pairs_infos, columns_of(pairs_columns, rows)};
-}
-
 struct PairValues {
     const PairResult& r;
     double a; ///< m
@@ -146,15 +121,35 @@ constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
-    const PairResult p = pairs_of(data);
+    measure::PairOptions options;
+    if (data.film) {
+        const measure::Layout& layout = data.sums.front().layout();
+        options = {.box = layout.box,
+                   .contact_distance = data.scene.measure->contact_distance.value(),
+                   .images = !layout.window};
+    } else {
+        options = options_of_bed(data.scene);
+    }
+    std::vector<measure::PairRun> runs;
+    for (const RunTables& run : data.tables)
+        runs.push_back(measure::follow_pair(track_of(run), options));
+    const PairResult p = measure::reduce(runs);
     const Estimate change = p.half_box_change.scaled(to_a);
-    return {.values = values_of(values, PairValues{p, a}),
-            .tables = {table_of(p, a)},
-            .line = fmt::format(
-                "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
-                "escape {}, undecided {}; non-reciprocity {}",
-                text(change), change.count, p.runs.size(), p.contact, p.pursuit, p.escape, p.undecided,
-                text(p.non_reciprocity))};
+    std::vector<PairRow> pair_rows;
+    for (const measure::PairRun& run : p.runs)
+        pair_rows.push_back({numbers_of(run, a), pair_rows.size() + 1, run.perpendicular});
+    return {
+        .values = values_of(values, PairValues{p, a}),
+        .tables = {MeasureTable{
+            "pairs.csv",
+            "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
+            "half_box_change empty: the rods did not come half a box",
+            pairs_infos, columns_of(pairs_columns, pair_rows)}},
+        .line = fmt::format(
+            "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
+            "escape {}, undecided {}; non-reciprocity {}",
+            text(change), change.count, p.runs.size(), p.contact, p.pursuit, p.escape, p.undecided,
+            text(p.non_reciprocity))};
 }
 
 } // namespace

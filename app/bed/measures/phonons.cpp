@@ -128,30 +128,6 @@ constexpr auto current_infos = infos_of(current_columns);
 constexpr FileInfo files[] = {{"phonons.csv", "frequency, damping and temperature of each mode", mode_infos},
                               {"currents.csv", "current correlations and their fits", current_infos}};
 
-std::vector<MeasureTable> tables_of(const PhononResult& r, double a) {
-    std::vector<ModeRow> modes;
-    std::vector<CurrentRow> currents;
-    for (const PhononMode& mode : r.modes) {
-        modes.push_back({mode, mode.longitudinal, 0.0, a});
-        modes.push_back({mode, mode.transverse, 1.0, a});
-    }
-    for (const ModeRow& mode : modes)
-        for (std::size_t lag = 0; lag < mode.b.correlation.size(); ++lag)
-            currents.push_back({mode, lag, r.step});
-    return {{"phonons.csv", "a row for each mode and branch; q in 1/a, rates in 1/s, angles in degrees",
-             mode_infos, columns_of(mode_columns, modes)},
-            {"currents.csv", "C(t)/C(0) of each mode and branch with the fitted oscillator; lag in s",
-             current_infos, columns_of(current_columns, currents)}};
-}
-
-std::string line_of(const PhononResult& r, const Inertia& inertia) {
-    const std::string factor =
-        inertia.factor.count > 0 ? " with m* " + text(inertia.factor) : " of the bare mass";
-    return fmt::format("C11 {}, C22 {}, C12 {}, C66 {} mN/m{}, eta {}; damping as q -> 0 {} /s",
-                       text(r.C11.scaled(1e3)), text(r.C22.scaled(1e3)), text(r.C12.scaled(1e3)),
-                       text(r.C66.scaled(1e3)), factor, text(r.eta), text(r.drag));
-}
-
 struct PhononValues {
     const PhononResult &bare, &r; ///< with the bare mass of the beads, and with the inertia
     const Inertia& inertia;
@@ -226,9 +202,28 @@ MeasureReport report(const MeasuredCase& data) {
     const Inertia inertia = inertia_of(data);
     const PhononResult bare = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons")),
                        r = with_inertia(bare, inertia);
-    return {.values = values_of(values, PhononValues{bare, r, inertia, a}),
-            .tables = tables_of(bare, a),
-            .line = line_of(r, inertia)};
+    std::vector<ModeRow> modes;
+    std::vector<CurrentRow> currents;
+    for (const PhononMode& mode : bare.modes) {
+        modes.push_back({mode, mode.longitudinal, 0.0, a});
+        modes.push_back({mode, mode.transverse, 1.0, a});
+    }
+    for (const ModeRow& mode : modes)
+        for (std::size_t lag = 0; lag < mode.b.correlation.size(); ++lag)
+            currents.push_back({mode, lag, bare.step});
+    const std::string factor =
+        inertia.factor.count > 0 ? " with m* " + text(inertia.factor) : " of the bare mass";
+    return {
+        .values = values_of(values, PhononValues{bare, r, inertia, a}),
+        .tables =
+            std::vector<MeasureTable>{
+                {"phonons.csv", "a row for each mode and branch; q in 1/a, rates in 1/s, angles in degrees",
+                 mode_infos, columns_of(mode_columns, modes)},
+                {"currents.csv", "C(t)/C(0) of each mode and branch with the fitted oscillator; lag in s",
+                 current_infos, columns_of(current_columns, currents)}},
+        .line = fmt::format("C11 {}, C22 {}, C12 {}, C66 {} mN/m{}, eta {}; damping as q -> 0 {} /s",
+                            text(r.C11.scaled(1e3)), text(r.C22.scaled(1e3)), text(r.C12.scaled(1e3)),
+                            text(r.C66.scaled(1e3)), factor, text(r.eta), text(r.drag))};
 }
 
 } // namespace
