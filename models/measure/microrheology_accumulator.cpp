@@ -127,9 +127,8 @@ void MicrorheologyAccumulator::start(const Frame& frame) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
     if (options_.kind) {
-        const auto others = std::stable_partition(order_.begin(), order_.end(), [&](std::size_t i) {
-            return frame.kind[i] == *options_.kind;
-        });
+        const auto others = std::stable_partition(
+            order_.begin(), order_.end(), [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
         set_group_sizes(static_cast<std::size_t>(others - order_.begin()));
     }
     for (const std::size_t i : order_) {
