@@ -127,9 +127,9 @@ void MicrorheologyAccumulator::start(const Frame& frame) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
     if (options_.kind) {
-        const auto others = std::ranges::stable_partition(
-            order_, [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
-        set_group_sizes(static_cast<std::size_t>(others.begin() - order_.begin()));
+        const auto others = std::stable_partition(
+            order_.begin(), order_.end(), [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
+        set_group_sizes(static_cast<std::size_t>(others - order_.begin()));
     }
     for (const std::size_t i : order_) {
         first_x_.push_back(frame.unwrapped_x[i]);
