@@ -101,7 +101,8 @@ TEST_CASE("unknown parameters are named with the nearest known one, where they s
           "x.toml:4:11: fit.start.etta: unknown parameter \"etta\" (did you mean \"eta\"?). Known "
           "parameters: f_over_mu, f2d_over_mu, eta, xi, alpha, drag_area, x0, amplitude, force, p_xx, p_yy, "
           "q_xxx, q_xyy, q_yxy, t_xxxx, t_xxyy, h_xxxxx, h_xxxyy, c11, c22, c12, c66, zeta, rho, eta_s, "
-          "offset, offset_y, kappa, gamma1, gamma2, gamma_flow, gamma_rows, rows_direction, D_r, D_t");
+          "offset, offset_y, kappa, gamma1, gamma2, gamma_flow, gamma_rows, rows_direction, "
+          "stall_overlap, mobility_ratio, D_r, D_t");
     says(fitted("tied = { x0 = [\"f_over_my\", 1.0] }\n"), "did you mean \"f_over_mu\"?");
     says(fitted("", ux, "\"f_over_mu\", \"etta\", \"xi\""), "did you mean \"eta\"?");
 }
