@@ -143,7 +143,8 @@ void write_rods_order(const Session& session, const Case& of, const RodOrderSett
         fluctuations.push_back(
             {of_cells.cell, of_cells.rods, of_cells.fluctuation, mean.fluctuation_errors[k]});
     }
-    write("fluctuations.csv", csv_of(fluctuations));
+    if (!fluctuations.empty()) // of fewer than four rods there are none
+        write("fluctuations.csv", csv_of(fluctuations));
     write("rods_order.json", means_json(mean, keys, runs));
     session.log->info("order of the rods{}: polar {:.3g} +- {:.2g}, nematic {:.3g} +- {:.2g}, a rod is in a "
                       "cluster of {:.3g} +- {:.2g}",
