@@ -335,7 +335,7 @@ void SlipSeries::integrate_normal() {
 }
 
 void SlipSeries::integrate_work() {
-    // Of r and v_z; zeros on both sides of v_z stand for terms that it does not have.
+    // This multiplies the series r and v_z; zeros on both sides of v_z stand for terms that it does not have.
     std::array<double, order + product_lanes> v{};
     std::array<double, product_lanes> product;
     std::ranges::copy(v_, v.begin() + order);

@@ -27,7 +27,7 @@ void reset_postprocessing_keys(Measure& m) {
     m.bead_drag = m.bead_drag_error = std::nullopt;
 }
 
-/// Of the sums of one kind of several.
+/// The name under which the sums of one kind of beads are kept.
 std::string kind_name(std::size_t kind) { return fmt::format("microrheology_kind{}", kind); }
 
 void include(const Scene& scene, MeasurePlan& plan) {
@@ -180,7 +180,7 @@ void add_camera(const MicrorheologyResult& r, const Localisation& asked, double 
         report.line += "; the camera's noise may hide the stiffness";
 }
 
-/// Of each kind of several by itself; one without a stiffness has the reason in the line.
+/// Adds the stiffness of each kind of beads; a kind without one has the reason in its line.
 void add_kinds(const MeasuredCase& data, const std::vector<double>& radii, double a, MeasureReport& report) {
     std::vector<KindRow> stiffness, msd;
     for (std::size_t k = 0; k < radii.size(); ++k) {

@@ -57,7 +57,7 @@ struct MicrorheologyOptions {
     /// left. A liquid gives s/(4 D), a line through 0, a bound bead a plateau.
     std::optional<double> s_low, s_high;
     Localisation localisation = {}; ///< of tracks
-    /// Of several kinds of beads the one that is measured; the drift that is taken off is that of all beads.
+    /// The kind of beads that is measured; absent: all. The drift of all beads is subtracted.
     std::optional<std::size_t> kind = {};
 
     bool operator==(const MicrorheologyOptions&) const = default;

@@ -9,8 +9,8 @@
 // Normalisation: N(N-1)/2 pairs over the box's area L_x L_y, so an ideal gas has g = 1 without a finite-size
 // term. Distances to nearest images, up to L/2. Angles from +x. Rods are no beads: they are holes here.
 //
-// Of beads of several kinds p, q the same for each pair of kinds: g_pq(r) over N_p N_q pairs, or N_p (N_p -
-// 1)/2 within a kind.
+// Beads of several kinds p, q have a g_pq(r) for each pair of kinds, over N_p N_q pairs, or N_p (N_p - 1)/2
+// within a kind.
 //
 // In a window (frame.hpp) the area is the window's, there are no images, and g(r) weights a pair by the share
 // of the circle about either that lies inside (Ripley's correction), up to half the shorter side of the box
@@ -89,8 +89,8 @@ public:
         double full_frames = 0.0; ///< sum over frames of N(N-1), N beads seen, over that of the layout
         double at_border = 0.0;   ///< sum over frames of the share of beads left out of psi_6
         std::vector<double> weighted = {}; ///< pairs for g(r) per bin; empty: `pairs`, as without a window
-        /// Of beads of several kinds, [pair of kinds]: pairs for g(r) per bin, one pair of kinds after the
-        /// other, and how many pairs there are, summed over frames.
+        /// Pairs of beads per bin of g(r), one pair of kinds after the other, and the number of all
+        /// pairs, both summed over frames; empty for one kind.
         std::vector<double> kind_pairs = {}, kind_pairs_in_all = {};
     };
     const Layout& layout() const { return layout_; }

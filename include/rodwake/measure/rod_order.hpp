@@ -30,7 +30,7 @@
 
 namespace rodwake::measure {
 
-/// Of the numbers of rods in equal cells at one instant.
+/// How the numbers of rods in equal cells vary at one instant.
 struct NumberFluctuation {
     double cell = 0.0;        ///< root of a cell's area
     double rods = 0.0;        ///< mean of a cell
