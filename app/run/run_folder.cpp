@@ -162,7 +162,16 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
     if (!had_run_)
         refuse_inputs_as_results(path_, scene);
     const std::optional<scene::Scene> old = scene_of(path_);
-    const auto same = [&](Stage stage) { return old && stage_key(*old, stage) == stage_key(scene, stage); };
+    const auto same = [&](Stage stage, bool asked) {
+        const auto conflicts = kind_of(stage).conflicts;
+        return old && stage_key(*old, stage) == stage_key(scene, stage) &&
+               !(conflicts && conflicts(*old, scene, asked));
+    };
+    const auto difference = [&](Stage stage) {
+        const std::string there = stage_key(*old, stage), here = stage_key(scene, stage);
+        return there == here ? first_difference(scene::to_plain_toml(*old), scene::to_plain_toml(scene))
+                             : first_difference(there, here);
+    };
     const auto refuse = [&](const std::string& why) {
         if (!force)
             throw InputError(fmt::format("{}: {}; choose another folder with -o, or --force to replace it",
@@ -177,7 +186,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         if (record == old_.end() || (asked && force))
             continue;
         const bool lost = lost_.contains(record->first);
-        const bool finished = record->second == "finished", alike = same(stage);
+        const bool finished = record->second == "finished", alike = same(stage, asked);
         const bool light = kind.light && !finished && !lost;
         const bool more = (alike && kind.grows && kind.grows(*old, scene)) ||
                           (kind.lacks && kind.lacks(path_, scene)) ||
@@ -195,7 +204,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
             unaffected_.insert(*record);
         } else {
             refuse(old ? fmt::format("holds the stage {} of another scene ({})", record->first,
-                                     first_difference(stage_key(*old, stage), stage_key(scene, stage)))
+                                     difference(stage))
                        : fmt::format("holds the stage {} of a scene that cannot be read", record->first));
             if (stage == Stage::granular && !asked) // too dear to go with another stage
                 throw InputError(

@@ -38,6 +38,9 @@ struct StageKind {
     bool (*outdated)(const scene::Scene&, const StageChanges&) = nullptr;
     /// Whether one that is finished goes on for a scene of the same key; null: never.
     bool (*grows)(const scene::Scene& old, const scene::Scene&) = nullptr;
+    /// Whether one that is finished would lose results to a scene of the same key, or would not be of it if
+    /// the command does not ask for it; null: never.
+    bool (*conflicts)(const scene::Scene& old, const scene::Scene&, bool asked) = nullptr;
     /// Whether one that is finished left something out that the scene wants by now; null: never.
     bool (*lacks)(const std::filesystem::path& folder, const scene::Scene&) = nullptr;
     /// An unfinished one has nothing to lose by another key: its own files know what they are of.

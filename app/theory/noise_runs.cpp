@@ -3,10 +3,12 @@
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/json_text.hpp"
+#include "rodwake/scene/read.hpp"
 #include "rodwake/store/journal.hpp"
 #include "run/log.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"
+#include "run/stage_kind.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -68,8 +70,8 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
     const BuildInfo build = build_info();
     // max_steps is no part of the stage's key, but of what makes a run fail
     store::Journal journal(file,
-                           build.version + " " + build.git + "\n" + stage_key(plan.of.scene, Stage::rods) +
-                               "\n" + field +
+                           build.version + " " + build.git + "\n" +
+                               scene::to_plain_toml(key_of_rods(plan.of.scene)) + "\n" + field +
                                fmt::format("\nmax_steps {}", plan.of.scene.rods_run->max_steps),
                            store::Journal::OfAnother::replace);
     sums = sums_in(journal, rods::no_runs(problem));

@@ -82,6 +82,7 @@ std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::
                           {"time", checkpoint.time},
                           {"state", checkpoint.state},
                           {"headings", checkpoint.headings},
+                          {"times", checkpoint.times},
                           {"outputs", checkpoint.outputs},
                           {"record", to_json(checkpoint.record)},
                           {"statistics", to_json(checkpoint.statistics)}});
@@ -98,6 +99,7 @@ std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& 
     const rods::RodCheckpoint checkpoint{value.at("time").get<double>(),
                                          value.at("state").get<std::vector<double>>(),
                                          value.at("headings").get<std::vector<double>>(),
+                                         value.at("times").get<std::vector<double>>(),
                                          value.at("outputs").get<std::vector<std::vector<double>>>(),
                                          record_of(value.at("record")),
                                          statistics_of(value.at("statistics"))};
@@ -105,9 +107,8 @@ std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& 
     const bool dynamic = scene.medium && scene.medium->is_dynamic();
     bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
                                                     : rods::state_size(scene.rods_run->form, rods)) &&
-                checkpoint.headings.size() == rods &&
-                checkpoint.outputs.size() <= scene.rods_run->output_times.size() + 1 &&
-                checkpoint.time >= 0.0 && checkpoint.time <= scene.rods_run->t_end &&
+                checkpoint.headings.size() == rods && checkpoint.outputs.size() == checkpoint.times.size() &&
+                checkpoint.time >= 0.0 &&
                 std::max(checkpoint.record.smallest.first, checkpoint.record.smallest.second) <
                     std::max<std::size_t>(rods, 1);
     for (const auto& output : checkpoint.outputs)

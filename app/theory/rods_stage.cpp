@@ -48,6 +48,15 @@ struct Work {
         return status.ok() && status.termination != integrate::Termination::interrupted;
     }
     std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
+    std::string end_file() const { return of().folder + "end_state.json"; }
+    /// Two rods in steady wakes start at 0 again: they take milliseconds, and their certificate is of a whole
+    /// run. So do runs with a film, whose frames are in its file already.
+    bool goes_on() const {
+        const auto& medium = of().scene.medium;
+        const bool dynamic = medium && medium->is_dynamic();
+        return !plan->noise && !(dynamic && medium->memory().film_interval) &&
+               (dynamic || !rods::to_pair_problem(problem));
+    }
     /// Changes with the data of a measured field.
     std::string field_key() const {
         if (!measured)
@@ -57,15 +66,29 @@ struct Work {
     }
 };
 
+/// From the checkpoint of an interrupted run, else from the end of one with an earlier t_end.
 void resume(const Session& session, Work& work) {
-    const auto file = session.directory.file(work.checkpoint_file());
-    work.options.resume_from =
-        session.context.force ? std::nullopt : read_checkpoint(file, work.of().scene, work.field_key());
-    if (work.options.resume_from)
-        session.log->info("rods: resuming from the checkpoint at t = {:.6g}", work.options.resume_from->time);
-    else if (std::filesystem::exists(file))
-        session.log->warn("{}: damaged, or of another scene, field or version; starting from the beginning",
-                          file.string());
+    for (const std::string& name : {work.checkpoint_file(), work.end_file()}) {
+        const auto file = session.directory.file(name);
+        if (session.context.force || !std::filesystem::exists(file))
+            continue;
+        auto checkpoint = read_checkpoint(file, work.of().scene, work.field_key());
+        if (!checkpoint) {
+            session.log->warn(
+                "{}: damaged, or of another scene, field or version; starting from the beginning",
+                file.string());
+            continue;
+        }
+        work.options.resume_from =
+            rods::carried_over(*std::move(checkpoint), work.problem, work.options.criteria);
+        if (work.options.resume_from)
+            return session.log->info("rods: {} at t = {:.6g}",
+                                     name == work.end_file() ? "going on from the end of the earlier run"
+                                                             : "resuming from the checkpoint",
+                                     work.options.resume_from->time);
+        session.log->info(
+            "rods: starting from the beginning, as the output times or the last part of the run differ");
+    }
 }
 
 /// Takes up the film where the run is taken up; where its log is not as long, the run begins anew.
@@ -111,6 +134,10 @@ void solve(const Session& session, Work& work, bool show_progress) {
         session.directory.write(work.checkpoint_file(),
                                 checkpoint_json(checkpoint, work.of().scene, work.field_key()));
     };
+    if (work.goes_on())
+        work.options.on_end = [&](const rods::RodCheckpoint& end) {
+            session.directory.write(work.end_file(), checkpoint_json(end, work.of().scene, work.field_key()));
+        };
     resume(session, work);
     const auto& medium = work.of().scene.medium;
     if (medium && medium->is_dynamic())
@@ -433,6 +460,7 @@ std::vector<FileKind> rods_files() {
              "also where each rod feels those of the others alone; with the rods' places and headings"},
             {"medium_film.log", progress, "frames so far"},
             {"noise.log", progress, "finished runs with noise, to resume from"},
+            {"end_state.json", kept, "state at t_end, from which a run with a later t_end goes on"},
             {"checkpoint.json", progress, "state to resume from"}};
 }
 
@@ -470,18 +498,38 @@ std::string rods_cost(const Plan& plan) {
     return text;
 }
 
+/// Whether the same rods run to another end, or have rows at other times.
+bool runs_on(const scene::Scene& old, const scene::Scene& scene) {
+    return scene.rods_run->t_end != old.rods_run->t_end ||
+           scene.rods_run->output_times != old.rods_run->output_times;
+}
+
 } // namespace
 
 StageKind rods_stage() {
     return {.name = "rods",
             .has_table = [](const scene::Scene& s) { return s.rods_run.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.rods_run.has_value(); },
-            .key = [](const scene::Scene& s) { return scene::to_plain_toml(key_of_rods(s)); },
+            .key =
+                [](const scene::Scene& s) {
+                    scene::Scene key = key_of_rods(s);
+                    if (key.rods_run) {
+                        key.rods_run->t_end = scene::RodsRun{}.t_end;
+                        key.rods_run->output_times.clear();
+                        key.rods_run->t_end_from_outputs = false;
+                    }
+                    return scene::to_plain_toml(key);
+                },
             .files = rods_files,
             .run = run_rods,
             .cost = [](const Plan& plan, const std::filesystem::path&,
                        const RunContext&) { return rods_cost(plan); },
             .outdated = has_new_field,
+            .grows = runs_on,
+            .conflicts =
+                [](const scene::Scene& old, const scene::Scene& s, bool asked) {
+                    return asked ? s.rods_run->t_end < old.rods_run->t_end : runs_on(old, s);
+                },
             .datasets = true};
 }
 

@@ -106,6 +106,8 @@ public:
         }
         while (control_.time() < problem_.t_end && !ended_)
             step();
+        if (!ended_ && options_.on_end)
+            options_.on_end(checkpoint());
         conclude_solution();
         MediumResult result;
         result.outcome = rods::conclude(
@@ -239,6 +241,7 @@ private:
         now.state.insert(now.state.end(), control_.state().fields.begin(), control_.state().fields.end());
         for (std::size_t rod = 0; rod < problem_.rods.size(); ++rod)
             now.headings.push_back(control_.state().poses[3 * rod + 2]);
+        now.times.assign(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(outputs_.size()));
         now.outputs = outputs_;
         now.record = record_;
         now.statistics = statistics();

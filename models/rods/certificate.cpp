@@ -156,7 +156,7 @@ FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double
     ode.max_steps *= 10;
     ode.on_step = nullptr;
     ode.on_segment = nullptr;
-    options.on_checkpoint = nullptr;
+    options.on_checkpoint = options.on_end = nullptr;
     options.resume_from.reset();
     return follow(again, options);
 }
@@ -233,7 +233,7 @@ void compare_endings(const RodProblem& problem, RodOptions options, const RodRes
         options.ode.max_steps = std::min(options.ode.max_steps, 20'000L); // it may be stiff
         options.ode.on_step = nullptr;
         options.ode.on_segment = nullptr;
-        options.on_checkpoint = nullptr;
+        options.on_checkpoint = options.on_end = nullptr;
         options.resume_from.reset();
         const RodResult other = simulate(problem, options);
         if (done(other) && other.outcome.ending != outcome.ending)

@@ -230,24 +230,31 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
         if (options.ode.on_step)
             options.ode.on_step(step);
     };
-    solver.on_segment = [&](const integrate::Segment& segment) {
-        if (!options.on_checkpoint)
-            return;
+    const auto checkpoint = [&](const integrate::Segment& segment) {
         std::vector<std::vector<double>> outputs = from.outputs;
         const std::vector<std::vector<double>> added = track.outputs(segment.outputs);
         outputs.insert(outputs.end(), added.begin(), added.end());
-        options.on_checkpoint({segment.time,
-                               {segment.state.begin(), segment.state.end()},
-                               track.headings(),
-                               std::move(outputs),
-                               record,
-                               integrate::Statistics(from.statistics) += segment.statistics});
+        const auto done = static_cast<std::ptrdiff_t>(outputs.size());
+        return RodCheckpoint{segment.time,
+                             {segment.state.begin(), segment.state.end()},
+                             track.headings(),
+                             {times.begin(), times.begin() + done},
+                             std::move(outputs),
+                             record,
+                             integrate::Statistics(from.statistics) += segment.statistics};
+    };
+    solver.on_segment = [&](const integrate::Segment& segment) {
+        if (options.on_checkpoint)
+            options.on_checkpoint(checkpoint(segment));
     };
 
     RodResult result;
     result.solution = equations.wakes ? solve_with_held_wakes(ode, equations.wakes, equations.others,
                                                               step_limit(problem), solver, times_left)
                                       : integrate::solve(ode, solver, times_left);
+    const integrate::Solution& end = result.solution;
+    if (options.on_end && end.status.termination == integrate::Termination::completed)
+        options.on_end(checkpoint({end.final_time, end.final_state, end.states, end.statistics}));
     if (options.form != Form::angle)
         to_poses(result.solution, track);
     prepend(result.solution, from, times);
@@ -262,6 +269,45 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
 }
 
 } // namespace
+
+std::optional<RodCheckpoint> carried_over(RodCheckpoint from, const RodProblem& problem,
+                                          const EndingCriteria& criteria) {
+    if (from.time > problem.t_end)
+        return std::nullopt;
+
+    // Rows up to the checkpoint are those of the earlier run at the output times of this one.
+    std::vector<double> times;
+    std::vector<std::vector<double>> outputs;
+    for (const double time : output_times(problem)) {
+        if (time > from.time)
+            break;
+        const auto row = std::ranges::find_if(from.times, [&](double there) {
+            return std::abs(there - time) <= 1e-14 * problem.t_end; // multiples of two intervals
+        });
+        if (row == from.times.end())
+            return std::nullopt;
+        times.push_back(time);
+        outputs.push_back(from.outputs[static_cast<std::size_t>(row - from.times.begin())]);
+    }
+    from.times = std::move(times);
+    from.outputs = std::move(outputs);
+
+    // The last part of a longer run begins later: what was recorded of the earlier one is dropped.
+    const std::vector<double> poses = to_state(problem.rods); // their number alone counts
+    SeparationRecord record =
+        start_record(poses, (1.0 - criteria.steady_fraction) * problem.t_end, problem.box,
+                     BodyForces(problem.bodies, problem.rods.size(), problem.box), problem.t_end);
+    if (record.late_from != from.record.late_from) {
+        if (from.time > record.late_from || (problem.bodies.any() && from.time > record.bodies.late_from))
+            return std::nullopt;
+        record.smallest = from.record.smallest;
+        record.smallest_time = from.record.smallest_time;
+        record.bodies.smallest_gap = from.record.bodies.smallest_gap;
+        record.bodies.smallest_gap_time = from.record.bodies.smallest_gap_time;
+        from.record = std::move(record);
+    }
+    return from;
+}
 
 RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     if (auto met = contact_at_start(problem))

@@ -79,6 +79,15 @@ class DynamicTest(ProgramTest):
         self.assertIn("resuming from the checkpoint at t = ", done.stderr)
         self.assertEqual(self.results("out"), self.results("whole"))
 
+    def test_a_later_end_goes_on(self):
+        rows = {}
+        self.rods("out", "-s", "rods_run.t_end=1", "-s", "rods_run.output_interval=0.25")
+        for run in ("out", "whole"):
+            done = self.rods(run, "-s", "rods_run.t_end=2", "-s", "rods_run.output_interval=0.25")
+            self.assertEqual("going on from the end of the earlier run at t = 1" in done.stderr, run == "out")
+            rows[run] = np.loadtxt(self.folder / run / "rods.csv", delimiter=",", skiprows=1)
+        np.testing.assert_allclose(rows["out"], rows["whole"], rtol=0, atol=1e-6)
+
     def film(self, run):
         with h5py.File(self.folder / run / "medium_film.h5", "r") as file:
             return {name: file[name][()] for name in ("t", "x", "y", "ux", "uy", "rods/x", "rods/y", "rods/theta")}

@@ -5,6 +5,8 @@ import math
 import shutil
 import signal
 
+import numpy as np
+
 import rodwake
 from rodwake import ProgramTest, wait_until
 
@@ -58,6 +60,43 @@ class ResumeTest(ProgramTest):
         self.assertIn("checkpoint.json: damaged, or of another scene, field or version; starting from the beginning", done.stderr)
         self.assertEqual(self.status("out"), "finished")
         self.assertFalse((self.folder / "out/checkpoint.json").exists())
+
+    def test_a_later_end_goes_on_and_an_earlier_one_is_refused(self):
+        def run(folder, end, *more, code=0):
+            return self.expect(code, "rods", "crowd.toml", "-s", "coupling.kappa=1", "-s", "rods_run.rtol=1e-8",
+                               "-s", f"rods_run.t_end={end}", "-o", folder, *more).stderr
+        def rows(folder):
+            return np.loadtxt(self.folder / folder / "rods.csv", delimiter=",", skiprows=1)
+        half = ("-s", "rods_run.output_interval=0.5")
+        run("out", 4, *half)
+        early = rows("out")
+        self.assertIn("going on from the end of the earlier run at t = 4", run("out", 8, *half))
+        run("whole", 8, *half)
+        np.testing.assert_array_equal(rows("out")[:len(early)], early)
+        np.testing.assert_allclose(rows("out"), rows("whole"), rtol=0, atol=1e-6)
+        self.assertFalse(np.array_equal(rows("out"), rows("whole")))  # the solver started anew at t = 4
+        closest = [json.loads((self.folder / name / "outcome.json").read_text())["min_separation"] for name in ("out", "whole")]
+        self.assertAlmostEqual(*closest, delta=1e-6)
+        self.assertIn("t_end = 8.0 there, t_end = 4.0 here", run("out", 4, *half, code=2))
+        self.assertIn("holds a finished run", run("out", 8, *half, code=2))
+
+        # Every second row of the run is one of this: it goes on. A row that it does not have: from the beginning.
+        self.assertIn("at t = 8", run("out", 16, "-s", "rods_run.output_interval=1"))
+        self.assertIn("starting from the beginning, as ", run("out", 16, "-s", "rods_run.output_interval=0.7"))
+        run("other", 16, "-s", "rods_run.output_interval=0.7")
+        self.assertEqual(self.results("out"), self.results("other"))
+        self.assertIn("starting from the beginning, as ", run("out", 17, "-s", "rods_run.output_interval=0.7"))  # the last part began
+
+    def test_order_is_of_rods_with_the_same_end(self):
+        order = '[rods_order]\nlink = 4.0\n'
+        self.write("crowd.toml", rodwake.crowd(16) + order)
+        short = ("crowd.toml", "-s", "rods_run.rtol=1e-6", "-o", "out", "--quiet")
+        self.expect(0, "run", *short, "-s", "rods_run.t_end=2")
+        done = self.expect(2, "measure", *short, "-s", "rods_run.t_end=4")
+        self.assertIn("t_end = 2.0 there, t_end = 4.0 here", done.stderr)
+        self.expect(0, "run", *short, "-s", "rods_run.t_end=4")
+        times = np.loadtxt(self.folder / "out/rods_order.csv", delimiter=",", skiprows=1)[:, 0]
+        self.assertEqual(times[-1], 4.0)
 
     def nudge(self, checkpoint):
         """Changes one number of the state by its last bit."""

@@ -174,6 +174,45 @@ TEST_CASE("checkpoints of a run, in any form, lead to the same end, to the bit")
     }
 }
 
+TEST_CASE("a run in any form goes on to a later end") {
+    RodProblem problem = pair_of({.kappa = 5.0});
+    problem.rods.push_back({-6.0, -2.0, 0.1});
+    problem.output_times = {1.0, 2.0, 4.0, 8.0};
+    problem.t_end = 8.0;
+    for (const Way way : ways) {
+        CAPTURE(to_string(way.form), integrate::to_string(way.method));
+        RodOptions options = options_of(way, 1e-10);
+        RodProblem early = problem;
+        early.output_times = {1.0, 2.0, 3.0};
+        early.t_end = 4.0;
+        std::optional<RodCheckpoint> end;
+        RodOptions keeping = options;
+        keeping.on_end = [&](const RodCheckpoint& at) { end = at; };
+        simulate(early, keeping);
+        REQUIRE(end);
+        CHECK(end->times == std::vector{1.0, 2.0, 3.0, 4.0});
+        const RodResult whole = simulate(problem, options);
+        options.resume_from = carried_over(*end, problem, options.criteria);
+        REQUIRE(options.resume_from);
+        const RodResult run = simulate(problem, options);
+        CHECK(run.solution.times == problem.output_times);
+        CHECK(difference(run, whole) < 1e-7); // 1000 rtol
+        CHECK(run.outcome.ending == whole.outcome.ending);
+        CHECK(run.outcome.min_separation == Approx(whole.outcome.min_separation).epsilon(1e-7));
+
+        // No row at 0.5; t = 4 lies in the last fifth of a run to 4.9; a shorter run.
+        RodProblem other = problem;
+        other.output_times = {0.5};
+        CHECK_FALSE(carried_over(*end, other, options.criteria));
+        other.output_times = {};
+        CHECK(carried_over(*end, other, options.criteria));
+        other.t_end = 4.9;
+        CHECK_FALSE(carried_over(*end, other, options.criteria));
+        other.t_end = 3.0;
+        CHECK_FALSE(carried_over(*end, other, options.criteria));
+    }
+}
+
 TEST_CASE("forms in a periodic box agree") {
     RodProblem problem = pair_of({.kappa = 2.0});
     problem.box = 6.0;

@@ -79,7 +79,8 @@ struct RodCheckpoint {
     double time = 0.0;
     std::vector<double> state;                ///< in the form of the run
     std::vector<double> headings;             ///< of each rod, with all its turns
-    std::vector<std::vector<double>> outputs; ///< poses at the output times so far
+    std::vector<double> times;                ///< output times so far
+    std::vector<std::vector<double>> outputs; ///< poses at these times
     SeparationRecord record;
     integrate::Statistics statistics;
 };
@@ -93,8 +94,16 @@ struct RodOptions {
     /// (suits_held_wakes).
     bool held_wakes = false;
     std::function<void(const RodCheckpoint&)> on_checkpoint; ///< at the solver's segment ends
+    std::function<void(const RodCheckpoint&)> on_end;        ///< of a run that reaches t_end
     std::optional<RodCheckpoint> resume_from;                ///< of the same problem and options
 };
+
+/// A checkpoint of the same problem with an earlier t_end or other output times, as one of this problem. The
+/// solver starts anew there, so the run agrees with an uninterrupted one within the tolerance. Nothing if the
+/// run must start at 0: an output time before the checkpoint has no row, or the checkpoint lies in the last
+/// part of this run, over which separations are followed.
+std::optional<RodCheckpoint> carried_over(RodCheckpoint from, const RodProblem& problem,
+                                          const EndingCriteria& criteria);
 
 struct RodOutcome {
     Ending ending = Ending::undecided;
