@@ -293,6 +293,7 @@ StageKind granular_stage() {
             .key = [](const scene::Scene& s) { return key_of_beds(s); },
             .files = granular_files,
             .run = run_granular,
+            .serve = serve_beds,
             .require = require_granular,
             .cost = [](const Plan& plan, const std::filesystem::path&,
                        const RunContext&) { return bed_cost(plan); },

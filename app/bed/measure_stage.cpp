@@ -344,6 +344,11 @@ StageKind measure_stage() {
                     s, [](scene::Scene& key, const scene::Scene& of) { key.measure = of.measure; });
             },
         .files = measure_result_files,
+        .read =
+            [](PlanInputs& inputs, const scene::Scene& s, const InputRequest& request) {
+                if (request.check && s.tracks)
+                    inputs.tracks = look_at_tracks(s, &request.context);
+            },
         .run =
             [](Session& session) {
                 return measure_folder(session.plan, session.context, session.directory.path(), session.log);

@@ -270,7 +270,15 @@ StageKind fit_stage() {
                     return scene::to_plain_toml(key);
                 },
             .files = fit_files,
+            .read =
+                [](PlanInputs& inputs, const scene::Scene& s, const InputRequest& request) {
+                    inputs.fit = read_fit_inputs(s, request.folder,
+                                                 request.check        ? OwnFiles::if_there
+                                                 : request.made_later ? OwnFiles::left_out
+                                                                      : OwnFiles::required);
+                },
             .run = run_fit,
+            .take_kept = take_stored_medium,
             .require = require_same_beds_beside,
             .cost = [](const Plan& plan, const fs::path&,
                        const RunContext& context) { return fit_cost(plan, context); },

@@ -91,7 +91,8 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
 /// constrain eta or xi.
 void take_fitted_medium(Session& session, const FitResults& results, const FitPlan& plan);
 
-/// Reads eta and xi (f/mu) from a medium.json that an earlier fit wrote. Throws InputError.
-std::pair<double, double> stored_medium(const std::filesystem::path& file);
+/// With medium.fitted: makes the medium of the medium.json that an earlier fit wrote that of the later
+/// stages. Throws InputError.
+void take_stored_medium(Session& session);
 
 } // namespace rodwake::app

@@ -101,12 +101,18 @@ void take_fitted_medium(Session& session, const FitResults& results, const FitPl
     session.use_medium(m.eta.value, m.xi.value);
 }
 
-std::pair<double, double> stored_medium(const std::filesystem::path& file) try {
+void take_stored_medium(Session& session) {
+    if (!session.plan.scene.medium || !session.plan.scene.medium->fitted)
+        return;
+    const auto file = session.directory.file("medium.json");
     std::ifstream in(file);
-    const auto json = nlohmann::json::parse(in);
-    return {json.at("eta").get<double>(), json.at("xi").get<double>()};
-} catch (const nlohmann::json::exception&) {
-    throw InputError(file.string() + ": the medium of the earlier fit cannot be read; --force fits again");
+    try {
+        const auto json = nlohmann::json::parse(in);
+        session.use_medium(json.at("eta").get<double>(), json.at("xi").get<double>());
+    } catch (const nlohmann::json::exception&) {
+        throw InputError(file.string() +
+                         ": the medium of the earlier fit cannot be read; --force fits again");
+    }
 }
 
 } // namespace rodwake::app

@@ -1,15 +1,9 @@
 #include "rodwake/app/run.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 
-#include "bed/granular_jobs.hpp"
-#include "bed/measure_stage.hpp"
-#include "bed/measured_file.hpp"
-#include "bed/measured_tracks.hpp"
-#include "fit/fit_stage.hpp"
 #include "rodwake/app/run_context.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
-#include "scan/scan_parts.hpp"
 #include "stage_kind.hpp"
 
 #include <fmt/format.h>
@@ -50,37 +44,29 @@ Plan plan_run(scene::Scene scene, std::span<const Stage> stages, const fs::path&
               const RunContext& context) {
     if (context.seed)
         apply_seed(scene, *context.seed);
-    const auto has = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
-    if (has(Stage::field) || has(Stage::rods))
-        require_measured(scene, folder, has(Stage::granular) || has(Stage::measure));
+    const auto made = [&](Stage stage) { return std::ranges::find(stages, stage) != stages.end(); };
+    const InputRequest request{folder, context, made(Stage::granular) || made(Stage::measure), false};
     PlanInputs inputs;
-    if (has(Stage::fit))
-        inputs.fit = read_fit_inputs(scene, folder,
-                                     has(Stage::granular) || has(Stage::measure) ? OwnFiles::left_out
-                                                                                 : OwnFiles::required);
-    if (has(Stage::scan))
-        inputs.list = read_scan_list(scene);
+    for (const Stage stage : stages)
+        if (const auto read = kind_of(stage).read)
+            read(inputs, scene, request);
     return make_plan(scene, stages, std::move(inputs));
 }
 
 Plan plan_check(scene::Scene scene, const fs::path& folder, const RunContext& context) {
     if (context.seed)
         apply_seed(scene, *context.seed);
-    require_measured(scene, folder, true);
     PlanInputs inputs;
-    if (scene.fit)
-        inputs.fit = read_fit_inputs(scene, folder, OwnFiles::if_there);
-    inputs.list = read_scan_list(scene);
-    if (scene.tracks && scene.measure)
-        inputs.tracks = look_at_tracks(scene, &context);
+    for (const Stage stage : all_stages())
+        if (const auto read = kind_of(stage).read; read && has_table(scene, stage))
+            read(inputs, scene, {folder, context, true, true});
     return make_plan(scene, stages_of(scene), std::move(inputs));
 }
 
 void serve(const Plan& plan, const fs::path& folder, const RunContext& context, scan::MpiJob& job) {
-    if (plan.has(Stage::scan))
-        serve_scan(plan, folder, context, job);
-    else
-        serve_beds(plan, folder, context, job);
+    for (const Stage stage : plan.stages)
+        if (const auto work = kind_of(stage).serve)
+            return work(plan, folder, context, job);
 }
 
 StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context) {

@@ -4,6 +4,7 @@
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/atomic_file.hpp"
+#include "stage_action.hpp"
 #include "stage_kind.hpp"
 
 #include <fmt/format.h>
@@ -172,51 +173,49 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         return there == here ? first_difference(scene::to_plain_toml(*old), scene::to_plain_toml(scene))
                              : first_difference(there, here);
     };
-    const auto refuse = [&](const std::string& why) {
-        if (!force)
-            throw InputError(fmt::format("{}: {}; choose another folder with -o, or --force to replace it",
-                                         path_.string(), why));
-    };
     for (const Stage stage : all_stages()) {
         const StageKind& kind = kind_of(stage);
         const auto record = old_.find(to_string(stage));
-        const bool asked = contains(stages, stage);
-        if (asked && (record == old_.end() || force))
+        const bool there = record != old_.end();
+        StageFacts facts{.asked = contains(stages, stage), .light = kind.light, .force = force};
+        if (there)
+            facts.record = lost_.contains(record->first)  ? StageRecord::files_lost
+                           : record->second == "finished" ? StageRecord::finished
+                                                          : StageRecord::unfinished;
+        facts.same_scene = there && same(stage, facts.asked);
+        facts.wants_more = there && ((facts.same_scene && kind.grows && kind.grows(*old, scene)) ||
+                                     (kind.lacks && kind.lacks(path_, scene)) ||
+                                     (facts.same_scene && stage == Stage::scan && reopen_scan));
+
+        const StageAction action = stage_action(facts);
+        using enum StageAction;
+        if (action == begin || action == resume || action == extend || action == restore)
             stages_.push_back(stage);
-        if (record == old_.end() || (asked && force))
-            continue;
-        const bool lost = lost_.contains(record->first);
-        const bool finished = record->second == "finished", alike = same(stage, asked);
-        const bool light = kind.light && !finished && !lost;
-        const bool more = (alike && kind.grows && kind.grows(*old, scene)) ||
-                          (kind.lacks && kind.lacks(path_, scene)) ||
-                          (stage == Stage::scan && alike && reopen_scan);
-        if (asked && (light || (alike && (!finished || more)))) {
-            stages_.push_back(stage);
-            if (lost && !more)
-                restored_.push_back(stage);
-            else
-                (finished || lost ? extended_ : resumed_) = true;
-            if (alike)
-                unaffected_.insert(*record);
-        } else if (alike) {
+        if (action == restore)
+            restored_.push_back(stage);
+        resumed_ = resumed_ || action == resume;
+        extended_ = extended_ || action == extend;
+        if (action == keep)
             kept_.push_back(stage);
+        if (facts.same_scene && action != begin)
             unaffected_.insert(*record);
-        } else {
-            refuse(old ? fmt::format("holds the stage {} of another scene ({})", record->first,
-                                     difference(stage))
-                       : fmt::format("holds the stage {} of a scene that cannot be read", record->first));
-            if (stage == Stage::granular && !asked) // too dear to go with another stage
-                throw InputError(
-                    fmt::format("{}: holds a granular run of another scene, which this command does not "
-                                "replace even with --force; choose another folder with -o",
-                                path_.string()));
-            if (stage == Stage::rods && !asked && contains(stages, Stage::order))
-                throw InputError(fmt::format("{}: holds rods of another scene, which this command does not "
-                                             "integrate; rodwake rods SCENE does; -o names another folder",
-                                             path_.string()));
-            dropped_.push_back(stage);
-        }
+        if (action == refuse)
+            throw InputError(fmt::format(
+                "{}: holds the stage {} of {}; choose another folder with -o, or --force to replace it",
+                path_.string(), record->first,
+                old ? fmt::format("another scene ({})", difference(stage)) : "a scene that cannot be read"));
+        if (action != drop)
+            continue;
+        if (stage == Stage::granular) // too dear to go with another stage
+            throw InputError(
+                fmt::format("{}: holds a granular run of another scene, which this command does not "
+                            "replace even with --force; choose another folder with -o",
+                            path_.string()));
+        if (stage == Stage::rods && contains(stages, Stage::order))
+            throw InputError(fmt::format("{}: holds rods of another scene, which this command does not "
+                                         "integrate; rodwake rods SCENE does; -o names another folder",
+                                         path_.string()));
+        dropped_.push_back(stage);
     }
     const auto general = lost_.find("");
     const bool undrawn = draws && had_run_ && !fs::exists(path_ / "report.html"), // which is drawn last

@@ -1,6 +1,5 @@
 #include "session.hpp"
 
-#include "fit/fit_stage.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/build_info.hpp"
@@ -146,10 +145,8 @@ void Session::take_kept() {
         if (kind_of(stage).datasets)
             if (std::filesystem::exists(directory.file("result.h5")))
                 results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
-        if (stage == Stage::fit && plan.scene.medium && plan.scene.medium->fitted) {
-            const auto [eta, xi] = stored_medium(directory.file("medium.json"));
-            use_medium(eta, xi);
-        }
+        if (const auto take = kind_of(stage).take_kept)
+            take(*this);
     }
 }
 

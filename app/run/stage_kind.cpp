@@ -1,6 +1,5 @@
 #include "stage_kind.hpp"
 
-#include "bed/measured_file.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
@@ -81,12 +80,6 @@ scene::Scene key_of_rods(const scene::Scene& scene) {
             key.rods_run->t_end_limit.reset();                // of scans
     key.variants = scene.variants;
     return key;
-}
-
-bool has_new_field(const scene::Scene& scene, const StageChanges& all) {
-    const bool fitted = scene.medium && scene.medium->fitted;
-    return (fitted && all.redone(Stage::fit)) ||
-           (measures_own_field(scene) && (all.redone(Stage::measure) || all.redone(Stage::granular)));
 }
 
 bool wants_more_runs(const scene::Scene& old, const scene::Scene& scene) {

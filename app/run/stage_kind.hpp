@@ -21,6 +21,14 @@ struct StageChanges {
     std::function<bool(Stage)> dropped; ///< of another scene, and not asked for
 };
 
+/// Where inputs of a plan are looked for.
+struct InputRequest {
+    const std::filesystem::path& folder; ///< of the run, whose earlier stages may have made them
+    const RunContext& context;
+    bool made_later; ///< the same command makes beds or measures, so they may be missing now
+    bool check;      ///< nothing is run: what is missing is described
+};
+
 struct StageKind {
     const char* name; ///< in provenance.json, manifest.json and messages
     bool (*has_table)(const scene::Scene&) = nullptr;
@@ -29,7 +37,14 @@ struct StageKind {
     /// What its results depend on, as text.
     std::string (*key)(const scene::Scene&) = nullptr;
     std::vector<FileKind> (*files)() = nullptr;
+    /// Adds to the inputs what the scene names in other files. Throws InputError; null: it names none.
+    void (*read)(PlanInputs& inputs, const scene::Scene&, const InputRequest&) = nullptr;
     StageEnd (*run)(Session&) = nullptr;
+    /// On a rank of an MPI job but the first: does work of the stage; null: ranks have none.
+    void (*serve)(const Plan&, const std::filesystem::path& folder, const RunContext&,
+                  scan::MpiJob&) = nullptr;
+    /// Hands later stages what an earlier command made; null: they read it in the folder.
+    void (*take_kept)(Session&) = nullptr;
     /// Throws InputError for what cannot be, before anything of the folder is touched; null: nothing.
     void (*require)(const Plan&, const std::filesystem::path& folder, const RunContext&) = nullptr;
     /// What `check` says of its cost; null: nothing to speak of.
@@ -70,9 +85,6 @@ std::string key_of_beds(const scene::Scene& scene,
 /// The medium, and of rods all that moves them.
 scene::Scene key_of_field(const scene::Scene& scene);
 scene::Scene key_of_rods(const scene::Scene& scene);
-/// Whether the theory's field comes from a fit or a map that is made anew.
-bool has_new_field(const scene::Scene& scene, const StageChanges& all);
-
 /// Whether a bed, or a scan of beds, is asked for more runs than it was.
 bool wants_more_runs(const scene::Scene& old, const scene::Scene& scene);
 
@@ -82,9 +94,5 @@ bool only_measures(const Plan& plan);
 void require_run(const Plan& plan, const std::filesystem::path& folder);
 /// Throws InputError if the folder holds granular runs of another scene.
 void require_same_beds(const scene::Scene& scene, const std::filesystem::path& folder);
-
-/// On a rank of an MPI job but the first: evaluates points of the plan's scan.
-void serve_scan(const Plan& plan, const std::filesystem::path& folder, const RunContext& context,
-                scan::MpiJob& job);
 
 } // namespace rodwake::app

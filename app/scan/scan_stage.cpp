@@ -11,6 +11,7 @@
 #include "run/stage_kind.hpp"
 #include "scan_parts.hpp"
 #include "scan_values.hpp"
+#include "theory/wake_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -162,10 +163,6 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
 
 scan::Evaluate point_evaluator(const ScanPlan& plan, const fs::path& folder, const RunContext& context) {
     return evaluate_of(plan, folder, context, make_silent_logger());
-}
-
-void serve_scan(const Plan& plan, const fs::path& folder, const RunContext& context, scan::MpiJob& job) {
-    job.serve(point_evaluator(*plan.scan, folder, context));
 }
 
 namespace {
@@ -344,7 +341,15 @@ StageKind scan_stage() {
             .wanted = [](const scene::Scene& s) { return s.scan.has_value(); },
             .key = scan_key,
             .files = scan_files,
+            .read =
+                [](PlanInputs& inputs, const scene::Scene& scene, const InputRequest& request) {
+                    if (request.check)
+                        read_field_file(inputs, scene, request);
+                    inputs.list = read_scan_list(scene);
+                },
             .run = run_scan,
+            .serve = [](const Plan& plan, const fs::path& folder, const RunContext& context,
+                        scan::MpiJob& job) { job.serve(point_evaluator(*plan.scan, folder, context)); },
             .require = [](const Plan& plan, const fs::path& folder,
                           const RunContext& context) { require_scan(*plan.scan, folder, context); },
             .cost =

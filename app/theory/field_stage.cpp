@@ -195,6 +195,7 @@ StageKind field_stage() {
                 return std::vector<FileKind>{
                     {"field_cut_<k>.csv", Lifetime::result, "displacement along a line", cut_columns}};
             },
+        .read = read_field_file,
         .run = run_field,
         .cost = [](const Plan& plan, const std::filesystem::path&,
                    const RunContext&) { return plan.scene.field->x.empty() ? "" : field_cost(plan.scene); },

@@ -15,6 +15,7 @@
 #include "run/record_table.hpp"
 #include "run/session.hpp"
 #include "run/stage_kind.hpp"
+#include "wake_fields.hpp"
 #include "theory_records.hpp"
 
 #include <fmt/format.h>

@@ -521,6 +521,7 @@ StageKind rods_stage() {
                     return scene::to_plain_toml(key);
                 },
             .files = rods_files,
+            .read = read_field_file,
             .run = run_rods,
             .cost = [](const Plan& plan, const std::filesystem::path&,
                        const RunContext&) { return rods_cost(plan); },

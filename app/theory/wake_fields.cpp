@@ -200,4 +200,14 @@ PeriodicTable WakeTables::read_or_make_box(const elastic::Medium& medium, double
     }));
 }
 
+bool has_new_field(const scene::Scene& scene, const StageChanges& all) {
+    const bool fitted = scene.medium && scene.medium->fitted;
+    return (fitted && all.redone(Stage::fit)) ||
+           (measures_own_field(scene) && (all.redone(Stage::measure) || all.redone(Stage::granular)));
+}
+
+void read_field_file(PlanInputs&, const scene::Scene& scene, const InputRequest& request) {
+    require_measured(scene, request.folder, request.made_later);
+}
+
 } // namespace rodwake::app

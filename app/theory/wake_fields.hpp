@@ -3,12 +3,18 @@
 
 #include "rodwake/app/wake_tables.hpp"
 #include "rodwake/elastic/measured_field.hpp"
-#include "run/session.hpp"
+#include "run/stage_kind.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace rodwake::app {
+
+/// Whether the field comes from a fit or a map that is made anew.
+bool has_new_field(const scene::Scene& scene, const StageChanges& all);
+
+/// StageKind::read of the stages in a field: requires the file of a measured one.
+void read_field_file(PlanInputs& inputs, const scene::Scene& scene, const InputRequest& request);
 
 /// Of one stage. Not thread-safe.
 class WakeFields {

@@ -62,6 +62,8 @@ PLANS = {f"app/{name}.cpp" for name in (
     "scan/scan_problem")}
 # A measure is known to its own part and to the file of its kind: a header named as a file of that folder is one's.
 MEASURES = {path.stem for path in (SOURCE / KINDS).glob("*.cpp")}
+# The folders of the stages, which describe themselves to app/run.
+STAGES = {"bed", "fit", "scan", "theory", "explore"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<]([^">]+)[">]', re.MULTILINE)
 # A folder of somebody's machine: homes, and where clusters and containers keep work. Not /usr, /etc or /dev, which all have.
 MACHINE_PATH = re.compile(r"(?:(?<=file://)|(?<![\w.~})/*-]))(?:"
@@ -101,6 +103,8 @@ def wrong_includes(path, text):
         of_part = part_included(path, name)
         if of_part and of_part not in ALLOWED[part]:
             wrong.append(f"{path}: {part} must not include {name}")
+        if path.is_relative_to("app/run") and name.split("/")[0] in STAGES:
+            wrong.append(f"{path}: run knows its stages by StageKind, and so must not include {name}")
         for owner, library in ONLY_IN.items():
             if library.match(name) and part not in owner.split("|"):
                 wrong.append(f"{path}: only {owner} may include {name}")
@@ -198,6 +202,7 @@ class OrderTest(unittest.TestCase):
                            ("app/bed/measures/a.cpp", "#include <fstream>"),
                            ("app/run/plan.cpp", "#include <fstream>"),
                            ("app/run/plan.cpp", "#include <spdlog/logger.h>"),
+                           ("app/run/a.cpp", '#include "fit/fit_stage.hpp"'),
                            ("app/run/plan.cpp", '#include "rodwake/store/csv.hpp"'),
                            ("app/bed/a.cpp", '#include "rodwake/measure/flow.hpp"'),
                            ("app/bed/measures/order.cpp", '#include "rodwake/measure/flow.hpp"'),
