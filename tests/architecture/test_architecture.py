@@ -269,6 +269,11 @@ class TreeTest(unittest.TestCase):
                           "a/%home/b", "/usr/bin/python3", "/dev/full", "/particles/trajectory", "time/%work", "/*/%work/*"):
             self.assertNotRegex(text, MACHINE_PATH)
 
+    def test_scripts_can_be_run(self):
+        for path in tracked():
+            if text_of(path).startswith("#!"):
+                self.assertTrue(os.access(SOURCE / path, os.X_OK), f"{path}: starts with #!, and may not be executed")
+
     def test_long_files_and_tabs(self):
         """Over 500 lines a file is due for a split; generated tables and data are not read by people."""
         for path in tracked():
