@@ -12,9 +12,9 @@
 namespace rodwake::app {
 
 const StageKind& kind_of(Stage stage) {
-    static const std::array kinds{granular_stage(), measure_stage(), fit_stage(), field_stage(),
-                                  rods_stage(),     order_stage(),   scan_stage()};
-    static_assert(kinds.size() == static_cast<std::size_t>(Stage::end), "a kind for each stage");
+#define RODWAKE_KIND(name) name##_stage(),
+    static const std::array kinds{RODWAKE_STAGES(RODWAKE_KIND)};
+#undef RODWAKE_KIND
     return kinds[static_cast<std::size_t>(stage)];
 }
 

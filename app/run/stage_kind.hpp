@@ -69,13 +69,9 @@ const StageKind& kind_of(Stage stage);
 const std::vector<Stage>& all_stages();
 
 // One for each value of Stage.
-StageKind granular_stage();
-StageKind measure_stage();
-StageKind fit_stage();
-StageKind field_stage();
-StageKind rods_stage();
-StageKind order_stage();
-StageKind scan_stage();
+#define RODWAKE_DECLARE(name) StageKind name##_stage();
+RODWAKE_STAGES(RODWAKE_DECLARE)
+#undef RODWAKE_DECLARE
 
 // What several stages depend on. `add` takes along what is the stage's own.
 

@@ -37,9 +37,13 @@ std::vector<Case> bed_cases(const scene::Scene& scene);
 
 const char* to_string(scene::FieldBackend backend);
 
-/// What a run can consist of, in the order in which it is done.
-/// `end` is none.
-enum class Stage { granular, measure, fit, field, rods, order, scan, end };
+/// The stages that a run can consist of, in the order in which they are done. A stage is added here and in a
+/// file of its own, which defines the function <name>_stage() that describes it (app/run/stage_kind.hpp).
+#define RODWAKE_STAGES(stage)                                                                                \
+    stage(granular) stage(measure) stage(fit) stage(field) stage(rods) stage(order) stage(scan)
+#define RODWAKE_NAME(name) name,
+enum class Stage { RODWAKE_STAGES(RODWAKE_NAME) end }; ///< `end` is none
+#undef RODWAKE_NAME
 const char* to_string(Stage stage);
 
 /// Whether the scene has the table that the stage works on: [granular], [measure], ...
