@@ -179,7 +179,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         const bool there = record != old_.end();
         StageFacts facts{.asked = contains(stages, stage), .light = kind.light, .force = force};
         if (there)
-            facts.record = lost_.contains(record->first)  ? StageRecord::files_lost
+            facts.record = lost_.contains(record->first)  ? StageRecord::lost
                            : record->second == "finished" ? StageRecord::finished
                                                           : StageRecord::unfinished;
         facts.same_scene = there && same(stage, facts.asked);
@@ -189,7 +189,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
 
         const StageAction action = stage_action(facts);
         using enum StageAction;
-        if (action == begin || action == resume || action == extend || action == restore)
+        if (action == start || action == resume || action == extend || action == restore)
             stages_.push_back(stage);
         if (action == restore)
             restored_.push_back(stage);
@@ -197,7 +197,7 @@ RunFolder::RunFolder(fs::path path, const scene::Scene& scene, std::span<const S
         extended_ = extended_ || action == extend;
         if (action == keep)
             kept_.push_back(stage);
-        if (facts.same_scene && action != begin)
+        if (facts.same_scene && action != start)
             unaffected_.insert(*record);
         if (action == refuse)
             throw InputError(fmt::format(

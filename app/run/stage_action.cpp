@@ -5,9 +5,9 @@ namespace rodwake::app {
 StageAction stage_action(const StageFacts& stage) {
     using enum StageAction;
     if (stage.record == StageRecord::absent)
-        return stage.asked ? begin : leave;
+        return stage.asked ? start : leave;
     if (stage.asked && stage.force)
-        return begin;
+        return start;
     if (stage.asked && stage.light && stage.record == StageRecord::unfinished)
         return resume;
     if (!stage.same_scene)
@@ -18,7 +18,7 @@ StageAction stage_action(const StageFacts& stage) {
         return resume;
     if (stage.wants_more)
         return extend;
-    return stage.record == StageRecord::files_lost ? restore : keep;
+    return stage.record == StageRecord::lost ? restore : keep;
 }
 
 } // namespace rodwake::app

@@ -3,7 +3,7 @@
 // rule is a function of six facts; tests/app/test_stage_action.cpp has all cases as a table.
 //
 //   of the folder   asked for                                       not asked for
-//   absent          begin                                           leave
+//   absent          start                                           leave
 //   unfinished      of the same scene: resume; else refuse          of the same scene: keep; else refuse
 //   finished        of the same scene: keep, or extend if it wants  the same
 //                   more; else refuse
@@ -14,7 +14,7 @@
 
 namespace rodwake::app {
 
-enum class StageRecord { absent, unfinished, finished, files_lost };
+enum class StageRecord { absent, unfinished, finished, lost }; ///< lost: it was finished, and files are gone
 
 struct StageFacts {
     StageRecord record = StageRecord::absent;
@@ -27,7 +27,7 @@ struct StageFacts {
 
 enum class StageAction {
     leave,   ///< the folder has none and gets none
-    begin,   ///< from nothing; what is there is removed
+    start,   ///< from nothing; what is there is removed
     resume,  ///< from what an interrupted command left
     extend,  ///< a finished one goes on
     restore, ///< files that are gone are made again, with the same content

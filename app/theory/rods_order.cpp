@@ -258,9 +258,9 @@ void require_rods(const Plan& plan, const fs::path& folder, const RunContext&) {
 
 std::string order_key(const scene::Scene& scene) {
     if (!order_of_bed(scene)) {
-        scene::Scene key = key_of_rods(scene);
+        scene::Scene key;
         key.rods_order = scene.rods_order;
-        return scene::to_plain_toml(key);
+        return stage_key(scene, Stage::rods) + scene::to_plain_toml(key);
     }
     return key_of_beds(scene, [](scene::Scene& key, const scene::Scene& of) {
         key.rods_order = of.rods_order;

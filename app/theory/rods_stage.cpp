@@ -79,6 +79,7 @@ void resume(const Session& session, Work& work) {
                 file.string());
             continue;
         }
+        const double earlier_end = checkpoint->time;
         work.options.resume_from =
             rods::carried_over(*std::move(checkpoint), work.problem, work.options.criteria);
         if (work.options.resume_from)
@@ -86,8 +87,9 @@ void resume(const Session& session, Work& work) {
                                      name == work.end_file() ? "going on from the end of the earlier run"
                                                              : "resuming from the checkpoint",
                                      work.options.resume_from->time);
-        session.log->info(
-            "rods: starting from the beginning, as the output times or the last part of the run differ");
+        if (earlier_end < work.problem.t_end)
+            session.log->info(
+                "rods: starting from the beginning, as the output times or the last part of the run differ");
     }
 }
 

@@ -253,7 +253,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
                                                               step_limit(problem), solver, times_left)
                                       : integrate::solve(ode, solver, times_left);
     const integrate::Solution& end = result.solution;
-    if (options.on_end && end.status.termination == integrate::Termination::completed)
+    if (options.on_end && end.status.termination == integrate::Termination::reached_end)
         options.on_end(checkpoint({end.final_time, end.final_state, end.states, end.statistics}));
     if (options.form != Form::angle)
         to_poses(result.solution, track);
@@ -272,7 +272,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
 
 std::optional<RodCheckpoint> carried_over(RodCheckpoint from, const RodProblem& problem,
                                           const EndingCriteria& criteria) {
-    if (from.time > problem.t_end)
+    if (from.time >= problem.t_end)
         return std::nullopt;
 
     // Rows up to the checkpoint are those of the earlier run at the output times of this one.

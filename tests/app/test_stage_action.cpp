@@ -23,10 +23,10 @@ using Record = StageRecord;
 constexpr auto any = std::nullopt;
 constexpr Case table[] = {
     //    record        asked  same   more   light  force
-    {Record::absent, true, any, any, any, any, begin},
+    {Record::absent, true, any, any, any, any, start},
     {Record::absent, false, any, any, any, any, leave},
 
-    {Record::unfinished, true, any, any, any, true, begin},
+    {Record::unfinished, true, any, any, any, true, start},
     {Record::unfinished, true, any, any, true, false, resume},
     {Record::unfinished, true, true, any, false, false, resume},
     {Record::unfinished, true, false, any, false, false, refuse},
@@ -34,7 +34,7 @@ constexpr Case table[] = {
     {Record::unfinished, false, false, any, any, false, refuse},
     {Record::unfinished, false, false, any, any, true, drop},
 
-    {Record::finished, true, any, any, any, true, begin},
+    {Record::finished, true, any, any, any, true, start},
     {Record::finished, true, true, false, any, false, keep},
     {Record::finished, true, true, true, any, false, extend},
     {Record::finished, true, false, any, any, false, refuse},
@@ -42,13 +42,13 @@ constexpr Case table[] = {
     {Record::finished, false, false, any, any, false, refuse},
     {Record::finished, false, false, any, any, true, drop},
 
-    {Record::files_lost, true, any, any, any, true, begin},
-    {Record::files_lost, true, true, false, any, false, restore},
-    {Record::files_lost, true, true, true, any, false, extend},
-    {Record::files_lost, true, false, any, any, false, refuse},
-    {Record::files_lost, false, true, any, any, any, keep},
-    {Record::files_lost, false, false, any, any, false, refuse},
-    {Record::files_lost, false, false, any, any, true, drop},
+    {Record::lost, true, any, any, any, true, start},
+    {Record::lost, true, true, false, any, false, restore},
+    {Record::lost, true, true, true, any, false, extend},
+    {Record::lost, true, false, any, any, false, refuse},
+    {Record::lost, false, true, any, any, any, keep},
+    {Record::lost, false, false, any, any, false, refuse},
+    {Record::lost, false, false, any, any, true, drop},
 };
 
 bool is_case(const Case& row, const StageFacts& facts) {
@@ -60,7 +60,7 @@ bool is_case(const Case& row, const StageFacts& facts) {
 } // namespace
 
 TEST_CASE("Every case of a stage has one action") {
-    for (const Record record : {Record::absent, Record::unfinished, Record::finished, Record::files_lost})
+    for (const Record record : {Record::absent, Record::unfinished, Record::finished, Record::lost})
         for (int bits = 0; bits < 32; ++bits) {
             const StageFacts facts{record,          (bits & 1) != 0, (bits & 2) != 0,
                                    (bits & 4) != 0, (bits & 8) != 0, (bits & 16) != 0};
