@@ -141,10 +141,10 @@ std::string figure_reference() {
         for (const FigureKind& kind : figure_kinds()) {
             std::string needs, quantities;
             for (const FigureNeed& need : kind.needs)
-                needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
+                needs += fmt::format("{}{}", needs.empty() ? "" : ", ", need.text);
             for (const auto& [name, need] : kind.quantities)
                 quantities +=
-                    fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
+                    fmt::format("{}{}: {}", quantities.empty() ? ", by quantity " : ", ", name, need.text);
             text += kind.subject == subject ? fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name,
                                                           markdown_cell(kind.meaning), needs, quantities,
                                                           comma_list(kind.files), comma_list(kind.keys))
