@@ -106,7 +106,7 @@ std::string columns_table(const FileKind& kind) {
 
 constexpr const char* files_introduction = R"md(# Files of a run
 
-Made by `rodwake info --file-reference > docs/files.md`; do not edit.
+Made by `rodwake info --file-reference > docs/files.md`. Do not edit.
 
 For users who read result files. Each section lists the files that one stage writes, then the columns of its CSV files
 and the keys of its JSON files. `<k>` stands for a number or a name. A column or key `<name>_error` is the standard
