@@ -274,14 +274,14 @@ std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, 
     if (!equal.empty())
         diagnostics.push_back(fmt::format(
             "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
-            "data do not tell these apart",
+            "data do not distinguish these",
             report.same_optimum, equal.size(), place(report, equal.front())));
     add_others(diagnostics, fit, report, rise);
     const auto failed =
         std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
     if (failed > 0 && fit.termination != Termination::failed)
         diagnostics.push_back(
-            fmt::format("{} of {} starts found no place with finite residuals", failed, fit.starts.size()));
+            fmt::format("{} of {} starts found no point with finite residuals", failed, fit.starts.size()));
     add_starts(diagnostics, problem, fit, report);
     return diagnostics;
 }

@@ -88,7 +88,7 @@ SearchResult search(Evaluator& evaluator, const Method& method, const Eigen::Vec
     SearchResult end = nlopt_search(evaluator, method, start, seed);
     if (!evaluator.found()) {
         if (!evaluator.stopped()) // what NLopt makes of the penalties is of no interest
-            end.reason = fmt::format("no finite residuals at any of {} places; at the last: {}",
+            end.reason = fmt::format("no finite residuals at any of {} points; at the last: {}",
                                      evaluator.evaluations(), evaluator.trouble());
         return end;
     }

@@ -90,7 +90,7 @@ MapTerms map_terms(const std::vector<Parameter>& parameters) {
             "a map needs c11, c22, c12 and c66, or f_over_mu and eta, as parameters or with fixed "
             "values");
     if (has(eta) && (!has(f_over_mu) || has(force) || terms.has_any(c11, offset)))
-        throw InputError("an isotropic map has f_over_mu and eta in place of force and constants");
+        throw InputError("an isotropic map has f_over_mu and eta instead of force and constants");
     if (has(xi) + has(alpha) + has(drag_area) > 1)
         throw InputError("give one of xi, alpha and drag_area");
     if (!has(eta) && !terms.has_any(force, c11))

@@ -193,7 +193,7 @@ public:
         for (const Trajectory& item : all_) {
             const std::size_t n = item.states.front().size(), rows = item.times.size() - 1;
             for (std::size_t i = 0; i < n; ++i) {
-                Series& s = out.emplace_back(Series{item.name, i % 3 == 2 ? "headings" : "places", {}});
+                Series& s = out.emplace_back(Series{item.name, i % 3 == 2 ? "headings" : "positions", {}});
                 for (std::size_t row = 0; row < rows; ++row)
                     s.residuals.push_back(first + row * n + i);
             }
@@ -296,10 +296,10 @@ Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<P
                              "out, or fit without them");
         if (trajectory.independent < 1.0)
             throw InputError(trajectory.name +
-                             ": independent_time and the rods' own noise (D_r, D_t) both say why "
+                             ": independent_time and the rods' own noise (D_r, D_t) both explain why "
                              "neighbouring rows go together: leave one of them out");
         if (trajectory.times.size() < 2)
-            throw InputError(trajectory.name + ": a single row says nothing of rods that diffuse");
+            throw InputError(trajectory.name + ": a single row has no information on rods that diffuse");
     }
     const auto all = std::make_shared<const NoisyTrajectories>(trajectories, parameters);
     Problem problem;

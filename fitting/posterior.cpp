@@ -48,8 +48,7 @@ void judge_prior(const std::string& name, const Prior& prior, std::vector<double
                 name, lower ? "lowest" : "highest", median, -std::log(2.0 * median)));
     }
     if (part_of_prior(z, 0.975, true) - part_of_prior(z, 0.025, true) > 0.9)
-        out.remarks.push_back(
-            fmt::format("the data tell next to nothing of {}: what is known of it is its prior", name));
+        out.remarks.push_back(fmt::format("the data hardly constrain {}: its posterior is its prior", name));
 }
 
 void judge(const Problem& problem, const std::vector<Prior>& priors, const std::vector<Draws>& chains,
@@ -67,7 +66,7 @@ void judge(const Problem& problem, const std::vector<Prior>& priors, const std::
         if (const Marginal& m = out.marginals[k]; !(m.rhat < 1.01))
             out.remarks.push_back(fmt::format(
                 "the chains of {} do not agree (R-hat {:.3f}, {:.0f} effective samples), and its numbers are "
-                "not to be trusted: take more samples, or a narrower prior if there are places that the "
+                "not to be trusted: take more samples, or a narrower prior if there are regions that the "
                 "chains seldom reach",
                 names[k], m.rhat, m.ess));
     if (out.log_evidence && !(out.log_evidence->error < 0.5))

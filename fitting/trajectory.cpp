@@ -206,7 +206,7 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
         const ResidualLayout size(trajectory);
         const std::size_t n = trajectory.states.front().size();
         for (std::size_t component = 0; component < n; ++component) {
-            Series series{trajectory.name, component % 3 == 2 ? "headings" : "places", {}};
+            Series series{trajectory.name, component % 3 == 2 ? "headings" : "positions", {}};
             if (is_free(trajectory, component))
                 series.residuals.push_back(first + (trajectory.free_start ? component : component / 3));
             for (std::size_t row = 0; row < size.rows / n; ++row)
@@ -314,7 +314,7 @@ void check_trajectories(const std::vector<Trajectory>& trajectories) {
         const double start = rods::closest_pair(trajectory.states.front(), trajectory.box).distance;
         for (std::size_t row = 0; row < trajectory.states.size(); ++row)
             require(rods::closest_pair(trajectory.states[row], trajectory.box).distance > 0.0,
-                    row_name(trajectory, row), "two rods are in the same place");
+                    row_name(trajectory, row), "two rods are at the same position");
         require(!trajectory.contact_distance ||
                     (*trajectory.contact_distance > 0.0 && *trajectory.contact_distance < start),
                 trajectory.name,

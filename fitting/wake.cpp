@@ -159,7 +159,7 @@ void check_singularity(const WakeModel& model, const WakeTerms& terms,
                 point.where +
                 ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
         throw InputError(
-            fmt::format("{}: ({:g}, {:g}) is the place of an image of the rod in the box of {}, where "
+            fmt::format("{}: ({:g}, {:g}) is the position of an image of the rod in the box of {}, where "
                         "the model is infinite; leave this point out, by the profile's range for one",
                         point.where, point.x, point.y, to_string(*model.box)));
     }
@@ -171,7 +171,7 @@ std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profi
     for (const Profile& profile : profiles) {
         if (profile.place.size() != profile.value.size() ||
             (!profile.sigma.empty() && profile.sigma.size() != profile.place.size()))
-            throw InputError(profile.name + ": places, values and sigmas differ in number");
+            throw InputError(profile.name + ": positions, values and sigmas differ in number");
         if (!std::isfinite(profile.at))
             throw InputError(profile.name + ": the line's other coordinate must be a finite number");
         if (!(profile.independent > 0.0 && profile.independent <= 1.0))
@@ -180,7 +180,7 @@ std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profi
                             profile.name, profile.independent));
         for (std::size_t i = 0; i < profile.place.size(); ++i) {
             if (!std::isfinite(profile.place[i]) || !std::isfinite(profile.value[i]))
-                throw InputError(where(profile, i) + ": place and value must be finite numbers");
+                throw InputError(where(profile, i) + ": position and value must be finite numbers");
             const double sigma = profile.sigma.empty() ? 1.0 : profile.sigma[i];
             if (!(sigma > 0.0) || !std::isfinite(sigma))
                 throw InputError(fmt::format(

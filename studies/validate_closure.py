@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lab import SOURCE, drawing, keep_line, kept_lines, markdown, parser, write_csv
+from lab import PROGRAM, SOURCE, Lab, drawing, keep_line, kept_lines, markdown, parser, report_page, stamp, write_csv, write_report
 from validate_field import Modes, bessel_orders, circle_errors
 
 CLOSURES = ("steady", "first_order")
@@ -344,7 +344,7 @@ PARTS = ("circle", "map", "rest", "width")
 
 
 def read_options():
-    found = parser(__doc__, "quick", parts=PARTS, program=SOURCE / "build/release/bench/bench_closure")
+    found = parser(__doc__, "report", "quick", parts=PARTS, program=SOURCE / "build/release/bench/bench_closure")
     found.add_argument("--dry-run", action="store_true", help="say what is left and what it costs")
     found.add_argument("-o", "--output", type=Path, default=SOURCE / "results/closure")
     return found.parse_args()
@@ -367,26 +367,26 @@ def shown(value):
 
 
 def report(options, runs):
-    """Writes rows and figures; the lines of the tables."""
-    lines, maps = [], {}
+    """Writes rows and figures; the lines of the tables of each part."""
+    lines, maps = {}, {}
     if "circle" in options.only:
         rows = circles(options.quick)
         write_csv(options.output / "closure_circle.csv", rows, shown)
-        lines += circle_table(rows)
+        lines["circle"] = circle_table(rows)
         draw_circle(rows, options.output / "closure_circle.png")
     if "map" in options.only:
         rows = [on_points(runs, compared(runs, *one)) for one in encounters(options.quick)]
         write_csv(options.output / "closure_map.csv", rows, shown)
-        lines += map_tables(rows)
+        lines["map"] = map_tables(rows)
         maps |= panels_of(rows, "")
     if "rest" in options.only:
         rows = [compared(runs, *one, medium="rest", closures=("steady",)) for one in rests(options.quick)]
         write_csv(options.output / "closure_rest.csv", rows, shown)
-        lines += rest_tables(rows)
+        lines["rest"] = rest_tables(rows)
         maps |= panels_of(rows, "from rest: ")
     if maps:
         draw_maps(maps, options.output / "closure_map.png")
-    return lines + (width_table(runs) if "width" in options.only and not options.quick else [])
+    return lines | ({"width": width_table(runs)} if "width" in options.only and not options.quick else {})
 
 
 def main():
@@ -398,9 +398,12 @@ def main():
     if options.dry_run:
         return
     runs.make(cases)
-    lines = report(options, runs)
-    (options.output / "closure.md").write_text("\n".join(lines[1:]) + "\n", encoding="utf-8")
-    print("\n".join(lines))
+    tables = {part: "\n".join(lines).strip() for part, lines in report(options, runs).items()}
+    (options.output / "closure.md").write_text("\n\n".join(tables.values()) + "\n", encoding="utf-8")
+    print("\n\n".join(tables.values()))
+    if options.report:
+        for part, text in tables.items():
+            write_report(report_page(part), part, f"{stamp(Lab(PROGRAM, options.output), part)}\n\n{text}")
     print(f"CPU time of these encounters: {sum(runs.known[one]['cpu_seconds'] for one in set(cases)) / 60:.1f} minutes")
 
 

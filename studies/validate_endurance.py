@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Endurance of beds: 10^9 bounces off plates over a grid of restitution and shaking; studies/reports/granular.md has the table.
 
-    studies/validate_endurance.py [--program build/release/rodwake] [--bounces 1e9] [--minutes 30] [--keep DIR] [--quick]
+    studies/validate_endurance.py [--program build/release/rodwake] [--bounces 1e9] [--minutes 30] [--keep DIR] [--quick] [--report]
 
 Beds of beads, a motile and an apolar rod, in turns periodic and in a dish, every coefficient of restitution e, gamma times gravity.
 They run one after the other, setting by setting, those that bounce again and again, until there are so many bounces or the time is
@@ -24,7 +24,7 @@ import time
 import h5py
 import numpy as np
 
-from lab import columns, keep_row, kept_rows, open_lab, parser, table, told
+from lab import columns, keep_row, kept_rows, parser, run_parts, table, told
 
 RESTITUTIONS = (0, 0.3, 0.6, 0.9, 0.99)
 GAMMAS = (0.5, 1, 3, 7, 20, 50)
@@ -209,13 +209,15 @@ def bounces_of(e, gamma, rows):
 
 
 def main():
-    reader = parser(__doc__, "quick", "keep")
+    reader = parser(__doc__, "report", "quick", "keep", parts=("all",))
     reader.add_argument("--bounces", type=float, default=1e9)
     reader.add_argument("--minutes", type=float, default=60.0, help="after which no run begins [60]")
     options = reader.parse_args()
     grid = [(e, gamma) for e in RESTITUTIONS for gamma in GAMMAS]
     end = time.monotonic() + 60 * options.minutes
-    with open_lab(options) as lab:
+    found = []
+
+    def endurance(lab):
         def kept(e, gamma):
             return kept_rows(lab.folder / f"e{e}_gamma{gamma}.csv")
         for e, gamma in grid * (1 if lab.quick else 1000):
@@ -224,8 +226,10 @@ def main():
             if time.monotonic() > end or sum(bounces_of(*one, kept(*one)) for one in grid) >= options.bounces:
                 break
             one_more(lab, e, gamma)
-        found = [(e, gamma, kept(e, gamma)) for e, gamma in grid]
-    table(f"{sum(bounces_of(*one) for one in found):.3e} bounces", HEAD, [summary(*one) for one in found])
+        found.extend((e, gamma, kept(e, gamma)) for e, gamma in grid)
+        table(f"{sum(bounces_of(*one) for one in found):.3e} bounces", HEAD, [summary(*one) for one in found])
+
+    run_parts(options, {"all": endurance})
     return 1 if any(row["wrong"] for *_, rows in found for row in rows) else 0
 
 

@@ -25,12 +25,12 @@ struct FilmPose {
     static constexpr auto fields() {
         using R = FilmPose;
         return std::tuple{
-            field("x", &R::x, {"m", "place of the rod, unwrapped; empty: it is not seen"}),
-            field("y", &R::y, {"m", "place of the rod, unwrapped; empty: it is not seen"}),
+            field("x", &R::x, {"m", "position of the rod, unwrapped (empty: it is not seen)"}),
+            field("y", &R::y, {"m", "position of the rod, unwrapped (empty: it is not seen)"}),
             field("theta", &R::heading,
-                  {"rad", "heading of the thin end from +x, without jumps; empty: unknown"}),
+                  {"rad", "heading of the thin end from +x, without jumps (empty: unknown)"}),
             field("speed", &R::speed,
-                  {"m/s", "along the heading, mean since the frame before; empty: not known in both"})};
+                  {"m/s", "along the heading, mean since the frame before (empty: not known in both)"})};
     }
 };
 

@@ -25,7 +25,7 @@ struct FilmRod {
                           field("from", &R::from, {"s", "when it is seen first"}),
                           field("to", &R::to, {"s", "when it is seen last"}),
                           field("length", &R::length,
-                                {"m", "mean distance of its ends; null: the file does not have them"})};
+                                {"m", "mean distance of its ends (null: the file does not have them)"})};
     }
 };
 

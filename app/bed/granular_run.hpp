@@ -102,7 +102,7 @@ struct PairSummary {
                                 {"m", "of two rods across their mean first heading, outwards positive"}),
                           field("half_box_time", &R::half_box_time,
                                 {.unit = "s",
-                                 .meaning = "when the rods had come half a box; empty: they have not",
+                                 .meaning = "when the rods had come half a box (empty: they have not)",
                                  .over_runs = OverRuns::mean_of_known,
                                  .known_runs = "half_box_runs"}),
                           field("half_box_separation_change", &R::half_box_separation_change,

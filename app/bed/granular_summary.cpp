@@ -42,7 +42,7 @@ struct BedHeader {
             field("bead_radius", &R::bead_radius, {"m", "a"}),
             field("box", &R::box,
                   {"m", "side of the periodic box, or both; of a container: of what it fits into"}),
-            field("container", &R::container, {"", "circle or rectangle; absent: the bed is periodic"}),
+            field("container", &R::container, {"", "circle or rectangle (absent: the bed is periodic)"}),
             field("time_step", &R::time_step, {"s", "of the simulation"}),
             field("gamma", &R::gamma, {"1", "largest acceleration of the plates over gravity"}),
             field("frequency", &R::frequency, {"Hz", "of the plates"}),

@@ -144,7 +144,7 @@ constexpr CaseColumn of_case[] = {
     {{{"phi_b", "1", "area fraction of the beads"}, false}, [](C r) { return cell(r.phi_b); }},
     {{{"d0", "a", "distance of two rods at the start"}, false},
      [](C r) { return cell(r.separation, 1.0 / r.bead_radius); }},
-    {{{"imposed_speed", "a/s", "of the rod; empty: it is free"}, false},
+    {{{"imposed_speed", "a/s", "of the rod (empty: it is free)"}, false},
      [](C r) { return cell(r.imposed_speed, 1.0 / r.bead_radius); }},
     {{{"runs", "1", "finished runs"}, false}, [](C r) { return std::to_string(r.runs); }}};
 /// Where readers know the last of them.

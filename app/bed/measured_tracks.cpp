@@ -33,8 +33,8 @@ struct RowsLeftOut {
 
     static constexpr auto fields() {
         using R = RowsLeftOut;
-        return std::tuple{field("why", &R::why, {"", "why rows, or places, are missing in the measures"}),
-                          field("rows", &R::rows, {"1", "how many; 0: a warning of the file"})};
+        return std::tuple{field("why", &R::why, {"", "why rows, or positions, are missing in the measures"}),
+                          field("rows", &R::rows, {"1", "how many (0: a warning of the file)"})};
     }
 };
 
@@ -53,8 +53,8 @@ struct TracksReport {
         return std::tuple{
             field("file", &R::file, {"", "of the tracks"}),
             field("window", &R::window, {"", "what is seen: hull, periodic, circle or rectangle"}),
-            field("length_unit", &R::length_unit, {"", "as the file names it; empty: it does not"}),
-            field("rows", &R::rows, {"1", "of the file, with places and without"}),
+            field("length_unit", &R::length_unit, {"", "as the file names it (empty: it does not)"}),
+            field("rows", &R::rows, {"1", "of the file, with positions and without"}),
             field("frames", &R::frames, {"1", "that have rows"}),
             field("particles", &R::particles, {"1", "different beads that are tracked"}),
             field("rods", &R::rods, {"1", "different rods"}),
@@ -210,8 +210,8 @@ struct FilmBead {
             field("x", &R::x, {"m", "as in rod_tracks.csv"}),
             field("y", &R::y, {"m", "as in rod_tracks.csv"}),
             field("psi6", &R::psi6,
-                  {"1", "size of the local bond order, neighbours as measure.order has them; empty: too near "
-                        "the border of the window, or order is not measured"}),
+                  {"1", "size of the local bond order, neighbours as measure.order has them (empty: too near "
+                        "the border of the window, or order is not measured)"}),
             field("orientation", &R::orientation,
                   {"rad", "of the close-packed rows from +x; empty as psi6"})};
     }
@@ -225,7 +225,7 @@ std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& 
         if (rows > 0)
             all.push_back({std::move(why), rows});
     };
-    add(file.without_place, "rows without a place, the first at " + file.first_without_place);
+    add(file.without_place, "rows without a position, the first at " + file.first_without_place);
     add(file.hidden, "spots hidden by TrackMate's filters");
     add(file.branches, "links cut where tracks split or merge");
     add(counts.dangling, "links to spots that are not in the file");
@@ -444,7 +444,7 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
 void describe_tracks(const Plan& plan, Lines& lines) {
     const scene::Tracks& keys = *plan.scene.tracks;
     lines.push_back(
-        {true, fmt::format("tracks of {} in place of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
+        {true, fmt::format("tracks of {} instead of a bed; 1 of the file is {:.4g} a; window: {}", keys.file,
                            keys.pixel / keys.bead_radius, to_string(keys.window.kind))});
     for (const std::string& line : plan.tracks)
         lines.push_back({true, line});

@@ -26,17 +26,18 @@ struct PairNumbers {
     static constexpr auto fields() {
         using R = PairNumbers;
         return std::tuple{
-            field("time", &R::outcome_time, {"s", "of contact, else the time reached"}),
+            field("time", &R::outcome_time, {"s", "of contact, else the end of the run"}),
             field("delta_y", &R::half_box_change,
                   {"a",
-                   "change of the separation when the pair had come half a box, outwards positive; empty: it "
-                   "has not"}),
+                   "change of the separation when the pair had come half a box, outwards positive (empty: it "
+                   "has not)"}),
             field("last_change", &R::last_change,
                   {"a", "change of the separation at the end, outwards positive"}),
             field("separation", &R::separation, {"a", "at the start, across the mean first heading"}),
             field("min_separation", &R::min_separation, {"a", "smallest separation of two rods"}),
-            field("turn", &R::turn,
-                  {"rad", "of the rod from start to end; in beds + is towards the other rod's first place"}),
+            field(
+                "turn", &R::turn,
+                {"rad", "of the rod from start to end; in beds + is towards the other rod's first position"}),
             field("non_reciprocity", &R::non_reciprocity,
                   {"1", "(|turn of the rear| - |turn of the front|)/(their sum)"}),
             field("leader", &R::leader, {"1", "rod that was ahead when the pair had turned most"})};

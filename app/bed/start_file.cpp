@@ -69,7 +69,7 @@ granular::GivenBeads beads_of_frame(const scene::Granular& bed, const fs::path& 
     const PeriodicBox box = bed_size(bed).box;
     const auto differs = [](double a, double b) { return std::abs(a - b) > 1e-9 * b; };
     if (differs(film.box[0], box.x) || differs(film.box[1], box.y))
-        throw InputError(fmt::format("{}: its box is {:.10g} x {:.10g} m, and that of the scene {:.10g} x "
+        throw InputError(fmt::format("{}: its box is {:.10g} x {:.10g} m, and the box of the scene {:.10g} x "
                                      "{:.10g} m: a film as start_file needs the same box",
                                      file.string(), film.box[0], film.box[1], box.x, box.y));
     store::StoredFrame found;

@@ -88,14 +88,14 @@ void add_terms(const scene::Fit& keys, Lines& lines) {
     if (!keys.profiles.empty() && !scene::fit_is_isotropic(keys)) {
         add_term(keys, "f_over_mu", "monopole in an isotropic medium", lines);
         add_term(keys, "f2d_over_mu", "dipole", lines);
-        add_term(keys, "x0", "place of the force ahead of the centre", lines);
+        add_term(keys, "x0", "distance of the force ahead of the centre", lines);
         add_term(keys, "offset", "offset of Ux", lines);
         add_term(keys, "offset_y", "offset of Uy", lines);
         lines.push_back({keys.box.has_value(),
                          keys.box ? fmt::format("fit term: images in a box of {}", to_string(*keys.box))
                                   : "fit term: no images: no fit.box, infinite plane"});
         lines.push_back({keys.core > 0.0, keys.core > 0.0
-                                              ? fmt::format("fit: |place| < {:g} left out", keys.core)
+                                              ? fmt::format("fit: |position| < {:g} left out", keys.core)
                                               : "fit core: all points count, fit.core is 0"});
     }
     if (!keys.trajectories.empty())

@@ -15,13 +15,13 @@ struct FitProfileRow {
     static constexpr auto fields() {
         using R = FitProfileRow;
         return std::tuple{
-            field("x", &R::x, {"{data}", "place along the line"}),
+            field("x", &R::x, {"{data}", "position along the line"}),
             field("value", &R::value, {"{data}", "measured displacement"}),
-            field("sigma", &R::sigma, {"{data}", "standard error as used; 0: unknown"}),
+            field("sigma", &R::sigma, {"{data}", "standard error as used (0: unknown)"}),
             field("model", &R::model, {"{data}", "fitted displacement"}),
-            field("band", &R::band, {"{data}", "standard error of the model; empty: not fixed by the data"}),
+            field("band", &R::band, {"{data}", "standard error of the model (empty: not fixed by the data)"}),
             field("residual", &R::residual, {"1", "(value - model)/sigma"}),
-            field("used", &R::used, {"1", "1: fitted; 0: within the core"})};
+            field("used", &R::used, {"1", "1: fitted, 0: within the core"})};
     }
 };
 
@@ -31,7 +31,7 @@ struct FitCurveRow {
 
     static constexpr auto fields() {
         using R = FitCurveRow;
-        return std::tuple{field("x", &R::x, {"{data}", "place along the line"}),
+        return std::tuple{field("x", &R::x, {"{data}", "position along the line"}),
                           field("model", &R::model, {"{data}", "fitted displacement"}),
                           field("band", &R::band, {"{data}", "standard error of the model"})};
     }
@@ -58,8 +58,8 @@ struct MeasuredPose {
 
     static constexpr auto fields() {
         using R = MeasuredPose;
-        return std::tuple{field("x", &R::x, {"{data}", "measured place of the rod"}),
-                          field("y", &R::y, {"{data}", "measured place of the rod"}),
+        return std::tuple{field("x", &R::x, {"{data}", "measured position of the rod"}),
+                          field("y", &R::y, {"{data}", "measured position of the rod"}),
                           field("theta", &R::theta, {"rad", "measured heading of the rod"})};
     }
 };
@@ -69,8 +69,8 @@ struct FittedPose {
 
     static constexpr auto fields() {
         using R = FittedPose;
-        return std::tuple{field("model_x", &R::x, {"{data}", "fitted place of the rod"}),
-                          field("model_y", &R::y, {"{data}", "fitted place of the rod"}),
+        return std::tuple{field("model_x", &R::x, {"{data}", "fitted position of the rod"}),
+                          field("model_y", &R::y, {"{data}", "fitted position of the rod"}),
                           field("model_theta", &R::theta, {"rad", "fitted heading of the rod"})};
     }
 };
@@ -82,12 +82,12 @@ struct PredictedRow {
     static constexpr auto fields() {
         using R = PredictedRow;
         return std::tuple{
-            field("x", &R::x, {"{data}", "place along the line"}),
+            field("x", &R::x, {"{data}", "position along the line"}),
             field("median", &R::median, {"{data}", "displacement: median of the posterior"}),
             field("low", &R::low, {"{data}", "displacement: 2.5 % of the posterior"}),
             field("high", &R::high, {"{data}", "displacement: 97.5 % of the posterior"}),
-            field("noise_low", &R::noise_low, {"{data}", "a datum there: 2.5 %; empty: sigma unknown"}),
-            field("noise_high", &R::noise_high, {"{data}", "a datum there: 97.5 %; empty: sigma unknown"})};
+            field("noise_low", &R::noise_low, {"{data}", "a datum there: 2.5 % (empty: sigma unknown)"}),
+            field("noise_high", &R::noise_high, {"{data}", "a datum there: 97.5 % (empty: sigma unknown)"})};
     }
 };
 
@@ -120,7 +120,8 @@ struct FitModelRow {
         using R = FitModelRow;
         return std::tuple{
             field("weight", &R::weight, {"1", "probability of the model among those offered"}),
-            field("log_evidence", &R::log_evidence, {"1", "logarithm of the evidence; empty: not requested"}),
+            field("log_evidence", &R::log_evidence,
+                  {"1", "logarithm of the evidence (empty: not requested)"}),
             field("log_evidence_stderr", &R::evidence_error, {"1", "its standard error"}),
             field("aic", &R::aic, {"1", "Akaike's criterion, up to what all models share"}),
             field("bic", &R::bic, {"1", "Bayesian criterion, likewise"}),
@@ -132,7 +133,7 @@ struct FitModelRow {
                   {"1", "log-likelihood of stretches of the data, each predicted by a fit of the others"}),
             field("foretold_stderr", &R::foretold_error, {"1", "its standard error"}),
             field("foretold_difference", &R::foretold_difference,
-                  {"1", "the same less that of the best model"}),
+                  {"1", "the same, less the value of the best model"}),
             field("foretold_difference_stderr", &R::difference_error,
                   {"1", "standard error of this difference"})};
     }
@@ -145,16 +146,16 @@ struct FitMapRow {
     static constexpr auto fields() {
         using R = FitMapRow;
         return std::tuple{
-            field("x", &R::x, {"{data}", "place ahead of the rod"}),
-            field("y", &R::y, {"{data}", "place to the left of the rod"}),
-            field("Ux", &R::Ux, {"{data}", "measured displacement along the heading; empty: no data"}),
-            field("Uy", &R::Uy, {"{data}", "measured displacement across; empty: no data"}),
-            field("sigma_x", &R::sigma_x, {"{data}", "standard error of Ux as used; empty: unknown"}),
-            field("sigma_y", &R::sigma_y, {"{data}", "standard error of Uy as used; empty: unknown"}),
+            field("x", &R::x, {"{data}", "distance ahead of the rod"}),
+            field("y", &R::y, {"{data}", "distance to the left of the rod"}),
+            field("Ux", &R::Ux, {"{data}", "measured displacement along the heading (empty: no data)"}),
+            field("Uy", &R::Uy, {"{data}", "measured displacement across (empty: no data)"}),
+            field("sigma_x", &R::sigma_x, {"{data}", "standard error of Ux as used (empty: unknown)"}),
+            field("sigma_y", &R::sigma_y, {"{data}", "standard error of Uy as used (empty: unknown)"}),
             field("model_Ux", &R::model_Ux, {"{data}", "fitted displacement along the heading"}),
             field("model_Uy", &R::model_Uy, {"{data}", "fitted displacement across"}),
             field("known", &R::known, {"1", "1: there are data"}),
-            field("used", &R::used, {"1", "1: fitted; 0: masked or without data"})};
+            field("used", &R::used, {"1", "1: fitted, 0: masked or without data"})};
     }
 };
 

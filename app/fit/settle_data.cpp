@@ -139,10 +139,10 @@ std::vector<std::string> data_remarks(const FitPlan& plan) {
             value = std::max(value, std::abs(data.value[i]));
         }
         if (value > position || (value > 0.0 && value < 1e-5 * position))
-            remarks.push_back(fmt::format(
-                "{}: displacements of up to {:.2g} at places up to {:.2g}: if they are in another "
-                "unit than the places, give place_unit or value_unit",
-                profile.file.string(), value, position));
+            remarks.push_back(
+                fmt::format("{}: displacements of up to {:.2g} at positions up to {:.2g}: if their units "
+                            "differ, give place_unit or value_unit",
+                            profile.file.string(), value, position));
     }
     for (const FitTrackData& track : plan.tracks) {
         add_motion(track, remarks);

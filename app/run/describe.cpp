@@ -281,7 +281,7 @@ std::vector<PlanLine> describe(const Plan& plan) {
         return item.noise && item.noise->noise.translational > 0.0;
     };
     if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
-        lines.push_back({false, "diffusion of places: noise.translational_diffusion is 0"});
+        lines.push_back({false, "diffusion of positions: noise.translational_diffusion is 0"});
     add_order_line(plan.scene, lines);
     add_scan_lines(plan, lines);
     add_unused_lines(plan.scene, lines);

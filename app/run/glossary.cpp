@@ -57,12 +57,12 @@ std::string unit_text(std::string_view unit) {
     };
     constexpr Dependent all[] = {{"{length}", "f/mu", "m", "with units = \"si\""},
                                  {"{time}", "f/(mu v0)", "s", "with units = \"si\""},
-                                 {"{order length}", "f/mu", "m", "with units = \"si\"; of beds a"},
+                                 {"{order length}", "f/mu", "m", "with units = \"si\", for beds a"},
                                  {"{order time}", "f/(mu v0)", "s", "with units = \"si\", and of beds"},
-                                 {"{scan length}", "f/mu", "m", "with units = \"si\"; of beds a"},
+                                 {"{scan length}", "f/mu", "m", "with units = \"si\", for beds a"},
                                  {"{scan time}", "f/(mu v0)", "s", "with units = \"si\", and of beds"},
-                                 {"{data}", "that of the data", "fit.length_unit", "names it"},
-                                 {"{unit}", "that of the row", "column unit", "names it"}};
+                                 {"{data}", "as the data", "fit.length_unit", "names it"},
+                                 {"{unit}", "as in the row", "column unit", "names it"}};
     std::string theory(unit == "1" ? "" : unit), other = theory;
     std::string_view when;
     for (const Dependent& dependent : all)
@@ -89,7 +89,7 @@ std::string columns_table(const FileKind& kind) {
                                                                        column.meaning) ==
                                                               std::tie(other.name, other.unit, other.meaning);
                                                    }))
-            return fmt::format("\nThe columns are those of `{}`.\n", earlier.pattern);
+            return fmt::format("\nThe columns of `{}`.\n", earlier.pattern);
     std::string text = fmt::format("\n| {} | unit | meaning |\n|---|---|---|\n",
                                    kind.pattern.ends_with(".json") ? "key" : "column");
     for (const ColumnInfo& column : kind.columns) {
@@ -106,7 +106,7 @@ std::string columns_table(const FileKind& kind) {
 
 constexpr const char* files_introduction = R"md(# Files of a run
 
-Made by `rodwake info --file-reference > docs/files.md`; do not edit.
+Made by `rodwake info --file-reference > docs/files.md`. Do not edit.
 
 For users who read result files. Each section lists the files that one stage writes, then the columns of its CSV files
 and the keys of its JSON files. `<k>` stands for a number or a name. A column or key `<name>_error` is the standard

@@ -53,7 +53,8 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
                                                               {"{scan time}", units.scan_time},
                                                               {"{order length}", units.order.length_name},
                                                               {"{order time}", units.order.time_name},
-                                                              {"{data}", units.data}};
+                                                              {"{data}", units.data},
+                                                              {"{unit}", "of the key unit"}};
     std::string text(unit);
     for (const auto& [place, name] : names)
         if (const auto at = text.find(place); at != std::string::npos)

@@ -61,7 +61,7 @@ struct CriticalValue {
             field("lambda_error", &R::lambda_error,
                   {"1/({scan time})",
                    "difference from the rate by the times of eight decades of distance from "
-                   "the value; empty: there are too few such times"}),
+                   "the value (empty: there are too few such times)"}),
             field("below", &R::below, {"1", "outcome just below the value"}),
             field("above", &R::above, {"1", "outcome just above the value"}),
             field("encounters", &R::encounters,

@@ -80,7 +80,7 @@ std::string counts_text(const scan::Counts& counts) {
 void tell_audit(const Session& session, const scan::Summary& summary) {
     if (summary.audit.tried == 0)
         return;
-    session.log->info("scan: audit of {} random places outside the boundary: {} missed, at most {:.2g} of "
+    session.log->info("scan: audit of {} random points outside the boundary: {} missed, at most {:.2g} of "
                       "the area (95 %){}",
                       summary.audit.tried, summary.audit.missed, summary.audit.upper_bound(),
                       summary.found_by_audit > 0
@@ -280,7 +280,7 @@ std::string scan_cost(const ScanPlan& plan) {
     if (plan.critical) { // near a critical value encounters take about five times as long
         const auto values = static_cast<double>(plan.design.axes.back().values.size());
         text += fmt::format(
-            "  critical values: {:.3g} encounters bracket those of a point; each value takes 2 to 20 "
+            "  critical values: {:.3g} encounters bracket the values of a point; each value takes 2 to 20 "
             "more, and 3 to 20 at rtol/100: about {:.2g} CPU seconds if each point has one\n",
             values, points / values * 5.0 * 15.0 * each);
     }

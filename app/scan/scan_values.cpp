@@ -111,7 +111,7 @@ constexpr ColumnInfo others[] = {
      "contact, pursuit, escape, undecided, orbit or bound, of beds without a pair finished; of several runs "
      "the "
      "most "
-     "frequent; empty: the point failed"},
+     "frequent (empty: the point failed)"},
     {"status", "1", "ok, failed, time_limit, not_finite or exception; of several runs ok if one finished"},
     {"retries", "1", "attempts before the last"},
     {"point", "1", "number of the point, from 1, as its folder"},
@@ -151,7 +151,7 @@ std::vector<ColumnInfo> with_errors() {
     for (const ColumnInfo& column : numbers()) {
         columns.push_back(column);
         columns.push_back(column_info(std::string(column.name) + "_error", column.unit,
-                                      "standard error of the mean; empty: unknown"));
+                                      "standard error of the mean (empty: unknown)"));
     }
     return columns;
 }

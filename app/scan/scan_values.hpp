@@ -56,12 +56,13 @@ struct EncounterEnd {
     static constexpr auto fields() {
         using R = EncounterEnd;
         return std::tuple{
-            field("time", &R::time, {"{scan time}", "of contact, else the time reached"}),
+            field("time", &R::time, {"{scan time}", "of contact, else the end of the run"}),
             field("min_separation", &R::min_separation, {"{scan length}", "smallest separation of two rods"}),
             field("min_separation_time", &R::min_separation_time,
                   {"{scan time}", "when the separation was smallest"}),
-            field("turn", &R::turn,
-                  {"rad", "of the rod from start to end; in beds + is towards the other rod's first place"}),
+            field(
+                "turn", &R::turn,
+                {"rad", "of the rod from start to end; in beds + is towards the other rod's first position"}),
             field("non_reciprocity", &R::non_reciprocity,
                   {"1", "(|turn of the rear| - |turn of the front|)/(their sum)"}),
             field("final_separation", &R::separation, {"{scan length}", "at the end"}),
@@ -71,7 +72,7 @@ struct EncounterEnd {
             field("separation", &R::orbit_separation,
                   {"{scan length}", "of rods in an orbit, else empty; of beds at the start"}),
             field("omega", &R::omega,
-                  {"rad/({scan time})", "turning rate of an orbit, + counterclockwise; empty: none"}),
+                  {"rad/({scan time})", "turning rate of an orbit, + counterclockwise (empty: none)"}),
             field(certificate_column, &R::certificate,
                   {"1", "how well the outcome is known: verified, checked or open (in scan.h5 0, 1, 2)"})};
     }

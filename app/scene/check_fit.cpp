@@ -294,7 +294,7 @@ void needed(const Fit& fit, const Report& report) {
     need(!(xi && alpha), "give xi or alpha = f_over_mu/xi, not both");
     need(!profiles || !alpha || fit_has(fit, "f_over_mu"), "alpha = f_over_mu/xi needs f_over_mu");
     need(!(profiles && tracks && xi),
-         "profiles and trajectories together need alpha in place of xi, because xi would be in the profiles' "
+         "profiles and trajectories together need alpha instead of xi, because xi would be in the profiles' "
          "unit for the former and in f/mu for the latter");
 }
 
@@ -322,7 +322,7 @@ void trajectory(const FitTrajectory& t, const std::string& path, const Report& r
 
 void profile(const FitProfile& p, const std::string& path, const Report& report) {
     if (p.range.size() == 2 && !(p.range[0] < p.range[1]))
-        report(path + ".range", fmt::format("range must go from a lower to a higher place; it is [{}, {}]",
+        report(path + ".range", fmt::format("range must go from a lower to a higher position; it is [{}, {}]",
                                             p.range[0], p.range[1]));
 }
 

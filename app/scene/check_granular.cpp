@@ -17,7 +17,7 @@ void start(const Granular& bed, const Report& report) {
         report("granular.start", "start = \"restart\" needs restart_from, the checkpoint to resume");
     if (bed.start == GranularStart::file && bed.start_file.empty())
         report("granular.start",
-               "start = \"file\" needs start_file, the CSV of the beads, in place of phi_b and "
+               "start = \"file\" needs start_file, the CSV of the beads, instead of phi_b and "
                "beads");
     if (bed.start != GranularStart::file && !bed.start_file.empty())
         report("granular.start_file", "start_file belongs to start = \"file\" only");
@@ -25,7 +25,7 @@ void start(const Granular& bed, const Report& report) {
         report("granular.start_frame", "start_frame belongs to start = \"file\" only");
     if (bed.start == GranularStart::file && bed.box.fit)
         report("granular.box",
-               "box = \"fit\" is made for a lattice, and start_file has places: give its two sides");
+               "box = \"fit\" is made for a lattice, and start_file has positions: give its two sides");
     if (bed.start == GranularStart::restart && bed.box.fit)
         report("granular.box",
                "box = \"fit\" is made for a lattice and the rods in it, and the stored bed has a box: "
@@ -286,7 +286,7 @@ void periodic_only(const Measure& m, const Report& report) {
         if (item.wanted)
             report(std::string("measure.") + item.key,
                    fmt::format("{} is measured in a periodic box, and this bed has a wall: leave it out, or "
-                               "give granular.box in place of [granular.container]",
+                               "give granular.box instead of [granular.container]",
                                item.what));
 }
 

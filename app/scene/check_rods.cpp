@@ -96,9 +96,8 @@ void order_of_rods(const Scene& scene, const Report& report) {
         report("rods_order.block", fmt::format("rods_order.block = {} {} is longer than what counts, {}",
                                                *order.block, time, counts));
     if (bed && scene.granular->container)
-        return report("rods_order",
-                      "rods_order links rods in a periodic box, and this bed has a wall: leave "
-                      "[rods_order] out, or give granular.box in place of [granular.container]");
+        return report("rods_order", "rods_order links rods in a periodic box, and this bed has a wall: leave "
+                                    "[rods_order] out, or give granular.box instead of [granular.container]");
     const std::optional<PeriodicBox> box = bed            ? PeriodicBox(scene.granular->box.shorter())
                                            : scene.medium ? scene.medium->box()
                                                           : std::nullopt;

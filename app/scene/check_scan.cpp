@@ -98,7 +98,7 @@ void check_between(const Scan& scan, const Report& report) {
             report("scan.between",
                    fmt::format(
                        "scan.between: \"{}\" is neither an outcome (contact, bound, orbit, pursuit, escape, "
-                       "undecided) nor a group (capture; other, in the second place)",
+                       "undecided) nor a group (capture; other, as the second)",
                        name));
     }
     if (scan.between.size() == 2 && (scan.between[0] == "capture" || scan.between[1] == "capture"))

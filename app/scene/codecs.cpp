@@ -357,7 +357,7 @@ struct As<Value> : Single<Value> {
         return to_inline(std::visit([](const auto& v) { return Node{{}, v}; }, value));
     }
     static Description about(const Key&, const Value&) {
-        return {"number, quantity or word", "", "those of the key that varies"};
+        return {"number, quantity or word", "", "as the key that varies"};
     }
 };
 

@@ -51,19 +51,20 @@ std::string table_text(const TableInfo& table) {
 
 constexpr const char* introduction = R"md(# Scene reference
 
-Made by `rodwake info --scene-reference > docs/scene.md`; do not edit.
+Made by `rodwake info --scene-reference > docs/scene.md`. Do not edit.
 
-A scene is a TOML file. A table that is absent is not modelled; where it says so, its defaults hold. Unknown keys, values outside their legal range, nan
-and inf are errors; all errors of a file are listed at once with file, line and column.
+For users who look up a key. A scene is a TOML file. A table that is absent is not modelled, unless it says that its
+defaults hold. Unknown keys, values outside their legal range, nan and inf are errors. All errors of a file are listed at
+once with file, line and column.
 
 Plain numbers are in the unit given below: reduced units, or SI with `units = "si"`. Any key with a unit also takes a
 string with one. Legal ranges hold for the reduced value, in `[scales]` and `[granular]` for the SI value.
 
 The granular bed has its own scale: plain numbers in `[granular]` and its tables, and in the windows of figures of it,
-are SI whatever `units` says, and `a` is `granular.bead_radius`. A scene with granular tables only needs no `[scales]`.
+are always SI, and `a` is `granular.bead_radius`. A scene with granular tables only needs no `[scales]`.
 
-Plain lengths in `[fit]` and in the windows of figures of it are in the unit of the measured profiles, whatever that
-is; strings with a unit become bead radii, which is what `rodwake measure` writes.
+Plain lengths in `[fit]` and in the windows of figures of it are in the unit of the measured profiles. Strings
+with a unit become bead radii, as `rodwake measure` writes them.
 
 * length: `"0.4 mm"` (m, cm, mm, um), `"78 a"` (bead radii, `scales.bead_radius`), `"2.2 f/mu"`
 * time: `"5 s"` (s, ms, us, min), `"30 f/(mu v0)"`
@@ -81,7 +82,7 @@ the file. `-s noise=` takes a key, a table or an entry of a list out.
 
 constexpr const char* figures_introduction = R"md(# Figures
 
-Made by `rodwake info --figure-reference > docs/figures.md`; do not edit.
+Made by `rodwake info --figure-reference > docs/figures.md`. Do not edit.
 
 For users who choose the figures of a run. `rodwake run` and `rodwake plot` draw what `[[figures]]` in the scene lists,
 or else one figure for each result that the run holds. A figure needs the keys in the column "needs" and is drawn from
@@ -141,10 +142,10 @@ std::string figure_reference() {
         for (const FigureKind& kind : figure_kinds()) {
             std::string needs, quantities;
             for (const FigureNeed& need : kind.needs)
-                needs += fmt::format("{}{}", needs.empty() ? "" : "; ", need.text);
+                needs += fmt::format("{}{}", needs.empty() ? "" : ", ", need.text);
             for (const auto& [name, need] : kind.quantities)
                 quantities +=
-                    fmt::format("{}{}: {}", quantities.empty() ? "; by quantity " : ", ", name, need.text);
+                    fmt::format("{}{}: {}", quantities.empty() ? ", by quantity " : ", ", name, need.text);
             text += kind.subject == subject ? fmt::format("| `{}` | {} | {}{} | {} | {} |\n", kind.name,
                                                           markdown_cell(kind.meaning), needs, quantities,
                                                           comma_list(kind.files), comma_list(kind.keys))

@@ -30,7 +30,7 @@ void fields(Visitor& v, Scales& scales) {
           .says_units()
           .unit(length)
           .above(0.0)
-          .doc("what \"a\" means in \"2.2 a\"")
+          .doc("length of the unit \"a\"")
           .example("\"0.4 mm\""),
       scales.bead_radius);
     v.use_units(si_units(scales.bead_radius));
@@ -77,11 +77,10 @@ void fields(Visitor& v, Scene& scene) {
         key("body").doc("Rods with bodies: tapered rows of discs that push each other aside. Absent: rods "
                         "are points and pass through each other."),
         scene.body);
-    v.table(
-        key("rods_random")
-            .doc("Rods at random in a square round the origin, in place of [[rods]]. They depend on these "
-                 "keys and on [body] alone."),
-        scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
+    v.table(key("rods_random")
+                .doc("Rods at random in a square round the origin, instead of [[rods]]. They depend on these "
+                     "keys and on [body] alone."),
+            scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
     std::vector<Rod> none;
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod."),
            scene.rods_random ? none : scene.rods);
@@ -98,7 +97,7 @@ void fields(Visitor& v, Scene& scene) {
                      "own `a`."),
             scene.granular);
     v.table(key("tracks").doc(
-                "What a camera saw, in place of [granular]: a file of tracks. SI, with its own `a`."),
+                "What a camera saw, instead of [granular]: a file of tracks. SI, with its own `a`."),
             scene.tracks);
     FigureUnits of_figures{units, si_units(bed_radius(scene)), file_units(bead_radius(scene), "a")};
     v.use_units(scene.granular && !scene.rods_run ? of_figures.bed : units);

@@ -78,9 +78,9 @@ void model_fields(Visitor& v, Fit& fit) {
           .unit(length)
           .above(0.0)
           .absent("infinite plane")
-          .doc("the periodic box in which the data were measured, its side or two, [\"78 a\", \"77.0 a\"], "
-               "axes "
-               "those of the files: images count, and U of profiles is relative to its mean over the box")
+          .doc("the periodic box in which the data were measured, its side, or a list of two, "
+               "along the axes of the files: images count, and U of profiles is relative to its mean over "
+               "the box")
           .example("\"78 a\""),
       fit.box);
     v(key("heading").unit(angle).doc("of the rod against the sides of box").example("\"30 deg\""),
@@ -160,7 +160,7 @@ void scale_fields(Visitor& v, FitTrajectory& t, const Scales& scales) {
     v(key("f_over_mu")
           .unit(length)
           .above(0.0)
-          .absent("that of [scales] with units = \"si\", else 1")
+          .absent("[scales] with units = \"si\", else 1")
           .doc("what one f/mu is in the file's numbers; tracks.csv is in metres, and so is rods.csv with "
                "units = "
                "\"si\". Couplings, eta and xi come in reduced units: kappa in mu v0/f, gamma1 and gamma2 in "
@@ -199,7 +199,7 @@ void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units) {
                                 unit, units.profiles.word));
         });
     };
-    item("place_unit", "unit of the places in the file, if it is another", columns.place,
+    item("place_unit", "unit of the positions in the file, if it is another", columns.place,
          columns.place_factor);
     item("value_unit", "of the displacements and sigmas in the file", columns.value, columns.value_factor);
 }
@@ -207,8 +207,9 @@ void column_fields(Visitor& v, ColumnUnits& columns, const FitUnits& units) {
 void fields(Visitor& v, FitProfile& p, const FitUnits& units) {
     v(key("file")
           .required()
-          .doc("CSV with columns x (place along the line), value and optional sigma. Looked for in the run "
-               "directory if the scene has [measure], then beside the scene, then where the program runs")
+          .doc(
+              "CSV with columns x (position along the line), value and optional sigma. Looked for in the run "
+              "directory if the scene has [measure], then beside the scene, then where the program runs")
           .example("\"profile_Ux_x.csv\""),
       p.file);
     v(key("component").one_of({"Ux", "Uy"}).doc("what was measured, in the rod's frame").example("\"Uy\""),
@@ -220,7 +221,7 @@ void fields(Visitor& v, FitProfile& p, const FitUnits& units) {
           .unit(length)
           .items(2, 2)
           .absent("all points")
-          .doc("[from, to]: places outside are not read")
+          .doc("[from, to]: positions outside are not read")
           .example("[10.0, 39.0]"),
       p.range);
     v(key("role").doc("fit, or predict: compared with the fit, not fitted").example("\"predict\""),
@@ -370,20 +371,20 @@ void fields(Visitor& v, FitModel& model) {
     v(key("set")
           .required()
           .items(1, 100)
-          .doc(
-              "keys to change, as for -s on the command line. What fit.start, fit.bounds, fit.likelihood and "
-              "fit.posterior.priors say of parameters that this model has not is left out; medium.eta, "
-              "medium.xi and "
-              "the couplings hold what its fit does not name")
+          .doc("keys to change, as for -s on the command line. Entries of fit.start, fit.bounds, "
+               "fit.likelihood "
+               "and fit.posterior.priors for parameters that this model does not have are left out. "
+               "Parameters "
+               "that its fit does not name are as in medium and coupling")
           .example("{ \"fit.fixed.offset\" = 0.1 }"),
       Settings{model.set});
 }
 
 void fields(Visitor& v, FitPosterior& posterior) {
-    v(key("chains").within(1, 64).doc("that begin at places of their own").example("4"), posterior.chains);
+    v(key("chains").within(1, 64).doc("chains, each from a start of its own").example("4"), posterior.chains);
     v(key("samples")
           .within(8, 1e7)
-          .doc("kept, of all chains together: a multiple of chains, 8 a chain or more")
+          .doc("kept, of all chains together: a multiple of chains, at least 8 per chain")
           .example("4000"),
       posterior.samples);
     v(key("evidence")
@@ -423,7 +424,7 @@ void fields(Visitor& v, FitMap& map, const FitUnits& units) {
     v(key("box")
           .unit(length)
           .items(2, 2)
-          .absent("that of measure.h5; needed with CSV")
+          .absent("from measure.h5; needed with CSV")
           .doc("sides of the periodic box along and across the heading; a measure.h5 knows its own, "
                "from which these may differ by 1 % and no more")
           .example("[\"78 a\", \"78 a\"]"),

@@ -58,11 +58,10 @@ void bead_fields(Visitor& v, Granular& bed) {
           .written_if(bed.box.x > 0.0)
           .unit(length)
           .above(0.0, 1e3)
-          .doc("the periodic box: its side L; or two sides, [\"78 a\", \"77.0 a\"]; or \"fit\", \"fit 155 "
-               "a\": "
-               "the rectangle of about that size, 78 a by itself, that a lattice without strain fills at "
-               "phi_b "
-               "(or of the same area at beads), rows along x or y as orientation says; check prints it")
+          .doc("the periodic box: its side L, or a list of two, or \"fit\" with or without a length: the "
+               "rectangle of about that size (78 bead radii by default) that a lattice without strain fills "
+               "at phi_b, or has the same area with beads. Rows are along x or y by orientation. check "
+               "prints it")
           .example("\"78 a\""),
       bed.box);
 }
@@ -120,10 +119,9 @@ void time_fields(Visitor& v, Granular& bed) {
           .unit(time)
           .above(0.0, 1e-3)
           .because("above 1e-3 s overlaps are far beyond overlap_limit")
-          .absent(
-              "1/(n f), n >= 50 the least integer for which the plates move by at most 0.0137 a and a body "
-              "falls by at most 2e-4 a in a step, a of the smallest beads: 1e-4 s at gamma = 7, 200 Hz, "
-              "a = 0.4 mm")
+          .absent("1/(n f), n >= 50 the least integer for which the plates move by at most 0.0137 and a body "
+                  "falls by at most 2e-4 radii of the smallest beads in a step: 1e-4 s at gamma = 7, 200 Hz, "
+                  "a = 0.4 mm")
           .doc("step of the integration")
           .example("\"2e-5 s\""),
       bed.time_step);
@@ -168,7 +166,7 @@ void time_fields(Visitor& v, Granular& bed) {
           .unit(length)
           .above(0.0, 1e3)
           .absent(
-              "1.4 d with d = 2 a sqrt(0.9069/phi), phi of the beads alone, near the first minimum of g(r)")
+              "1.4 d with d = 2a sqrt(0.9069/phi), phi of the beads alone, near the first minimum of g(r)")
           .doc("beads nearer than this are neighbours in the order parameter psi6")
           .example("\"2.9 a\""),
       bed.order_cutoff);
@@ -211,7 +209,7 @@ void fields(Visitor& v, granular::Plates& plates) {
     v(key("gamma")
           .symbol("\\Gamma")
           .within(0.0, 1e4)
-          .doc("peak acceleration over gravity, A (2 pi f)^2/g; 0: static plates")
+          .doc("peak acceleration over gravity, A (2 pi f)^2/g (0: static plates)")
           .example("7.0"),
       plates.gamma);
 }
@@ -222,7 +220,7 @@ void fields(Visitor& v, granular::Surface& surface) {
 }
 
 void fields(Visitor& v, SurfaceChange& change) {
-    const char* absent = "that of particle_particle";
+    const char* absent = "as in particle_particle";
     v(key("friction").within(0.0, 1e3).absent(absent).doc("Coulomb coefficient").example("0.05"),
       change.friction);
     v(key("restitution").within(0.0, 1.0).absent(absent).doc("energetic coefficient").example("0.3"),
@@ -244,7 +242,7 @@ void fields(Visitor& v, Contacts& contacts) {
 void fields(Visitor& v, BedContainer& container) {
     using enum granular::ContainerKind;
     const bool round = container.kind == circle;
-    const char* absent = "beads: that of contacts.bead_wall; rods: of contacts.rod_wall";
+    const char* absent = "beads: as in contacts.bead_wall, rods: as in contacts.rod_wall";
     v(key("kind")
           .doc("circle: a dish, the circle that touches the sides of [0, 2 radius] x [0, 2 radius]; "
                "rectangle: [0, sides.0] x [0, sides.1]")
@@ -341,8 +339,9 @@ void fields(Visitor& v, GranularOutput& output) {
           .items(0, 3)
           .one_of({"h5md", "xyz", "xyz_if_short"})
           .because("others are made of a finished run, as in rodwake convert RUN -o film.gsd")
-          .doc("of the frames: H5MD, extended XYZ, extended XYZ if that of all runs stays below 25 MB; [] "
-               "stores no frames. rodwake convert makes others of a finished run")
+          .doc(
+              "of the frames: H5MD, extended XYZ, extended XYZ if all runs together need less than 25 MB; [] "
+              "stores no frames. rodwake convert makes others of a finished run")
           .example("[\"h5md\", \"xyz\"]"),
       output.formats);
     v(key("every_bead")
@@ -382,7 +381,7 @@ void fields(Visitor& v, Granular& bed) {
           .symbol("a")
           .unit(length)
           .above(0.0, 1.0)
-          .doc("a; what \"a\" means in \"78 a\" here, and the radius of all beads unless "
+          .doc("the unit \"a\" of these tables, and the radius of all beads unless "
                "[[granular.bead_kinds]] "
                "gives others")
           .example("\"0.4 mm\""),
@@ -416,13 +415,14 @@ void fields(Visitor& v, Granular& bed) {
                      "Absent: there is none."),
             bed.body_force);
     v.table(key("output").doc("What is stored. Absent: the defaults."), bed.output);
-    v.list(key("bead_kinds")
-               .items(0, granular::most_bead_kinds)
-               .doc("One entry for each kind of beads in the mixture, at random places (start = \"random\"). "
-                    "Absent: all beads have bead_radius."),
-           bed.bead_kinds);
+    v.list(
+        key("bead_kinds")
+            .items(0, granular::most_bead_kinds)
+            .doc("One entry for each kind of beads in the mixture, at random positions (start = \"random\"). "
+                 "Absent: all beads have bead_radius."),
+        bed.bead_kinds);
     v.table(key("rods_random")
-                .doc("Rods at random in the bed, in place of [[granular.rods]]. They depend on these keys, "
+                .doc("Rods at random in the bed, instead of [[granular.rods]]. They depend on these keys, "
                      "the sides of "
                      "the bed and its container alone, and are the same in all runs."),
             bed.rods_random);

@@ -108,7 +108,10 @@ void fields(Visitor& v, RandomBedRods& random) {
           .doc("headings are uniform within this of it to both sides; pi: any")
           .example("\"30 deg\""),
       random.spread);
-    v(key("seed").within(0, largest_seed).doc("of the places and headings; --seed replaces it").example("7"),
+    v(key("seed")
+          .within(0, largest_seed)
+          .doc("of the positions and headings; --seed replaces it")
+          .example("7"),
       random.seed);
 }
 

@@ -24,10 +24,12 @@ void what_fields(Visitor& v, Measure& m) {
           .example("true"),
       m.flow);
     v(key("displacement")
-          .doc("displacement field U in the rod's frame, or without rods in that of a gaussian body force. "
-               "phase: from the local phase of the Bragg peaks, the "
-               "robust one; lagrangian: from each bead's place before the rod came; density: from the mean "
-               "density in the rod's frame")
+          .doc(
+              "displacement field U in the rod's frame, or without rods in the frame of a gaussian body "
+              "force. "
+              "phase: from the local phase of the Bragg peaks, the "
+              "robust one; lagrangian: from each bead's position before the rod came; density: from the mean "
+              "density in the rod's frame")
           .example("\"phase\""),
       choice(m.displacement, {{"none", std::nullopt},
                               {"phase", DisplacementMethod::phase},
@@ -65,7 +67,7 @@ void when_fields(Visitor& v, Measure& m) {
     v(key("interval")
           .unit(time)
           .above(0.0, 1e7)
-          .absent("that of the stored frames, granular.output.frames")
+          .absent("interval of the stored frames, granular.output.frames")
           .doc("between the frames that are measured")
           .example("\"0.1 s\""),
       m.interval);
@@ -80,7 +82,7 @@ void when_fields(Visitor& v, Measure& m) {
     v(key("from")
           .unit(time)
           .within(0.0, 1e7)
-          .doc("earlier frames are not measured; a length, \"20 a\", is from_travel")
+          .doc("earlier frames are not measured; a length sets from_travel")
           .example("\"2 s\""),
       TimeOrTravel{m.from, m.from_travel, travel.range});
     v(key("block")
@@ -158,14 +160,14 @@ void flow_fields(Visitor& v, Measure& m) {
     v(key("flow_spacing")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("2 a")
+          .absent("2 bead radii")
           .doc("spacing of the flow's grid")
           .example("\"2 a\""),
       m.flow_spacing);
     v(key("marked_within")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("6 a")
+          .absent("6 bead radii")
           .doc("beads this close to the rod's centre in the first frame are marked and followed")
           .example("\"8 a\""),
       m.marked_within);
@@ -182,7 +184,7 @@ void displacement_fields(Visitor& v, Measure& m) {
     v(key("spacing")
           .unit(length)
           .above(0.0, 1e3)
-          .absent("1 a")
+          .absent("1 bead radius")
           .doc("spacing of U's grid")
           .example("\"0.5 a\""),
       m.spacing);
@@ -211,7 +213,7 @@ void displacement_fields(Visitor& v, Measure& m) {
     v(key("profile_offset")
           .unit(length)
           .within(0.0, 1e3)
-          .absent("4 a")
+          .absent("4 bead radii")
           .doc("y of the profile of U_y along x")
           .example("\"4 a\""),
       m.profile_offset);
@@ -247,14 +249,14 @@ void phonon_fields(Visitor& v, Measure& m) {
     v(key("shear_speed")
           .unit(speed)
           .above(0.0, 1e6)
-          .absent("that of phonons, if they are measured too")
+          .absent("from phonons, if they are measured too")
           .doc("mechanics: speed of transverse sound in the bed, for the screening length")
           .example("\"120 a/s\""),
       m.shear_speed);
     v(key("inertia_factor")
           .above(0.0, 100.0)
-          .absent("as mechanics measures it, if that is measured too and to 20 %; else none is used, and the "
-                  "result says so")
+          .absent("as mechanics measures it, if that is measured too and to 20 %; else none is used, as the "
+                  "result states")
           .doc("inertia of the moving bed over the mass of its beads: elastic constants of phonons are "
                "inertia_factor rho c^2, and mechanics takes its screening length with it")
           .example("1.27"),

@@ -157,7 +157,7 @@ void fields(Visitor& v, MeasuredMedium& measured) {
       measured.smoothing);
     v(key("samples")
           .within(0.0, 10000.0)
-          .doc("runs of the rods in fields drawn from the measured one and its errors; 0: none")
+          .doc("runs of the rods in fields drawn from the measured one and its errors (0: none)")
           .example("32"),
       measured.samples);
     v(key("seed").within(0, largest_seed).doc("of these draws").example("1"), measured.seed);
@@ -209,9 +209,9 @@ void fields(Visitor& v, medium::DynamicMedium& dynamic) {
              {{"auto", Evaluation::automatic}, {"sums", Evaluation::sums}, {"mesh", Evaluation::mesh}}));
     v(key("inertia")
           .within(0.0, 1e6)
-          .doc("rho v0^2/mu beside alpha: (speed of the rods over that of transverse sound)^2; 0: none. Not "
-               "with "
-               "the mesh and self_field = false")
+          .doc("rho v0^2/mu beside alpha: (speed of the rods over the speed of transverse sound)^2 (0: "
+               "none). Not "
+               "with the mesh and self_field = false")
           .example("0.01"),
       dynamic.inertia);
     v(key("film_interval")
@@ -276,8 +276,8 @@ void fields(Visitor& v, Medium& medium) {
           .example("true"),
       fitted);
     v.table(key("table").doc(
-                "Interpolation of the field; not used with field = \"exact\"; with \"auto\" the accuracy "
-                "asked of a table, without it rtol."),
+                "Interpolation of the field; not used with field = \"exact\"; with \"auto\" the required "
+                "accuracy of a table (absent: rtol)."),
             medium.table);
     v.table(key("measured").doc("The field of rods in a bed, with field = \"measured\"."), medium.measured);
     v.table(key("dynamic").doc(
@@ -364,7 +364,7 @@ void fields(Visitor& v, Noise& noise) {
       noise.runs);
     v(key("capture_error")
           .within(1e-4, 0.5)
-          .absent("runs are as many as runs says")
+          .absent("as many runs as the key runs")
           .doc("more runs until half the 95 % interval of the capture probability is no wider than this, in "
                "a scan "
                "at each point by itself")

@@ -21,7 +21,7 @@ void fit_figure_fields(Visitor& v, Figure& figure) {
           .items(1, 100)
           .absent("all")
           .written_if(has_key(figure, "profiles"))
-          .doc("which of fit.profiles, indices from 0, a panel each")
+          .doc("which of fit.profiles, indices from 0, one panel per index")
           .example("[0, 1]"),
       figure.profiles);
     v(key("residuals")
@@ -85,7 +85,7 @@ void scan_figure_fields(Visitor& v, Figure& figure) {
           .items(1, 9)
           .absent("four at most, over the axis")
           .written_if(has_key(figure, "slices"))
-          .doc("of a scan with three axes: values of the third, a panel each")
+          .doc("of a scan with three axes: values of the third, one panel each")
           .example("[0.0, 10.0]"),
       figure.slices);
     v(key("column")

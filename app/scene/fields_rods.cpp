@@ -157,8 +157,8 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .unit(rate)
           .within(0.0, 1e3)
           .doc(
-              "far wakes are summed on meshes, with errors of each rod's turning rate below this; 0: pair by "
-              "pair. Of some thousand rods on the plane in the exact field, 0 <= eta <= 20")
+              "far wakes are summed on meshes, with errors of each rod's turning rate below this (0: pair by "
+              "pair). Of some thousand rods on the plane in the exact field, 0 <= eta <= 20")
           .example("1e-6"),
       run.turning_tolerance);
     v(key("precision")
@@ -206,8 +206,8 @@ void fields(Visitor& v, Body& body) {
     v(key("mobility_ratio")
           .symbol("b")
           .within(1e-3, 1e3)
-          .doc(
-              "mobility across the rod over that along it; 1: the friction of the substrate has no direction")
+          .doc("mobility across the rod over that along it (1: the friction of the substrate has no "
+               "direction)")
           .example("1.0"),
       body.mobility_ratio);
 }

@@ -126,7 +126,7 @@ void fields(Visitor& v, Scan& scan) {
           .within(0, 1e7)
           .absent("1000; critical: count")
           .doc("adaptive: points tried at random in cells that were not divided, for the rate of what was "
-               "missed; critical: random values of solve_for at each point, beside those of the coarse pass")
+               "missed; critical: random values of solve_for at each point, next to the coarse pass")
           .example("1000"),
       scan.audit);
     v(key("boundary_tolerance")
@@ -145,7 +145,7 @@ void fields(Visitor& v, Scan& scan) {
       scan.time_limit);
     v(key("decide")
           .doc("of rods: points that are undecided at rods_run.t_end are continued, alone, until their "
-               "outcome is decided or rods_run.t_end_limit is reached")
+               "outcome is decided, or to rods_run.t_end_limit")
           .example("true"),
       scan.decide);
     v(key("certificates")
@@ -156,8 +156,8 @@ void fields(Visitor& v, Scan& scan) {
       scan.certificates);
     v(key("trajectories")
           .within(0, 100'000)
-          .doc("of rods: points spread over the scan whose trajectories are stored; of beds granular.output "
-               "says what is")
+          .doc("of rods: points spread over the scan whose trajectories are stored; for beds see "
+               "granular.output")
           .example("256"),
       scan.trajectories);
     v(key("max_points")

@@ -46,8 +46,7 @@ void file_fields(Visitor& v, Tracks& tracks) {
       tracks.frames_per_second);
     v(key("time_column")
           .absent("times follow from frames_per_second, or are the file's own")
-          .doc(
-              "column of the times in s, in place of frame numbers; in extended XYZ a key of the second line")
+          .doc("column of the times in s, instead of frame numbers; in extended XYZ a key of the second line")
           .example("\"t\""),
       tracks.time_column);
 }
@@ -69,8 +68,8 @@ void fields(Visitor& v, TracksColumns& columns) {
           .items(4, 4)
           .absent("headings are in a column")
           .written_if(!columns.ends.empty())
-          .doc("in place of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
-               "Without columns x and y the middle is the rod's place")
+          .doc("instead of heading: four columns, x and y of a rod's thin end and x and y of its thick end. "
+               "Without columns x and y the middle is the rod's position")
           .example("[\"x1\", \"y1\", \"x2\", \"y2\"]"),
       columns.ends);
     v(key("radius")
@@ -126,7 +125,7 @@ void fields(Visitor& v, Tracks& tracks) {
           .example("\"1 deg\""),
       tracks.angle);
     v(key("thin_end")
-          .doc("given: headings and ends say which end of a rod is the thin one; ahead: they give its axis "
+          .doc("given: headings and ends mark the thin end of a rod; ahead: they give its axis "
                "only, as for an ellipse, and the thin end is the one that goes ahead")
           .example("\"ahead\""),
       choice(tracks.thin_end, {{"given", ThinEnd::given}, {"ahead", ThinEnd::ahead}}));
@@ -159,7 +158,7 @@ void fields(Visitor& v, Tracks& tracks) {
               "a particle that steps farther from one frame to the next, or over a gap, is another one; "
               "auto: "
               "a camera's particles in an open window by more than 3 mean spacings, after a gap by more than "
-              "1, and those of a simulation or a periodic window never; unlimited: never")
+              "1, particles of a simulation or a periodic window never; unlimited: never")
           .example("\"unlimited\""),
       tracks.longest_step);
     v(key("rod_kinds")
@@ -262,7 +261,7 @@ void check_measured_tracks(const Scene& scene, const Report& report) {
         report("measure", "[measure] lists nothing that can be measured on tracks: give order, "
                           "microrheology, displacement, flow, pairs or heading_diffusion");
     if (m.pairs && !m.contact_distance)
-        report("measure.pairs", "pairs of [tracks] needs contact_distance, between the rods' places: half a "
+        report("measure.pairs", "pairs of [tracks] needs contact_distance, between the rods' centres: half a "
                                 "rod's length, for example contact_distance = \"12 a\"");
     if (m.displacement == measure::DisplacementMethod::density &&
         scene.tracks->window.kind != WindowKind::periodic)

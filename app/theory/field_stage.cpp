@@ -172,8 +172,8 @@ std::string field_cost(const scene::Scene& scene) {
                        duration_text(each), duration_text(each * static_cast<double>(points)));
 }
 
-constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "place along the cut"},
-                                      {"y", "{length}", "place along the cut"},
+constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "position along the cut"},
+                                      {"y", "{length}", "position along the cut"},
                                       {"Ux", "{length}", "displacement along the rod's heading"},
                                       {"Uy", "{length}", "displacement across the rod's heading"}};
 

@@ -459,7 +459,7 @@ std::vector<FileKind> rods_files() {
              values_of<NoiseReport>()},
             {"medium_film.h5", result,
              "frames of a dynamic medium: its displacement u on a grid, the sum of the fields of all rods, "
-             "also where each rod feels those of the others alone; with the rods' places and headings"},
+             "also where each rod feels the other rods alone; with positions and headings of the rods"},
             {"medium_film.log", progress, "frames so far"},
             {"noise.log", progress, "finished runs with noise, to resume from"},
             {"end_state.json", kept, "state at t_end, from which a run with a later t_end goes on"},

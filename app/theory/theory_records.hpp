@@ -27,8 +27,8 @@ struct PoseRow {
 
     static constexpr auto fields() {
         using R = PoseRow;
-        return std::tuple{field("x", &R::x, {"{length}", "place of the rod, unwrapped"}),
-                          field("y", &R::y, {"{length}", "place of the rod, unwrapped"}),
+        return std::tuple{field("x", &R::x, {"{length}", "position of the rod, unwrapped"}),
+                          field("y", &R::y, {"{length}", "position of the rod, unwrapped"}),
                           field("theta", &R::theta,
                                 {"rad", "heading of the rod from +x, counter-clockwise, without jumps"})};
     }
@@ -202,7 +202,7 @@ struct OutcomeReport {
 constexpr double ending_code(Ending ending) { return static_cast<double>(static_cast<int>(ending)); }
 
 inline constexpr std::string_view outcome_codes =
-    "0 contact, 1 pursuit, 2 escape, 3 undecided, 4 orbit, 5 bound; empty: the solver failed";
+    "0 contact, 1 pursuit, 2 escape, 3 undecided, 4 orbit, 5 bound (empty: the solver failed)";
 
 /// ensemble.csv: a draw of a measured field's errors.
 struct DrawnRow {
@@ -214,7 +214,7 @@ struct DrawnRow {
                           field("outcome", &R::outcome, {"1", outcome_codes}),
                           field("time", &R::time, {"{time}", "of contact, else the end of the run"}),
                           field("final_separation", &R::final_separation,
-                                {"{length}", "of the closest pair then; empty: one rod"}),
+                                {"{length}", "of the closest pair then (empty: one rod)"}),
                           field("min_separation", &R::min_separation,
                                 {"{length}", "smallest separation of any pair at any time"}),
                           field("turn0", &R::turn0, {"rad", "of rod 0 from start to end"})};
@@ -284,7 +284,7 @@ struct NoiseReport {
             field("failure", &R::failure, {"", "why the first that failed did"}),
             field("rotational_diffusion", &R::rotational_diffusion, {"1/({time})", "of each heading"}),
             field("translational_diffusion", &R::translational_diffusion,
-                  {"({length})^2/({time})", "of each place"}),
+                  {"({length})^2/({time})", "of each coordinate"}),
             field("speed", &R::speed, {"({length})/({time})", "of a rod, v0"}),
             field("time_step", &R::time_step, {"{time}", "of the integration"}),
             field("seed", &R::seed, {"", "of the noise"}),
@@ -342,9 +342,9 @@ struct FluctuationRow {
                           field("rods", &R::rods, {"1", "mean number in a cell"}),
                           field("fluctuation", &R::fluctuation,
                                 {"1", "variance of that number over its mean, mean from rods_order.from on; "
-                                      "1: independent places"}),
+                                      "1: independent positions"}),
                           field("fluctuation_error", &R::fluctuation_error,
-                                {"1", "its standard error, by blocks; empty: not known"})};
+                                {"1", "its standard error, by blocks (empty: not known)"})};
     }
 };
 
@@ -366,13 +366,13 @@ struct OrderReport {
             field("weighted_size", &R::weighted_size, {"1", "mean size of the cluster that a rod is in"}),
             field("largest", &R::largest, {"1", "rods of the largest cluster"}),
             field("link", &R::link,
-                  {"{order length}", "rods nearer than this are linked; absent: rods whose bodies touch"}),
+                  {"{order length}", "rods nearer than this are linked (absent: rods whose bodies touch)"}),
             field("from", &R::from, {"{order time}", "means are from then on"}),
             field("block", &R::block, {"{order time}", "of time, for the errors"}),
             field("touch_lifetime", &R::touch_lifetime,
                   {"{order time}",
                    "mean time that two bodies stay in touch, by the output times: their time in "
-                   "touch over the number of touches that end; null: none ended"}),
+                   "touch over the number of touches that end (null: none ended)"}),
             field("runs", &R::runs, {"1", "behind the means"}),
             field("instants", &R::instants, {"1", "behind the means"}),
             field("blocks", &R::blocks, {"1", "of time, behind the errors"}),

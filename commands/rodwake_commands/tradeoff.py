@@ -55,7 +55,7 @@ def target_of(request, scene, text, wanted):
         near = difflib.get_close_matches(kind, ERRORS, 1)
         raise InputError(f"--error: {kind} is none of {', '.join(ERRORS)}" + (f' (did you mean "{near[0]}"?)' if near else ""))
     if wanted and (wanted[2] or wanted[0]):
-        raise InputError(f'--for "{request.text("for")}": of rods a plain number, such as 1e-6; --error says of what')
+        raise InputError(f'--for "{request.text("for")}": of rods a plain number, such as 1e-6; --error names its kind')
     return RodsTarget(*given, results, limit, kind), results
 
 

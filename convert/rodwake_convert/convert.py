@@ -48,7 +48,7 @@ def convert(options, report, nobody_known=False):
             os.unlink(options.temporary)
         raise
     loses = "" if writer.loses == "nothing" else f"; {WRITERS[options.to]} loses {writer.loses}"
-    left_out = f"; {source.without_place} rows without a place are left out (first: {source.first_without_place})" if source.without_place else ""
+    left_out = f"; {source.without_place} rows without a position are left out (first: {source.first_without_place})" if source.without_place else ""
     report.say(f"done: {count} frames, {particles} particles, {rods} rod{'s' * (rods != 1)}{left_out}{loses}")
 
 

@@ -221,7 +221,7 @@ def tidy(source, frames):
         yield held
     source.rows = rows - source.without_place
     if source.rows == 0:
-        source.fail(f"has no particle with a place in its {count} frames")
+        source.fail(f"has no particle with a position in its {count} frames")
 
 
 def part_and_sort(source, frame):

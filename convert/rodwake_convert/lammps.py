@@ -146,7 +146,7 @@ def read_atoms(source, lines, fail, cut_short, columns, frame, count):
     x = names[columns["x"]]
     if x in SCALED:
         if frame.box is None:
-            fail("scaled places (xs, ys) need a box; dump x and y")
+            fail("scaled positions (xs, ys) need a box; dump x and y")
         position = frame.box.origin + position @ frame.box.edges
     part = Part(position, found.get("id", np.full(count, UNTRACKED)))
     if x in UNWRAPPED:

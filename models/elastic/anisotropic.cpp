@@ -172,7 +172,7 @@ AnisotropicField::AnisotropicField(const RodFrame& frame, std::span<const double
     check_frame(frame);
     const auto finite = [](double position) { return std::isfinite(position); };
     if (!std::ranges::all_of(x, finite) || !std::ranges::all_of(y, finite))
-        throw InputError("places of a map must be finite numbers");
+        throw InputError("positions of a map must be finite numbers");
     impl_ = std::make_shared<const Impl>(frame, x, y);
 }
 

@@ -27,7 +27,7 @@ void require(bool legal, const std::string& message) {
 void require_finite(std::span<const Source> rods) {
     for (std::size_t k = 0; k < rods.size(); ++k)
         require(std::isfinite(rods[k].x) && std::isfinite(rods[k].y) && std::isfinite(rods[k].heading),
-                "rod " + std::to_string(k) + " has a place or heading that is not finite");
+                "rod " + std::to_string(k) + " has a position or heading that is not finite");
 }
 
 /// What a sum is made for.

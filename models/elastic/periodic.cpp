@@ -112,7 +112,7 @@ PeriodicField::Impl::Impl(const Medium& m, const PeriodicBox& whole, double angl
 
 NearestImage PeriodicField::Impl::nearest(double x, double y) const {
     if (!std::isfinite(x) || !std::isfinite(y))
-        refuse_place(x, y, "the place must be finite");
+        refuse_place(x, y, "the position must be finite");
     const Vector lab = turned(Vector{x / unit, y / unit}, cosine, sine);
     const double i = std::nearbyint(lab.x / sides.x), j = std::nearbyint(lab.y / sides.y);
     const Vector shift = turned(Vector{i * box.x, j * box.y}, cosine, -sine);

@@ -54,7 +54,7 @@ struct Nearest {
 Nearest nearest(const Source& source, double x, double y, double box) {
     const Vector away{x - source.x, y - source.y};
     if (!std::isfinite(away.x) || !std::isfinite(away.y))
-        throw InputError("field of a table: the place and the source must be finite");
+        throw InputError("field of a table: the position and the source must be finite");
     const double i = std::nearbyint(away.x / box), j = std::nearbyint(away.y / box);
     const Vector offset{away.x - i * box, away.y - j * box};
     return {offset.x / box, offset.y / box, offset};

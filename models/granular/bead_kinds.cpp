@@ -93,7 +93,7 @@ void require_sizes(const BeadMix& mix, const BeadSizes& sizes, const char* what)
         const double mean = mix.kinds.empty() ? mix.radius : mix.kinds[kind].radius;
         if (!(sizes.radius[i] >= least * mean && sizes.radius[i] <= most * mean))
             throw InputError(fmt::format(
-                "{} bead {} of kind {} has a radius of {:.10g} m, and that of its kind is {:.10g} m "
+                "{} bead {} of kind {} has a radius of {:.10g} m, and its kind {:.10g} m "
                 "with bead_spread = {:g}: must be {:.6g} to {:.6g} m; give the sizes of these beads",
                 what, i, kind, sizes.radius[i], mean, mix.spread, least * mean, most * mean));
     }

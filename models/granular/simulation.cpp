@@ -361,7 +361,7 @@ Simulation::Simulation(const GranularProblem& problem, const State& state, const
             "between the plates, or kinds that the scene does not have; start again or from an "
             "older checkpoint");
     constexpr auto wrong =
-        "the stored state is damaged: {} has a place or motion that is not a number, or is more than {:g} "
+        "the stored state is damaged: {} has a position or motion that is not a number, or is more than {:g} "
         "boxes away; start again or from an older checkpoint";
     for (std::size_t i = 0; i < b.size(); ++i)
         if (!sound({b.x[i], b.y[i], b.z[i]}, {b.vx[i], b.vy[i], b.vz[i]}, {b.wx[i], b.wy[i], b.wz[i]},

@@ -229,7 +229,7 @@ void check_stored(const GranularProblem& problem, const Beads& stored) {
              {&stored.x, &stored.y, &stored.vx, &stored.vy, &stored.vz, &stored.wx, &stored.wy, &stored.wz})
             if (!std::isfinite((*column)[i]))
                 throw InputError(
-                    fmt::format("the stored bed is damaged: place or velocity of bead {} is {}; restart "
+                    fmt::format("the stored bed is damaged: position or velocity of bead {} is {}; restart "
                                 "from another one",
                                 i, (*column)[i]));
 }

@@ -119,7 +119,7 @@ void check_frame(const Layout& layout, const Frame& frame) {
     for (const RodPosition& rod : frame.rods)
         if (layout.velocities &&
             !(std::isfinite(rod.x) && std::isfinite(rod.y) && std::isfinite(rod.heading)))
-            throw RunError("measure: the place of a rod is not finite");
+            throw RunError("measure: the position of a rod is not finite");
 }
 
 void FrameTimes::next(double time, const char* what, const std::optional<double>& grid) {

@@ -22,9 +22,10 @@ void check_tracks(std::span<const HeadingTrack> runs, std::string_view measure) 
                                          "measure.from_travel) or run longer",
                                          measure, rows));
         if (std::ranges::count_if(run.heading, [](double h) { return !std::isnan(h); }) < 2)
-            throw InputError(fmt::format("measure: {}: place and heading of the rod are known in fewer than "
-                                         "two frames",
-                                         measure));
+            throw InputError(
+                fmt::format("measure: {}: position and heading of the rod are known in fewer than "
+                            "two frames",
+                            measure));
     }
 }
 

@@ -157,8 +157,9 @@ std::vector<Share> shares_of(std::span<const MechanicsAccumulator> runs, std::sp
             throw InputError("measure: mechanics: the runs are of different beds");
         const std::vector<Mark> marks = runs[r].marks();
         if (marks.size() < 2)
-            throw InputError("measure: mechanics: needs at least 2 frames a run: measure "
-                             "more often, from an earlier time or place (from, from_travel), or run longer");
+            throw InputError(
+                "measure: mechanics: needs at least 2 frames a run: measure "
+                "more often, from an earlier time or position (from, from_travel), or run longer");
         for (std::size_t b = 1; b < marks.size(); ++b)
             shares.push_back(share_of(pushes[r], marks[b - 1], marks[b]));
     }

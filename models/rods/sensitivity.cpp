@@ -178,8 +178,9 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
                             problem.rods.size()));
     for (const std::size_t index : indices)
         if (index / 2 >= problem.rods.size())
-            throw InputError(fmt::format("the place of rods[{}] is to be a parameter, but there are {} rods",
-                                         index / 2, problem.rods.size()));
+            throw InputError(
+                fmt::format("the position of rods[{}] is to be a parameter, but there are {} rods", index / 2,
+                            problem.rods.size()));
 }
 
 Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,

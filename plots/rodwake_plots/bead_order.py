@@ -212,7 +212,7 @@ def caption_phonons(run, _):
     parts = bed_run.holders(run, PHONONS)
     numbers = bed_run.told_of_each(parts, told)
     return ("Modes of the beads against wave number <i>q</i>: frequency <i>ω</i> without damping (lines: <i>ω = cq</i> with the sound speeds), "
-            "damping rate <i>γ</i> (lines: drag + <i>ν q</i><sup>2</sup>) and temperature over that of single beads; filled: longitudinal, "
+            "damping rate <i>γ</i> (lines: drag + <i>ν q</i><sup>2</sup>) and temperature relative to single beads; filled: longitudinal, "
             f"open: transverse; grey: other directions; bars: standard error{'. ' + numbers if numbers else ''}."
             f"{bed_run.not_measured(run, PHONONS)}")
 

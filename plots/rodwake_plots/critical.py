@@ -38,7 +38,7 @@ def read(run):
     choices = [axis.key for axis in others if axis.is_choice]
     table = files.read_csv(path, text=("kind", "below", "above", *choices), needed=["value", "low", "high", "kind", "branch"])
     if not len(table["value"]):
-        raise PlotError(f"{path}: holds no critical values; critical.json says why")
+        raise PlotError(f"{path}: holds no critical values; critical.json has the reason")
     rest = np.stack([table[axis.key] if not axis.is_choice else np.array([axis.values.index(word) for word in table[axis.key]], dtype=float)
                      for axis in others[1:]], axis=-1) if others[1:] else np.zeros((len(table["value"]), 0))
     kinds, family = np.unique(rest, axis=0, return_inverse=True)

@@ -157,7 +157,7 @@ def shade_core(axes, fit):
 
 
 def broken(fit, view, values):
-    """No line across the place of the force, where the field is singular, nor within a fifth of the core around it."""
+    """No line across the position of the force, where the field is singular, nor within a fifth of the core around it."""
     x = view.curve.x
     if view.profile.get("at") != 0 or not x.min() < (at := force_at(fit, view)) < x.max():
         return x, values

@@ -252,7 +252,7 @@ def trust(scan):
     missed = scan_words.missed_html(scan).strip()
     if missed:
         return missed
-    return "Points between those of this scan were not checked." if scan.design == "adaptive" else ""
+    return "Points between the points of this scan were not checked." if scan.design == "adaptive" else ""
 
 
 # The resolved scene as tables: keys with symbol, unit and meaning from schema.json, any others as they stand.

@@ -218,7 +218,7 @@ void bind_rods(py::module_& module) {
             "certificate", [](const Run& run) { return to_string(run.outcome.certificate); },
             "how well the outcome is known: 'verified', 'checked' or 'open'")
         .def_property_readonly(
-            "time", [](const Run& run) { return run.outcome.time; }, "of contact, else the time reached")
+            "time", [](const Run& run) { return run.outcome.time; }, "of contact, else the end of the run")
         .def_property_readonly("pair", &pair_of,
                                "numbers of the two rods that the outcome is about; None: a single rod")
         .def_property_readonly(

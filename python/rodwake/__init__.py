@@ -40,7 +40,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """rodwake.plots without `import rodwake.plots`: matplotlib is loaded when it is asked for."""
+    """rodwake.plots without `import rodwake.plots`: matplotlib is loaded when it is used."""
     if name == "plots":
         return importlib.import_module(".plots", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

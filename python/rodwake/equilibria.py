@@ -185,7 +185,7 @@ def write_branches(path: Union[str, "os.PathLike[str]"], branches: Sequence[Pair
 
 
 def pair_flow(pose: ArrayLike, medium: Medium, *, kappa: float = 0.0, gamma1: float = 0.0, gamma2: float = 0.0) -> tuple[Floats, Floats]:
-    """The flow of a pair at a pose, for eigenvalues of your own, say in line at one distance.
+    """The flow of a pair at a pose, for eigenvalues of your own, for example in line at one distance.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ class RunError(Error, RuntimeError):
 
 @dataclass(frozen=True)
 class Problem:
-    """An error in a scene and its position in the file: line and column from 1; 0: no single position."""
+    """An error in a scene and its position in the file: line and column from 1 (0: no single position)."""
 
     file: str
     line: int

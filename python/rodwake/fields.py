@@ -1,10 +1,10 @@
 """Fields that rods leave in the medium, at many points at once.
 
-Points are given by x and y, arrays of one shape or of shapes that broadcast to one (...). Without `rods` the field is that of one
+Points are given by x and y, arrays of one shape or of shapes that broadcast to one (...). Without `rods` it is the field of one
 rod at the origin that moves along +x; `rods` is an array (N, 3) of x, y and heading (rad), whose fields add up. Units: lengths f/mu.
-Components are those of the lab frame. `threads` share the points; the result does not depend on them.
+Components are in the lab frame. `threads` share the points; the result does not depend on them.
 
-At a rod, and in a box at its images, fields are singular: there the result is NaN, and a RuntimeWarning says at how many points.
+At a rod, and in a box at its images, fields are singular: there the result is NaN, and a RuntimeWarning counts the points.
 Where x or y is NaN, infinite or masked it is NaN without a warning.
 """
 
@@ -76,7 +76,7 @@ def wakes(poses: ArrayLike, medium: Medium) -> Wakes:
     """The fields in which rods at `poses` turn, for turning laws of your own: `poses` is (N, 3), or the state (3 N,) of integrate.
 
     The theory's law is theta' = z.[n x (kappa strain.n + gamma1 laplacian + gamma2 grad_div)], n the heading of the rod. Two rods in
-    one place raise InputError.
+    one position raise InputError.
     """
     given = arguments.array("poses", poses, "an array of shape (N, 3) or (3 N,): x, y and heading of each rod")
     flat = given.ndim == 1 and given.size > 0 and given.size % 3 == 0

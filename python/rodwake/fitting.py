@@ -21,7 +21,7 @@ class Profile:
 
     place: ArrayLike  #: (P,): the coordinate that varies
     value: ArrayLike  #: (P,)
-    sigma: Optional[ArrayLike] = None  #: (P,): standard errors; None: equal and unknown
+    sigma: Optional[ArrayLike] = None  #: (P,): standard errors (None: equal and unknown)
     component: Literal["Ux", "Uy"] = "Ux"
     along: Literal["x", "y"] = "x"
     at: float = 0.0  #: the other coordinate
@@ -84,7 +84,7 @@ class FittedProfile:
     role: str
     place: Floats
     value: Floats
-    sigma: Floats  #: as used, enlarged where points share data; NaN: unknown
+    sigma: Floats  #: as used, enlarged where points share data (NaN: unknown)
     model: Floats
     error: Floats  #: standard error of the model
     residual: Floats  #: (value - model)/sigma; without sigmas over the scatter
@@ -160,7 +160,7 @@ class FitResult:
 def fit_wake(profiles: Sequence[Profile], parameters: Sequence[str], **options: Any) -> FitResult:
     """Fits the wake of a rod to profiles of displacement.
 
-    Lengths are in the unit of the profiles. The result equals that of `rodwake fit` for the same data. NaN among the sigmas is
+    Lengths are in the unit of the profiles. The result is the same as from `rodwake fit` for the same data. NaN among the sigmas is
     refused: leave such rows out.
 
     Parameters
@@ -188,7 +188,7 @@ def fit_rods(tracks: Sequence[Track], parameters: Sequence[str], **options: Any)
 def fit_map(maps: Sequence[Map], parameters: Sequence[str], **options: Any) -> FitResult:
     """Fits a medium and the force multipoles of a rod to displacement maps (docs/fit.md, "Displacement maps").
 
-    Lengths are in the unit of the maps, angles in rad, times in s. Values, errors and chi2 equal those of `rodwake fit` for the same
+    Lengths are in the unit of the maps, angles in rad, times in s. Values, errors and chi2 are the same as from `rodwake fit` for the same
     data. Only `rodwake fit` gives the errors of fixed values (fixed_errors), of further masks and of the jackknife.
 
     Parameters
@@ -278,7 +278,7 @@ def _track(name: str, one: Track) -> tuple[Floats, Floats, float]:
 
 
 def _map(name: str, one: Map) -> tuple[Sequence[Floats], tuple[float, float], float]:
-    """Places, displacements and errors, checked; NaN stands for what is not there."""
+    """Positions, displacements and errors, checked; NaN stands for what is not there."""
     box = (arguments.number(f"{name}.box", one.box[0], above=0), arguments.number(f"{name}.box", one.box[1], above=0))
     x, y = (_evenly_spaced(f"{name}.{axis}", places, side) for axis, places, side in (("x", one.x, box[0]), ("y", one.y, box[1])))
     if (one.sigma_x is None) != (one.sigma_y is None):
@@ -292,11 +292,11 @@ def _map(name: str, one: Map) -> tuple[Sequence[Floats], tuple[float, float], fl
 
 
 def _evenly_spaced(name: str, given: ArrayLike, side: float) -> Floats:
-    """Places along an axis of a map, within the side of its box."""
+    """Positions along an axis of a map, within the side of its box."""
     places = arguments.array(name, given)
     steps = np.diff(places) if places.ndim == 1 else np.array([])
     if steps.size < 1 or not (steps[0] > 0 and np.all(np.abs(steps - steps[0]) <= 1e-6 * steps[0])):
-        raise InputError(f"{name}: must be two places or more, rising and evenly spaced")
+        raise InputError(f"{name}: must be two positions or more, rising and evenly spaced")
     if places[-1] - places[0] > side * (1 + 1e-6):
         raise InputError(f"{name}: the grid of {places[-1] - places[0]:g} is larger than the box of {side:g}")
     return places

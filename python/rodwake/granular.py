@@ -18,7 +18,7 @@ LONGEST = 1e9  # s, beyond any bed
 class Bed:
     """The bed of a scene with [granular], from its start on. SI units: m, s, rad. N beads, R rods.
 
-    The steps equal those of `rodwake dem`. Beds with `start = "restart"` and the end at `stop_at_travel` need Scene.run. Do not advance
+    The steps are the same as in `rodwake dem`. Beds with `start = "restart"` and the end at `stop_at_travel` need Scene.run. Do not advance
     one bed from two threads at once.
 
     Parameters
@@ -103,7 +103,7 @@ class Bed:
         return self._core.rods()
 
     def body_acceleration(self, places: Optional[ArrayLike] = None) -> Floats:
-        """(M, 2), m/s^2: what [granular.body_force] gives beads at these places, (M, 2) of x and y in m (None: those of the beads), now.
+        """(M, 2), m/s^2: what [granular.body_force] gives beads now, at the positions `places`, (M, 2) of x and y in m (None: of the beads).
         Zero before t = 0 and in a bed without that table."""
         wanted = "an array of shape (M, 2) or (M, 3)"
         return self._core.body_acceleration(None if places is None else arguments.array("places", places, wanted, finite=True))

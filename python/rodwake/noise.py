@@ -21,13 +21,13 @@ class NoiseResult:
     f/(mu v0), angles in rad."""
 
     def __init__(self, core: Any, contact_distance: Optional[float]) -> None:
-        self.contact_distance = contact_distance  #: f/mu; None: contact is not detected
+        self.contact_distance = contact_distance  #: f/mu (None: contact is not detected)
         self.outcomes: NDArray[np.str_] = np.array(core.outcomes())  #: (R,): 'contact', 'bound', 'orbit', 'pursuit', 'escape', 'undecided' or 'failed'
-        self.times: Floats = core.times()  #: (R,): of contact, else the time reached
+        self.times: Floats = core.times()  #: (R,): of contact, else the end of the run
         self.min_separations: Floats = core.min_separations()  #: (R,); infinite for a single rod
         self.pairs: NDArray[np.int64] = core.pairs()  #: (R, 2): the rods that the outcome is about; -1 for a single rod
         capture = core.capture()
-        self.capture_probability: Optional[float] = capture[0] if capture else None  #: share of contact, bound, orbit and pursuit; None: single rod
+        self.capture_probability: Optional[float] = capture[0] if capture else None  #: share of contact, bound, orbit and pursuit (None: single rod)
         self.capture_interval: Optional[tuple[float, float]] = capture[1:] if capture else None  #: its 95 % interval (Wilson)
         self.t: Floats = core.t()  #: (T,): the output times, the end among them
         self.runs_at_time: NDArray[np.int64] = core.runs_at_time().astype(np.int64)  #: (T,): runs that got there; contact ends a run
@@ -38,7 +38,7 @@ class NoiseResult:
         self.heading_correlation_error: Floats  #: (T, N)
         self.heading_correlation, self.heading_correlation_error = core.heading_correlation()
         self.time_step: float = core.time_step  #: longest step taken
-        self.failure: str = core.failure  #: why the first run that failed did; '': none
+        self.failure: str = core.failure  #: why the first run that failed did ('': none)
 
     def __repr__(self) -> str:
         told = ""
@@ -57,7 +57,7 @@ def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotatio
                    threads: int = 1, max_steps: int = 1_000_000) -> NoiseResult:
     """Runs rods many times with white noise on their headings and positions (docs/noise.md).
 
-    With the output times of a scene (0 included) the result equals that of its [noise], for any number of threads. Failed runs are
+    With the output times of a scene (0 included) the result is the same as from its [noise], for any number of threads. Failed runs are
     counted and end an ensemble that has `capture_error`. Invalid input raises InputError.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Initial-value problems of your own, and those of rods with your events and terms."""
+"""Initial-value problems of your own, and rods with your events and terms."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ class Hit:
 class OdeResult:
     """Solution of an initial-value problem."""
 
-    t: Floats  #: (T,): those of the times that were reached
+    t: Floats  #: (T,): the output times up to the end
     y: Floats  #: (T, n): the state at these times
-    final_time: float  #: the last time, that of a terminal event, or of a failure
+    final_time: float  #: the last time, of a terminal event or of a failure
     final_y: Floats  #: (n,)
     hits: list[Hit]  #: in order of time
     status: str  #: 'reached_end', 'stopped_at_event' or 'failed'
@@ -91,7 +91,7 @@ def integrate(rhs: Union[RodEquations, Rate], y0: Optional[ArrayLike] = None, ti
     events : sequence of Event
         Roots to find.
     jacobian : callable, optional
-        Function of time and state that returns d rhs_i/d y_j, (n, n), for method 'bdf'. Default: that of RodEquations, or finite
+        Function of time and state that returns d rhs_i/d y_j, (n, n), for method 'bdf'. Default: from RodEquations, or finite
         differences.
     method : str
         'adams' (smooth problems), 'bdf' (stiff ones) or 'erk' (explicit Runge-Kutta).

@@ -110,7 +110,7 @@ def _telling(kind: type[Error]) -> Iterator[None]:
 
 
 def _read_all(run: Run) -> None:
-    """Raises RunError if a file of the run is damaged: the plots tell that as they tell a figure that the run has no data for."""
+    """Raises RunError if a file of the run is damaged: the plots report that as they report a figure that the run has no data for."""
     readers: dict[str, Callable[[str], Any]] = {".json": run.json, ".csv": run.table, ".h5": run.datasets, ".h5md": run.datasets}
     for name in run.files:
         path = run.folder / name

@@ -87,7 +87,7 @@ class FitProblem:
         return self._densities(theta)[1]
 
     def posterior(self) -> Posterior:
-        """A fit, and samples from where it ended; those of `rodwake fit` for the same data and keys, to the last bit."""
+        """A fit, and samples from where it ended; as `rodwake fit` gives for the same data and keys, to the last bit."""
         return Posterior(self.names, self._core.posterior(self._threads, Marginal))
 
     def _densities(self, theta: ArrayLike) -> tuple[Union[float, Floats], Union[float, Floats]]:
@@ -102,5 +102,5 @@ class FitProblem:
 
 
 def posterior(*, parameters: Sequence[str], **options: Any) -> Posterior:
-    """Samples of the parameters and the evidence of the model. Options: those of FitProblem."""
+    """Samples of the parameters and the evidence of the model. Options: as in FitProblem."""
     return FitProblem(parameters=parameters, **options).posterior()

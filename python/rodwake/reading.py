@@ -1,4 +1,4 @@
-"""Reading the files of a run. What is wrong with one is a RunError that names it, whatever the reader says."""
+"""Reading the files of a run. A damaged file is a RunError that names it, whatever error the reader raises."""
 
 from __future__ import annotations
 

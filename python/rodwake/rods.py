@@ -31,7 +31,7 @@ BODY = {"spheres": 6, "length": 1.25, "thick_diameter": 0.3, "thin_diameter": 0.
 
 
 def _body(given: Any) -> Optional[tuple[float, ...]]:
-    """The options of a body in the order of BODY, whose defaults are those of a scene."""
+    """The options of a body in the order of BODY, whose defaults are the same as in a scene."""
     if given is None:
         return None
     if not isinstance(given, Mapping) or set(given) - set(BODY):
@@ -47,7 +47,7 @@ def simulate(poses: ArrayLike, medium: Optional[Medium] = None, *, kappa: float 
              form: str = "angle", rtol: float = 1e-8, atol: Optional[float] = None, max_steps: int = 1_000_000) -> RodResult:
     """Integrates the motion of rods to `t_end` or to contact.
 
-    The result equals that of `rodwake rods` for a scene with these values. A solve that fails does not raise: its status is
+    The result is the same as from `rodwake rods` for a scene with these values. A solve that fails does not raise: its status is
     'failed' and `message` has the cause. Invalid input raises InputError.
 
     Parameters

@@ -48,7 +48,7 @@ class RodPath:
 
 @dataclass(frozen=True, repr=False)
 class Trajectory:
-    """Frames of a bed in SI units. N spheres (beads, then those of the rods), R rods."""
+    """Frames of a bed in SI units. N spheres (beads, then spheres of the rods), R rods."""
 
     time: Floats  #: (T,), s
     box: Floats  #: (3,), sides in m; periodic in x and y
@@ -65,7 +65,7 @@ class Trajectory:
 
 
 class Run:
-    """The folder of a run: its manifest lists what is there. Files are read when they are asked for. A run that is still going on, or was
+    """The folder of a run: its manifest lists what is there. Files are read on demand. A run that is still going on, or was
     killed, has what was written so far; a part of a run (runs/0001 of an ensemble, points/0003 of a scan) has the files of that part.
     A file that is damaged or lost raises RunError, what the run never held InputError."""
 
@@ -99,7 +99,7 @@ class Run:
 
     @property
     def status(self) -> str:
-        """'finished', 'unfinished', 'interrupted' or 'failed'; of a part that of the whole run."""
+        """'finished', 'unfinished', 'interrupted' or 'failed'; for a part, of the whole run."""
         path = self._file("provenance.json")
         status = read_record(path).get("status")
         if not isinstance(status, str):
@@ -107,7 +107,7 @@ class Run:
         return status
 
     def scene(self) -> Any:
-        """The scene that was run, every key with its value; of a part that of the whole run."""
+        """The scene that was run, every key with its value; for a part, of the whole run."""
         from .scenes import Scene
         path = self._file("scene.toml")
         with reading(path, "scene"):
@@ -173,8 +173,8 @@ class Run:
     def trajectory(self, name: str = ..., *, run: None = ...) -> Any: ...
 
     def trajectory(self, name: str = "trajectory.h5md", *, run: Optional[int] = None) -> Any:
-        """The stored frames of a bed, a Trajectory; last_period.h5md has those of one period of the plates. Of an ensemble a list, a
-        Trajectory for each of `members`, or with `run` that of one of them, from 0."""
+        """The stored frames of a bed, a Trajectory; last_period.h5md has the frames of one period of the plates. Of an ensemble a list, a
+        Trajectory for each of `members`, or with `run` one of them, from 0."""
         members = self.members
         if run is not None:
             return (members or [self])[arguments.whole("run", run, 0, max(len(members), 1) - 1)]._frames(name)
@@ -217,7 +217,7 @@ class Run:
         return part
 
     def _file(self, name: str, kind: str = "") -> Path:
-        """A file that is there; of a kind that is told by its ending."""
+        """A file that is there; of a kind that its ending shows."""
         arguments.kind("name", name, str, "the name of a file of the run")
         path = self.folder / name
         if name in _OF_THE_WHOLE and not path.exists():
@@ -316,7 +316,7 @@ def _plain(value: Any) -> Any:
 
 
 def _unwrapped(group: Any, box: Floats) -> Floats:
-    """Places with the images of the box that they have walked to; the image of z is 0."""
+    """Positions with the images of the box that they have walked to; the image of z is 0."""
     place: Floats = np.asarray(group["position/value"], dtype=float)
     if "image" in group:
         place += box * np.asarray(group["image/value"])

@@ -57,7 +57,7 @@ class Tracks:
         self._columns: dict[str, NDArray[Any]] = {}
         self._keys = {"pixel": pixel, **keys}
         if "file" in keys:
-            raise InputError("file: give the name of the file in place of rows")
+            raise InputError("file: give the name of the file instead of rows")
         if isinstance(rows, (str, os.PathLike)):
             self._file = str(Path(arguments.path("rows", rows, "the name of a file")).absolute())
         else:
@@ -134,7 +134,7 @@ def convert(source: Folder, target: Folder, *, frames: str = "", rods: str = "",
     rods : str
         "poses" or "spheres"; empty: spheres if the file has them, poses in CSV.
     unit : str
-        Of lengths in the target: "a", "m"; empty: a for beds, otherwise that of the source.
+        Of lengths in the target: "a", "m"; empty: a for beds, otherwise as in the source.
     group : str
         Group of an H5MD file that holds the particles; empty: the only one.
     columns : mapping, optional

@@ -171,7 +171,7 @@ TrackRows read_film(const std::filesystem::path& film, const std::string& source
                       on_progress);
     if (rows.size() == 0)
         throw InputError(
-            fmt::format("{}: has no particle with a place in its {} frames", source, step.size()));
+            fmt::format("{}: has no particle with a position in its {} frames", source, step.size()));
     if (std::ranges::all_of(rows.heading, [](double h) { return std::isnan(h); }))
         rows.heading.clear();
     return rows;

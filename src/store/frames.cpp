@@ -99,7 +99,7 @@ void check_frame(const FrameLayout& layout, const Frame& frame, std::int64_t aft
 PeriodicCoordinate wrap(double x, double side) {
     double image = std::floor(x / side);
     if (!(std::abs(image) <= 0x1p30))
-        throw RunError(fmt::format("frames: position {} is no place near the box of side {}", x, side));
+        throw RunError(fmt::format("frames: position {} is not near the box of side {}", x, side));
     double position = std::fma(-side, image, x);
     if (position < 0.0) // x/side was rounded up
         position = std::fma(-side, --image, x);

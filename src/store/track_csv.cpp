@@ -87,9 +87,10 @@ public:
                 break;
         }
         if (rows_.size() == 0)
-            throw InputError(fmt::format("{}: has no row with a place: x and y of all {} rows are empty or "
-                                         "not numbers",
-                                         path_, rows_.without_place));
+            throw InputError(
+                fmt::format("{}: has no row with a position: x and y of all {} rows are empty or "
+                            "not numbers",
+                            path_, rows_.without_place));
         return std::move(rows_);
     }
 

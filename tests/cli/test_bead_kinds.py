@@ -118,7 +118,7 @@ class BeadKindsTest(BedTest):
         self.assertEqual(json.loads(self.out("again", "measure.json").read_text())["order"]["psi6"], found["psi6"])
         others = ("-s", 'granular.bead_kinds.1.radius="0.57 mm"'), ("-s", "granular.bead_kinds.0.share=0.6", "-s", "granular.bead_kinds.1.share=0.4")
         beads = int(self.summary("out")["beads"])
-        for other, message in zip(others, ("radius of 0.00056.* and that of its kind is 0.00057", "beads of the kinds .* number .* there and")):
+        for other, message in zip(others, ("radius of 0.00056.* and its kind 0.00057", "beads of the kinds .* number .* there and")):
             more = ("-s", f"granular.beads={beads}", "-s", "granular.phi_b= ", "-s", f'measure.trajectory="{frames}"')
             self.assertRegex(self.expect(2, "measure", "mixed.toml", *keys, *other, *more, "-o", "other").stderr, message)
 
@@ -276,9 +276,9 @@ frames = 0.01
         self.expect(0, "dem", "given.toml", "-o", "shaken", *film, "-s", "granular.plates.gamma=7", "-s", "granular.gravity=9.81")
         self.assertGreater(np.ptp(self.positions("shaken")[0][0, :, 2]), 0.0)
         for keys, message in (((*film, "-s", "granular.start_frame=3"), r"start_frame = 3: .*out/trajectory.h5md has frames 0 to 2"),
-                              ((*film, "-s", 'granular.box="21 a"'), "its box is 0.008 x 0.008 m, and that of the scene 0.0084 x 0.0084 m"),
+                              ((*film, "-s", 'granular.box="21 a"'), "its box is 0.008 x 0.008 m, and the box of the scene 0.0084 x 0.0084 m"),
                               (("-s", "granular.start_frame=0", *kinds), "beads.csv is a table, which has no frames"),
-                              ((*film[:2], "-s", "granular.bead_radius=0.00041", "-s", 'granular.box="8 mm"'), "has a radius of 0.0004 m, and that of its kind is 0.00041 m")):
+                              ((*film[:2], "-s", "granular.bead_radius=0.00041", "-s", 'granular.box="8 mm"'), "has a radius of 0.0004 m, and its kind 0.00041 m")):
             with self.subTest(message):
                 self.assertRegex(self.expect(2, "check", "given.toml", *keys).stderr, message)
 
@@ -311,7 +311,7 @@ frames = 0.01
         for changed, message in (({"x": near}, "bead 0 .* is 0.5 radii deep in bead 1: must be at most overlap_limit = 0.1"),
                                  ({"z": np.full(25, 0.9e-3)}, "deep in the lid"),
                                  ({"kind": np.ones(25)}, r"beads.csv:2: kind = 1: must be a whole number from 0 to 0"),
-                                 ({"radius": np.full(25, 0.5e-3)}, "has a radius of 0.0005 m, and that of its kind is 0.0004 m"),
+                                 ({"radius": np.full(25, 0.5e-3)}, "has a radius of 0.0005 m, and its kind 0.0004 m"),
                                  ({"x": 1e3 * self.x}, "outside the box and its next images: columns are in m"),
                                  ({"vx": wrong}, r"beads.csv:5: "), ({"x": None}, "beads.csv.*x"),
                                  ({"radios": np.full(25, A)}, r'unknown column "radios" \(did you mean "radius"\?\)')):

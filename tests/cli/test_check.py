@@ -27,7 +27,7 @@ class CheckTest(ProgramTest):
         self.write("noisy.toml", PAIR + "[noise]\nrotational_diffusion = 0.01\nruns = 7\n")
         told = self.expect(0, "check", "noisy.toml").stdout
         self.assertRegex(told, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
-        self.assertIn("diffusion of places: noise.translational_diffusion is 0", told)
+        self.assertIn("diffusion of positions: noise.translational_diffusion is 0", told)
 
     def test_alpha_is_a_unit_of_length(self):
         """Not with polar couplings, rows, noise, a box or a medium with memory: these have a length of their own."""

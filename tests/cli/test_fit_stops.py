@@ -122,7 +122,7 @@ class BadDataTest(FitTest):
         """In a box of 30, along x and beside it, ahead and behind; at an angle the image along x is at 30 sqrt(2)."""
         half, far = np.pi / 4, 30.0 * 2.0**0.5
         for heading, place, at in ((0.0, 30.0, 0.0), (0.0, -60.0, 0.0), (0.0, 30.0, -30.0), (np.pi / 2, 30.0, 60.0), (half, far, 0.0), (half, far, far)):
-            self.refused(self.GOOD + f"{place!r},1,0.1\n", r"ux\.csv:10: \(.*\) is the place of an image of the rod in the box of 30", FIT,
+            self.refused(self.GOOD + f"{place!r},1,0.1\n", r"ux\.csv:10: \(.*\) is the position of an image of the rod in the box of 30", FIT,
                          "-s", "fit.box=30.0", "-s", f"fit.heading={heading!r}", "-s", f"fit.profiles.0.at={at!r}")
         for elsewhere in (("fit.heading=0.3", "fit.box=30.0"), ("fit.heading=0.0", "fit.box=31.0")):
             self.write("ux.csv", self.GOOD + "30,1,0.1\n")

@@ -63,7 +63,7 @@ class HelpTest(ProgramTest):
                 ("psi6", r"(?m)^psi6: column of table\.csv"), ("min_separation", r"(?m)^min_separation: key of outcome\.json"),
                 ("capture", r"^capture: how a run of rods ends\n  criterion contact, bound, orbit or pursuit\n"),
                 ("outcome", r"^contact: how(.*\n)*pursuit: how(.*\n)*escape: how(.*\n)*undecided: how(.*\n)*capture: how"),
-                ("outcome", r"(?m)^outcome: column of scan\.csv"), ("error", r"(?m)^  unit +that of the row"),
+                ("outcome", r"(?m)^outcome: column of scan\.csv"), ("error", r"(?m)^  unit +as in the row"),
                 ("measure.json", r"(?m)^    psi6 ")):
             told = self.expect(0, "help", name).stdout
             self.assertRegex(told, pattern)
@@ -194,7 +194,7 @@ class InfoTest(ProgramTest):
         for option, name in (("--scene-reference", "scene"), ("--figure-reference", "figures"), ("--file-reference", "files")):
             page = (rodwake.SOURCE / f"docs/{name}.md").read_text()
             self.assertTrue(self.expect(0, "info", option).stdout == page, f"docs/{name}.md: regenerate it: ninja reference")
-        self.assertIn("### `scan_runs.csv`\n\nThe columns are those of `scan.csv`.\n", page)
+        self.assertIn("### `scan_runs.csv`\n\nThe columns of `scan.csv`.\n", page)
         self.assertRegex(page, r"### `series.csv`\n[^#]*\n\| `c_T` \| a/s \| speed of transverse sound \|\n\| `C11` ")  # no row for c_T_error
         self.assertIn("| `omega_static` |", page)
 

@@ -245,7 +245,7 @@ class Formats(ConvertTest):
                 ("expected nine numbers", "a.xyz", put(x, "24 0 0 0", "24 0 0")),
                 ("a.xyz:24: Step=soon: expected a whole number", "a.xyz", put(x, "Step=100", "Step=soon")),
                 ("frame 2 has no Step", "a.xyz", put(x, "Step=100", "")),
-                ("has no particle with a place in its 0 frames", "a.xyz", ""),
+                ("has no particle with a position in its 0 frames", "a.xyz", ""),
                 ("has 20 of its 21 particles", "a.xyz", "21" + x[2:x.index("20\n", 5)]),
                 ("no t= (tracks.time_column)", "a.xyz", x, "--time-column", "t"),
                 ("the header is", "a.csv", "frame,x,y,z\n"),

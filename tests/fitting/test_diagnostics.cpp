@@ -24,7 +24,7 @@ TEST_CASE("minima as deep as each other are one, and what tells them apart is sa
     const Report r = reported(problem, method);
     CHECK(r.same_optimum == 12);
     CHECK(says(r, "of the 12 starts that ended at the best objective"));
-    CHECK(says(r, "the data do not tell these apart"));
+    CHECK(says(r, "the data do not distinguish these"));
     CHECK_FALSE(says(r, "ended elsewhere"));
 }
 

@@ -116,7 +116,7 @@ TEST_CASE("a bad start among good ones is counted, not fatal") {
     const Fit best = fit(problem, method);
     CHECK(best.termination == Termination::converged);
     CHECK(std::isinf(best.starts[0].objective));
-    CHECK(says(report(problem, best), "1 of 4 starts found no place with finite residuals"));
+    CHECK(says(report(problem, best), "1 of 4 starts found no point with finite residuals"));
 }
 
 TEST_CASE("a derivative that is not finite is caught") {

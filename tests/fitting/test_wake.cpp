@@ -260,7 +260,7 @@ TEST_CASE("data that cannot be fitted are refused") {
         CHECK_THROWS_AS(wake_problem({}, {data}, list), rodwake::InputError);
     };
     CHECK_NOTHROW(wake_problem({}, {good}, list));
-    refused([](Profile& p) { p.value[3] = NAN; }, "line[3]: place and value must be finite");
+    refused([](Profile& p) { p.value[3] = NAN; }, "line[3]: position and value must be finite");
     refused([](Profile& p) { p.place[2] = INFINITY; }, "line[2]");
     refused([](Profile& p) { p.sigma[5] = 0.0; }, "line[5]: sigma = 0: must be above 0");
     refused([](Profile& p) { p.sigma[5] = -1.0; }, "sigma = -1");

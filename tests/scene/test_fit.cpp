@@ -61,7 +61,7 @@ TEST_CASE("a profile's range goes from low to high") {
     const auto fit = *parse(fitted("", uy + "range = [\"10 a\", 39.0]\n")).fit;
     CHECK(fit.profiles[0].range == std::vector{10.0, 39.0});
     check_round_trip(parse(fitted("", uy + "range = [10.0, 39.0]\n")));
-    says(fitted("", uy + "range = [39.0, 10.0]\n"), "from a lower to a higher place");
+    says(fitted("", uy + "range = [39.0, 10.0]\n"), "from a lower to a higher position");
 }
 
 TEST_CASE("parameters have the defaults of the reference") {

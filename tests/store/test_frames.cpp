@@ -101,7 +101,7 @@ TEST_CASE("Wrapping at the edges of the box") {
     CHECK(store::wrap(-1e-300, side).place == 0.0);
     CHECK(store::wrap(-1e-300, side).image == 0);
     for (const double x : {not_a_number, HUGE_VAL, -1e300, 1.2e8})
-        CHECK(has(error_of<RunError>([&] { store::wrap(x, side); }), "is no place near the box of side 0.1"));
+        CHECK(has(error_of<RunError>([&] { store::wrap(x, side); }), "is not near the box of side 0.1"));
 }
 
 TEST_CASE("Directions that are not periodic stay as they are") {

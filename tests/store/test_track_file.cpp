@@ -198,7 +198,7 @@ TEST_CASE("What is wrong in a file of tracks is told with line, column and remed
          "y; name it in tracks.columns = { x = \"...\" }"},
         {"t,particle,x,y\n0,1,2,3\n", "name it in tracks.columns = { frame = \"...\" }, or the times in "
                                       "tracks.time_column"},
-        {head, "t.csv: has no row with a place"},
+        {head, "t.csv: has no row with a position"},
         {head + "0,1,2,3\n", "t.csv:1: no column \"trajectory\"", named},
         {"frame,x,x,y\n0,1,2,3\n", "t.csv:1: column \"x\" appears twice in the header"},
         {head + "0,1,2\n",

@@ -51,9 +51,10 @@ struct ProfileFound {
     double a; ///< m
 };
 constexpr ResultColumn<ProfileFound> profile_columns[] = {
-    {{"x", "a", "place along the line"}, [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
+    {{"x", "a", "position along the line"},
+     [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
     {{"value", "a", "displacement"}, [](const ProfileFound& f) { return scaled(f.p.value, 1.0 / f.a); }},
-    {{"sigma", "a", "standard error; empty: unknown, as with one block of time"},
+    {{"sigma", "a", "standard error (empty: unknown, as with one block of time)"},
      [](const ProfileFound& f) { return scaled(f.p.sigma, 1.0 / f.a); }},
     {{"count", "1", "samples behind the value"}, [](const ProfileFound& f) { return f.p.count; }}};
 constexpr auto profile_infos = infos_of(profile_columns);
@@ -66,7 +67,7 @@ MeasureTable profile_table(const DisplacementField& u, const char* component, co
     const measure::Profile p = measure::profile(u, component, along, at);
     return {fmt::format("profile_{}_{}.csv", component, along),
             fmt::format("displacement {} along {} of the rod's frame at {} = {:g} a; lengths in bead radii, "
-                        "a = {:g} m; x is the place along the line",
+                        "a = {:g} m; x is the position along the line",
                         component, along, *along == 'x' ? "y" : "x", p.at / a, a),
             profile_infos, columns_of(profile_columns, ProfileFound{p, a})};
 }

@@ -38,10 +38,10 @@ struct Marked {
 using Row = const Marked&;
 constexpr RowColumn<Marked> marked_columns[] = {
     {{"bead", "1", "number of the bead"}, [](Row row) { return row.m.bead; }},
-    {{"x0", "a", "place in the first frame, unwrapped"}, [](Row row) { return row.m.x0 / row.a; }},
-    {{"y0", "a", "place in the first frame, unwrapped"}, [](Row row) { return row.m.y0 / row.a; }},
-    {{"x1", "a", "place in the last frame, drift removed"}, [](Row row) { return row.m.x1 / row.a; }},
-    {{"y1", "a", "place in the last frame, drift removed"}, [](Row row) { return row.m.y1 / row.a; }}};
+    {{"x0", "a", "position in the first frame, unwrapped"}, [](Row row) { return row.m.x0 / row.a; }},
+    {{"y0", "a", "position in the first frame, unwrapped"}, [](Row row) { return row.m.y0 / row.a; }},
+    {{"x1", "a", "position in the last frame, drift removed"}, [](Row row) { return row.m.x1 / row.a; }},
+    {{"y1", "a", "position in the last frame, drift removed"}, [](Row row) { return row.m.y1 / row.a; }}};
 constexpr auto marked_infos = infos_of(marked_columns);
 constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_infos},
                               {"flow.vti", "flow field for ParaView"}};

@@ -95,7 +95,7 @@ constexpr ResultValue<HeadingDiffusionValues> values[] = {
     {{"diffusion_per_length", "$D_r/v_0$", "rad^2/a", "heading diffusion on the way of one bead radius"},
      [](F f) { return f.per_length; }},
     {{"f_over_mu", "Unit of length $f/\\mu$", "a",
-      "of the next value: that of [scales], else the paper's 2.2 a"},
+      "of the next value: from [scales], else 2.2 a as in the paper"},
      [](F f) { return f.unit; }},
     {{"rotational_diffusion", "$D_r f/(\\mu v_0)$", "", "the same in the units of the theory"},
      [](F f) { return f.per_length.scaled(f.unit); }},
@@ -113,9 +113,9 @@ constexpr auto value_infos = infos_of(values);
 constexpr ResultColumn<HeadingDiffusionValues> columns[] = {
     {{"lag", "s", "time between two headings"}, [](F f) { return f.r.lag; }},
     {{"square", "rad^2", "mean-square heading change"}, [](F f) { return f.r.square; }},
-    {{"square_error", "rad^2", "standard error; empty: unknown"}, [](F f) { return f.r.square_error; }},
+    {{"square_error", "rad^2", "standard error (empty: unknown)"}, [](F f) { return f.r.square_error; }},
     {{"cosine", "1", "mean cosine of the heading change"}, [](F f) { return f.r.cosine; }},
-    {{"cosine_error", "1", "standard error; empty: unknown"}, [](F f) { return f.r.cosine_error; }},
+    {{"cosine_error", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.cosine_error; }},
     {{"origins", "1", "starting times behind them"}, [](F f) { return f.r.origins; }}};
 constexpr auto column_infos = infos_of(columns);
 constexpr FileInfo files[] = {{"heading.csv", "heading change of the rod against the lag", column_infos}};

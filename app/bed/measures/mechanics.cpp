@@ -195,7 +195,7 @@ constexpr ResultValue<MechanicsValues> values[] = {
     {{"travelled", "Way while measured", "a", "of the rod; the least of the runs"},
      [](F f) { return of_rod(f, f.r.along * f.to_a); }},
     {{"wanted_travel", "Way to a steady wake", "a",
-      "the lesser of $\\xi$ and half the box; asked before and while measuring"},
+      "the lesser of $\\xi$ and half the box; required before and while measuring"},
      [](F f) { return of_rod(f, f.r.wanted * f.to_a); }},
     {{"steady", "", "", "whether both ways are long enough"}, [](F f) { return f.r.steady; }},
     {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
@@ -210,7 +210,8 @@ constexpr ResultValue<MechanicsValues> values[] = {
      [](F f) { return only_if(f.decay.inertia.count > 0, f.decay.coupling); }},
     {{"inertia", "Inertia over mass $m^*$", "", "drag rate by the push over decay rate of the drift"},
      [](F f) { return f.decay.inertia; }},
-    {{"used_inertia", "$m^*$ that is used", "", "in the screening length; null: none, the mass of the beads"},
+    {{"used_inertia", "$m^*$ that is used", "",
+      "in the screening length (null: none, the mass of the beads)"},
      [](F f) { return f.used.factor; }},
     {{"inertia_source", "", "", "where that comes from", 1.0, true}, [](F f) { return f.used.source; }},
 };

@@ -108,26 +108,26 @@ constexpr ResultValue<MicrorheologyValues> values[] = {
 constexpr auto value_infos = infos_of(values);
 
 constexpr ResultColumn<MicrorheologyValues> msd_columns[] = {
-    {{"lag", "s", "time between two places of a bead"}, [](F f) { return f.r.lag; }},
+    {{"lag", "s", "time between two positions of a bead"}, [](F f) { return f.r.lag; }},
     {{"msd", "a^2", "mean-square displacement, drift removed"}, [](F f) { return scaled(f.r.msd, f.area); }},
-    {{"sigma", "a^2", "standard error; empty: unknown"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
+    {{"sigma", "a^2", "standard error (empty: unknown)"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
     {{"origins", "1", "starting times behind the value"}, [](F f) { return f.r.origins; }}};
 constexpr ResultColumn<MicrorheologyValues> stiffness_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.r.s; }},
     {{"value", "1/a^2", "1/(s MSD~(s))"}, [](F f) { return scaled(f.r.stiffness, f.a * f.a); }},
-    {{"sigma", "1/a^2", "standard error; empty: unknown"},
+    {{"sigma", "1/a^2", "standard error (empty: unknown)"},
      [](F f) { return scaled(f.r.stiffness_error, f.a * f.a); }}};
 constexpr ResultColumn<MicrorheologyValues> kernel_columns[] = {
     {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.kernel.s; }},
     {{"total", "N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}, [](F f) { return f.kernel.total; }},
-    {{"total_error", "N/m", "standard error, also that of with_drag; empty: unknown"},
+    {{"total_error", "N/m", "standard error, also of with_drag (empty: unknown)"},
      [](F f) { return f.kernel.total_error; }},
     {{"bias", "N/m", "how far the length of the run and the frames may put these values off"},
      [](F f) { return f.kernel.bias; }},
     {{"with_drag", "N/m", "k~(s) + Gamma s: total less m s^2"}, [](F f) { return f.kernel.with_drag; }},
-    {{"kernel", "N/m", "memory kernel k~(s), less measure.bead_drag; empty: no drag was given"},
+    {{"kernel", "N/m", "memory kernel k~(s), less measure.bead_drag (empty: no drag was given)"},
      [](F f) { return f.kernel.kernel; }},
-    {{"kernel_error", "N/m", "standard error; empty: unknown"}, [](F f) { return f.kernel.kernel_error; }}};
+    {{"kernel_error", "N/m", "standard error (empty: unknown)"}, [](F f) { return f.kernel.kernel_error; }}};
 /// A row of msd_kinds.csv; of stiffness_kinds.csv without the lag.
 struct KindRow {
     std::size_t kind;
@@ -137,13 +137,13 @@ constexpr RowColumn<KindRow> kind_columns[] = {
     {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
     {{"radius", "a", "of its beads, mean"}, [](const KindRow& r) { return r.radius; }},
     {{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}, [](const KindRow& r) { return r.value; }},
-    {{"sigma", "1/a^2", "standard error; empty: unknown"}, [](const KindRow& r) { return r.error; }}};
+    {{"sigma", "1/a^2", "standard error (empty: unknown)"}, [](const KindRow& r) { return r.error; }}};
 constexpr RowColumn<KindRow> kind_msd_columns[] = {
     {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
-    {{"lag", "s", "time between two places of a bead"}, [](const KindRow& r) { return r.lag; }},
+    {{"lag", "s", "time between two positions of a bead"}, [](const KindRow& r) { return r.lag; }},
     {{"msd", "a^2", "mean-square displacement, drift of all beads removed"},
      [](const KindRow& r) { return r.value; }},
-    {{"sigma", "a^2", "standard error; empty: unknown"}, [](const KindRow& r) { return r.error; }}};
+    {{"sigma", "a^2", "standard error (empty: unknown)"}, [](const KindRow& r) { return r.error; }}};
 constexpr auto kind_infos = infos_of(kind_columns);
 constexpr auto kind_msd_infos = infos_of(kind_msd_columns);
 constexpr auto msd_infos = infos_of(msd_columns);

@@ -102,11 +102,11 @@ constexpr auto value_infos = infos_of(values);
 constexpr ResultColumn<OrderValues> gr_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.r, 1.0 / f.a); }},
     {{"g", "1", "pair correlation g(r)"}, [](F f) { return f.r.g; }},
-    {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_error; }}};
+    {{"sigma", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.g_error; }}};
 constexpr ResultColumn<OrderValues> gB_columns[] = {
     {{"r", "a", "distance"}, [](F f) { return scaled(f.r.order_r, 1.0 / f.a); }},
     {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
-    {{"sigma", "1", "standard error; empty: unknown"}, [](F f) { return f.r.g_B_error; }},
+    {{"sigma", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.g_B_error; }},
     {{"pairs", "1", "pairs behind the value"}, [](F f) { return f.r.order_pairs; }}};
 /// One pair of kinds after the other.
 constexpr auto for_kinds = [](F f, auto of_bin) {
@@ -125,7 +125,7 @@ constexpr ResultColumn<OrderValues> kinds_columns[] = {
      [](F f) { return for_kinds(f, [&](const auto&, std::size_t k) { return f.r.r[k] / f.a; }); }},
     {{"g", "1", "pair correlation g(r) of the two kinds"},
      [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g[k]; }); }},
-    {{"sigma", "1", "standard error; empty: unknown"},
+    {{"sigma", "1", "standard error (empty: unknown)"},
      [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g_error[k]; }); }}};
 constexpr auto gr_infos = infos_of(gr_columns);
 constexpr auto gB_infos = infos_of(gB_columns);
