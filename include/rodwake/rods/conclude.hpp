@@ -32,6 +32,10 @@ RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRate
                     const integrate::Solution& solution, const SeparationRecord& record,
                     const EndingCriteria& criteria, TurnedBy turned_by = TurnedBy::other);
 
+/// Longest step from a state in which a touch of bodies is seen (BodyForces::step_limit); unseen ones shift
+/// few rods by less than any tolerance, and a crowd by little. Infinite without bodies.
+double body_step(const BodyForces& bodies, integrate::State y);
+
 /// As simulate, form angle, with `rates` instead of those of rods/model.hpp: of places and headings by the
 /// state, in its layout, finite where rods meet: they change over `width`, f/mu, below which steps need not
 /// go on account of rods that are near. No Jacobian: difference quotients.
