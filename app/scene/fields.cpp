@@ -77,11 +77,11 @@ void fields(Visitor& v, Scene& scene) {
         key("body").doc("Rods with bodies: tapered rows of discs that push each other aside. Absent: rods "
                         "are points and pass through each other."),
         scene.body);
-    v.table(
-        key("rods_random")
-            .doc("Rods at random in a square round the origin, in place of [[rods]]. They depend on these "
-                 "keys and on [body] alone."),
-        scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
+    v.table(key("rods_random")
+                .doc("Rods at random in a square or disc round the origin, in place of [[rods]]. They depend "
+                     "on these "
+                     "keys and on [body] alone."),
+            scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
     std::vector<Rod> none;
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod."),
            scene.rods_random ? none : scene.rods);
