@@ -92,6 +92,12 @@ State to_state(const Bodies& bodies, std::int64_t step);
 Agitation agitation_of(const Bodies& bodies);
 Energy total_energy(const Bodies& bodies, double gravity);
 
+/// A contact's axes in columns: two tangents and the normal.
+Eigen::Matrix3d contact_frame(const Eigen::Vector3d& normal);
+/// An impact, given in world axes, in those of its contact.
+ImpactCase seen_in(const Eigen::Matrix3d& frame, const Eigen::Matrix3d& inverse_mass,
+                   const Eigen::Vector3d& relative_velocity, const Surface& surface);
+
 /// The impulse on body 1 of Stronge's law about `normal` (unit, from body 2 to body 1); everything in world
 /// axes.
 Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
