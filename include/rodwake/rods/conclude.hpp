@@ -2,6 +2,7 @@
 // What every way of integrating rods begins and ends with: a problem that can be posed, and the outcome of
 // its solution. For integrators of other models than rods/model.hpp, and for other right-hand sides.
 
+#include "rodwake/rods/body.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <vector>
