@@ -290,28 +290,6 @@ double next_touch(const RodApproach& approach, double left, double rest, bool lo
     return approach.opening() <= 0.0 ? 0.0 : end_of_hop(approach, left);
 }
 
-/// A contact that rests on a plate at rest follows no impact. It gets the impulse that stops the point if
-/// friction can hold it, else one that ends its approach and acts against the slip as it is now; nothing if
-/// that would give energy.
-std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const Vector3& relative,
-                                     double side, double friction) {
-    // K P = -v by Cramer's rule; K is symmetric
-    const Vector3 x = inverse_mass.col(0), y = inverse_mass.col(1), z = inverse_mass.col(2);
-    const Vector3 stop =
-        Vector3(relative.dot(y.cross(z)), relative.dot(z.cross(x)), relative.dot(x.cross(y))) /
-        -x.dot(y.cross(z));
-    if (stop.head<2>().norm() <= friction * side * stop.z())
-        return stop;
-    const Eigen::Vector2d slip = relative.head<2>().normalized();
-    const Vector3 along(-friction * slip.x(), -friction * slip.y(), side);
-    const double gain = side * z.dot(along); // of speed away from the plate, for each unit of the impulse
-    const Vector3 impulse = (-side * relative.z() / gain) * along;
-    const Vector3 after = relative + product(inverse_mass, impulse);
-    if (!(gain > 0.0 && impulse.dot(relative + after) <= 0.0))
-        return {};
-    return impulse;
-}
-
 /// Whether a rod lies on the floor of plates that are still: two places are no higher than a fall in one
 /// step, and none is faster than such a fall makes it. Impulses one after the other leave that much, and
 /// would have it creep on for ever; a rod that slides so slowly stops within g dt^2/(2 mu) (2e-6 m at 1e-4
