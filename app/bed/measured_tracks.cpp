@@ -201,7 +201,7 @@ measure::TrackScale scale_of(const scene::Tracks& keys, const TrackRows& rows, c
 
 /// film_frame.csv
 struct FilmBead {
-    double t, x, y, psi6, orientation;
+    double t, x, y, psi6, orientation, radius;
 
     static constexpr auto fields() {
         using R = FilmBead;
@@ -212,8 +212,8 @@ struct FilmBead {
             field("psi6", &R::psi6,
                   {"1", "size of the local bond order, neighbours as measure.order has them (empty: too near "
                         "the border of the window, or order is not measured)"}),
-            field("orientation", &R::orientation,
-                  {"rad", "of the close-packed rows from +x; empty as psi6"})};
+            field("orientation", &R::orientation, {"rad", "of the close-packed rows from +x; empty as psi6"}),
+            field("radius", &R::radius, {"m", "of the bead"})};
     }
 };
 
@@ -420,8 +420,10 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
         std::vector<FilmBead> beads;
         for (std::size_t i = 0; i < x.size(); ++i) {
             const bool known = !std::isnan(psi[i].real());
-            beads.push_back({tracks->time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
-                             known ? std::arg(psi[i]) / 6.0 : std::nan("")});
+            beads.push_back(
+                {tracks->time[most], x[i], y[i], known ? std::abs(psi[i]) : std::nan(""),
+                 known ? std::arg(psi[i]) / 6.0 : std::nan(""),
+                 tracks->radius.empty() ? tracks->bead_radius : tracks->radius[tracks->start[most] + i]});
         }
         store::write_atomically(folder / "film_frame.csv", csv_of(beads));
     }

@@ -19,10 +19,7 @@ using granular::Impact;
 
 constexpr const char* impact_header = "Px,Py,Pz,wx,wy,wz\n";
 
-struct ImpactCase {
-    Eigen::Matrix3d inverse_mass;
-    Eigen::Vector3d velocity;
-    granular::Surface surface;
+struct ImpactRow : granular::ImpactCase {
     std::size_t line; ///< of the file
 };
 
@@ -52,7 +49,7 @@ private:
     std::string file_, text_;
 };
 
-void add_row(const ImpactCase& c, ImpactMessages& messages, fmt::memory_buffer& out) {
+void add_row(const ImpactRow& c, ImpactMessages& messages, fmt::memory_buffer& out) {
     const Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
     if (!i.impulse.allFinite() || !i.velocity.allFinite())
         return messages.add(c.line,
@@ -68,10 +65,10 @@ int verb_impact(const Options& options) {
     const std::vector<std::string> names = {"Kxx", "Kxy", "Kxz", "Kyy", "Kyz", "Kzz",
                                             "vx",  "vy",  "vz",  "mu",  "e"};
     const store::Table table = store::read_csv(options.cases, names);
-    std::vector<ImpactCase> cases(table.rows());
+    std::vector<ImpactRow> cases(table.rows());
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const auto at = [&](const char* name) { return (*table.find(name))[i]; };
-        ImpactCase& c = cases[i];
+        ImpactRow& c = cases[i];
         c.inverse_mass << at("Kxx"), at("Kxy"), at("Kxz"), at("Kxy"), at("Kyy"), at("Kyz"), at("Kxz"),
             at("Kyz"), at("Kzz");
         c.velocity = {at("vx"), at("vy"), at("vz")};
@@ -79,7 +76,7 @@ int verb_impact(const Options& options) {
         c.line = table.lines[i];
     }
     ImpactMessages messages(options.cases);
-    for (const ImpactCase& c : cases) {
+    for (const ImpactRow& c : cases) {
         const double least = definiteness(c.inverse_mass);
         if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
             messages.add(c.line,
@@ -94,7 +91,7 @@ int verb_impact(const Options& options) {
     messages.throw_if_any();
     fmt::memory_buffer out; // every row before the first is printed: a bad one leaves nothing half-written
     out.append(std::string_view(impact_header));
-    for (const ImpactCase& c : cases)
+    for (const ImpactRow& c : cases)
         try {
             add_row(c, messages, out);
         } catch (const RunError& error) {

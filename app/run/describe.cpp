@@ -159,8 +159,8 @@ void add_crowd_lines(const Plan& plan, Lines& lines) {
     const scene::Scene& scene = plan.rods.front().of.scene;
     const rods::RodProblem& problem = plan.rods.front().problem;
     if (scene.rods_random)
-        lines.push_back({true, fmt::format("rods at random in a square of {:g}, seed {}",
-                                           scene.rods_random->extent, scene.rods_random->seed)});
+        lines.push_back({true, fmt::format("rods at random in a {}, seed {}",
+                                           scene::region_of(*scene.rods_random), scene.rods_random->seed)});
     if (problem.rods.size() > rods::most_followed_rods)
         lines.push_back(
             {false, fmt::format("pursuit and escape of pairs: more than {} rods", rods::most_followed_rods)});

@@ -37,10 +37,12 @@ public:
 
     /// Beads and rods that the gap between shaken plates stops are named (findings.md, section 13): beads
     /// revive from 2.5 radii on; a rod walks at a tenth of its speed where its thick end fills 0.7 of the
-    /// gap, at a third for 0.84.
+    /// gap, at a third for 0.84. From four radii on small beads stack, which a gap for large ones may allow.
     void gap(const Granular& bed) {
-        constexpr double dead = 2.5, thin = 0.8;
-        const double width = bed.plates.gap, largest = bead_mix(bed).largest();
+        constexpr double dead = 2.5, thin = 0.8, stacked = 4.0;
+        const granular::BeadMix mix = bead_mix(bed);
+        const double width = bed.plates.gap, largest = mix.largest(),
+                     smallest = granular::BeadMix{mix.radius, mix.kinds}.smallest(); // a spread aside
         if (bed.plates.gamma == 0.0)
             return;
         if (width < dead * largest)
@@ -48,6 +50,10 @@ public:
                 fmt::format("granular.plates.gap = {:g} m is {:.2f} radii of the largest beads ({:g} m), "
                             "which hardly move below {:g}; 2.7 to 2.8 keep them moving",
                             width, width / largest, largest, dead));
+        if (!mix.equal() && width > stacked * smallest)
+            list.push_back(fmt::format("granular.plates.gap = {:g} m is {:.2f} radii of the smallest beads "
+                                       "({:g} m), which stack from {:g} on: this bed is not one layer",
+                                       width, width / smallest, smallest, stacked));
         for (std::size_t i = 0; i < bed.rods.size(); ++i) {
             const granular::RodShape& shape = bed.rods[i].shape;
             if (shape.kind == granular::RodKind::motile && !bed.rods[i].imposed_speed &&

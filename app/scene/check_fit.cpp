@@ -326,6 +326,13 @@ void profile(const FitProfile& p, const std::string& path, const Report& report)
                                             p.range[0], p.range[1]));
 }
 
+/// Reports a key of [fit] that is given without the data it belongs to.
+void stray(bool given, const char* name, const char* data, const Report& report) {
+    if (given)
+        report(std::string("fit.") + name,
+               fmt::format("{} belongs to [[fit.{}]]; there are none", name, data));
+}
+
 } // namespace
 
 void check_fit_data(const Fit& fit, const Report& report) {
@@ -333,14 +340,11 @@ void check_fit_data(const Fit& fit, const Report& report) {
     needed(fit, report);
     noise(fit, report);
     const Fit unset;
-    const auto of_profiles = [&](bool given, const char* name) {
-        if (given && fit.profiles.empty())
-            report(std::string("fit.") + name,
-                   fmt::format("{} belongs to [[fit.profiles]]; there are none", name));
-    };
-    of_profiles(fit.core != unset.core, "core");
-    of_profiles(fit.independent_spacing.has_value() && fit.maps.empty(), "independent_spacing");
-    of_profiles(fit.heading != unset.heading, "heading");
+    if (fit.profiles.empty()) {
+        stray(fit.core != unset.core, "core", "profiles", report);
+        stray(fit.independent_spacing && fit.maps.empty(), "independent_spacing", "profiles", report);
+        stray(fit.heading != unset.heading, "heading", "profiles", report);
+    }
     if (fit.heading != unset.heading && !fit.box)
         report("fit.heading", "heading is the angle of the rod to the sides of the periodic box: give "
                               "fit.box, or leave heading out");
@@ -436,14 +440,11 @@ void check_fit_maps(const Scene& scene, const Report& report) {
     const Fit& fit = *scene.fit;
     measured_by_run(scene, report);
     const Fit unset;
-    const auto only = [&](bool given, const char* name) {
-        if (given && fit.maps.empty())
-            report(std::string("fit.") + name,
-                   fmt::format("{} belongs to [[fit.maps]]; there are none", name));
-    };
-    only(fit.rod_length != unset.rod_length, "rod_length");
-    only(fit.source_width != unset.source_width, "source_width");
-    only(!fit.masks.empty(), "masks");
+    if (fit.maps.empty()) {
+        stray(fit.rod_length != unset.rod_length, "rod_length", "maps", report);
+        stray(fit.source_width != unset.source_width, "source_width", "maps", report);
+        stray(!fit.masks.empty(), "masks", "maps", report);
+    }
     needed_by_maps(fit, report);
     fixed_errors(fit, report);
     for_each_table(fit.masks, "fit.masks", mask, report);

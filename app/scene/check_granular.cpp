@@ -130,6 +130,13 @@ void radii(const Scene& scene, const Report& report) {
 
 } // namespace
 
+double default_gap(const Granular& bed) {
+    const double paper = granular::Plates{}.gap;
+    const granular::BeadMix mix = bead_mix(bed);
+    // Large beads come alive between 2.5 and 2.7 of their radii (findings.md, section 13).
+    return mix.equal() ? paper : std::max(paper, 2.7 * mix.largest());
+}
+
 double time_step(const Granular& bed) {
     return bed.time_step.value_or(bed.plates.longest_step(bed.gravity, bead_mix(bed).smallest()));
 }

@@ -20,9 +20,6 @@ void bodies(const Scene& scene, const Report& report) {
     if (!scene.body && some_without)
         return report("rods", "rods: some have a body of their own and others none: give [body] for all, or "
                               "each rod a body");
-    if (scene.medium && scene.medium->is_dynamic())
-        return report("body", "[body] cannot be combined with medium.field = \"dynamic\": take \"exact\", "
-                              "\"table\" or \"measured\", or leave [body] out");
     if (scene.scan && scene.scan->certificates)
         report("scan.certificates",
                "scan.certificates: outcomes of rods with bodies have no certificate; leave "
@@ -38,6 +35,8 @@ void bodies(const Scene& scene, const Report& report) {
             return;
     try {
         rods::validate(problem);
+        if (scene.medium && scene.medium->is_dynamic())
+            medium::validate_bodies(scene.medium->memory(), problem);
     } catch (const InputError& error) {
         report("body", fmt::format("[body]: {}", error.what()));
     }

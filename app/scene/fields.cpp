@@ -78,7 +78,8 @@ void fields(Visitor& v, Scene& scene) {
                         "are points and pass through each other."),
         scene.body);
     v.table(key("rods_random")
-                .doc("Rods at random in a square round the origin, instead of [[rods]]. They depend on these "
+                .doc("Rods at random in a square or disc round the origin, instead of [[rods]]. They depend "
+                     "on these "
                      "keys and on [body] alone."),
             scene.rods_random, [&](RandomRods& random) { fields(v, random, scene.body); });
     std::vector<Rod> none;

@@ -23,7 +23,6 @@ void fields(Visitor& v, RodsRun& run);
 void fields(Visitor& v, RodsOrder& order);
 void fields(Visitor& v, Cut& cut);
 void fields(Visitor& v, Field& field);
-void fields(Visitor& v, granular::Plates& plates);
 void fields(Visitor& v, granular::Surface& surface);
 void fields(Visitor& v, granular::BodyForce& force);
 void fields(Visitor& v, SurfaceChange& change);

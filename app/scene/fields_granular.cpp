@@ -196,9 +196,21 @@ constexpr KeyAlternative count_forms[] = {{"phi_b"}, {"beads"}, {"start_file"}};
 
 } // namespace
 
-void fields(Visitor& v, granular::Plates& plates) {
-    v(key("gap").symbol("w").unit(length).above(0.0, 1.0).doc("from floor to lid").example("\"1.2 mm\""),
-      plates.gap);
+namespace {
+
+void plate_fields(Visitor& v, Granular& bed) {
+    granular::Plates& plates = bed.plates;
+    const std::string absent = fmt::format(
+        "{:g} mm; with beads of several sizes the larger of 1.2 mm and 2.7 radii of the largest bead",
+        1e3 * default_gap(bed));
+    v(key("gap")
+          .symbol("w")
+          .unit(length)
+          .above(0.0, 1.0)
+          .absent(absent)
+          .doc("from floor to lid")
+          .example("\"1.2 mm\""),
+      bed.gap);
     v(key("frequency")
           .symbol("f")
           .unit(rate)
@@ -213,6 +225,8 @@ void fields(Visitor& v, granular::Plates& plates) {
           .example("7.0"),
       plates.gamma);
 }
+
+} // namespace
 
 void fields(Visitor& v, granular::Surface& surface) {
     v(key("friction").within(0.0, 1e3).doc("Coulomb coefficient").example("0.05"), surface.friction);
@@ -401,7 +415,7 @@ void fields(Visitor& v, Granular& bed) {
     time_fields(v, bed);
     v.table(key("plates").doc("Floor z = A cos(2 pi f t), lid the same plus the gap. Absent: the defaults, "
                               "which are the paper's."),
-            bed.plates);
+            bed.plates, [&](granular::Plates&) { plate_fields(v, bed); });
     v.table(key("contacts")
                 .doc("What happens when two things touch. Absent: the defaults, which are the paper's."),
             bed.contacts);
@@ -429,7 +443,10 @@ void fields(Visitor& v, Granular& bed) {
     std::vector<GranularRod> listed;
     v.list(key("rods").items(0, max_rods).doc("One entry for each rod in the bed."),
            bed.rods_random ? listed : bed.rods);
-    v.derive([&] { place_random_rods(v, bed, listed); });
+    v.derive([&] {
+        bed.plates.gap = bed.gap.value_or(default_gap(bed));
+        place_random_rods(v, bed, listed);
+    });
 }
 
 } // namespace rodwake::scene

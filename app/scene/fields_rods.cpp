@@ -226,13 +226,22 @@ void fields(Visitor& v, Rod& rod) {
 
 void fields(Visitor& v, RandomRods& random, const std::optional<Body>& body) {
     v(key("count").required().within(1, 1e5).doc("number of rods").example("300"), random.count);
-    v(key("extent").required().unit(length).above(0.0).doc("side of the square").example("40.0"),
+    v(key("shape")
+          .doc("square: rods start anywhere in it; disc: in the circle within that square")
+          .example("\"disc\""),
+      choice(random.shape, {{"square", RandomShape::square}, {"disc", RandomShape::disc}}));
+    v(key("extent")
+          .required()
+          .unit(length)
+          .above(0.0)
+          .doc("side of the square, or diameter of the disc")
+          .example("40.0"),
       random.extent);
     v(key("min_separation")
           .unit(length)
           .within(0.0, 1e12)
           .doc("no two rods start nearer, nor across the sides of the square, as in a periodic box of this "
-               "side; discs of this diameter may cover 0.3 of the square")
+               "side; discs of this diameter may cover 0.3 of the square, or of the disc")
           .example("0.5"),
       random.min_separation);
     v(key("heading")
@@ -252,17 +261,16 @@ void fields(Visitor& v, RandomRods& random, const std::optional<Body>& body) {
     v.derive([&] {
         if (crowding(random, std::nullopt) > most_crowding)
             v.complain("min_separation",
-                       fmt::format("is {}: discs of this diameter round {} rods cover {:.2g} of the square "
-                                   "of side {}, and may cover {}: fewer rods, a larger extent or a smaller "
-                                   "min_separation",
+                       fmt::format("is {}: discs of this diameter round {} rods cover {:.2g} of the {}, and "
+                                   "may cover {}: fewer rods, a larger extent or a smaller min_separation",
                                    random.min_separation, random.count, crowding(random, std::nullopt),
-                                   random.extent, most_crowding));
+                                   region_of(random), most_crowding));
         else if (crowding(random, body) > most_crowding)
             v.complain("count",
-                       fmt::format("is {}: bodies {} long and {} to {} wide are too many for the square "
-                                   "of side {}: fewer rods or a larger extent",
+                       fmt::format("is {}: bodies {} long and {} to {} wide are too many for the {}: fewer "
+                                   "rods or a larger extent",
                                    random.count, body->length, body->thin_diameter, body->thick_diameter,
-                                   random.extent));
+                                   region_of(random)));
     });
 }
 

@@ -6,6 +6,8 @@
 #include "rodwake/rods/model.hpp"
 #include "rodwake/scene/scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -59,10 +61,17 @@ private:
 
 double crowding(const RandomRods& random, const std::optional<Body>& body) {
     constexpr double most_covered = 0.35; // by bodies: tapered rods five diameters long jam at random at 0.5
-    const double d = random.min_separation, square = random.extent * random.extent;
-    const double by_discs = 0.25 * std::numbers::pi * d * d * static_cast<double>(random.count) / square;
-    const double by_bodies = body ? rods::area_of(*body) * static_cast<double>(random.count) / square : 0.0;
+    constexpr double quarter = 0.25 * std::numbers::pi;
+    const double d = random.min_separation,
+                 area = (random.shape == RandomShape::disc ? quarter : 1.0) * random.extent * random.extent;
+    const double by_discs = quarter * d * d * static_cast<double>(random.count) / area;
+    const double by_bodies = body ? rods::area_of(*body) * static_cast<double>(random.count) / area : 0.0;
     return std::max(by_discs, by_bodies * most_crowding / most_covered);
+}
+
+std::string region_of(const RandomRods& random) {
+    return fmt::format("{} {}", random.shape == RandomShape::disc ? "disc of diameter" : "square of side",
+                       random.extent);
 }
 
 std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>& body) {
@@ -72,6 +81,7 @@ std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>
     if (body && rods::fault_of(*body)) // likewise
         return {};
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
+    const bool disc = random.shape == RandomShape::disc;
     const double half = 0.5 * random.extent, apart = std::max(random.min_separation, 1e-6 * random.extent);
     rods::RodBodies bodies;
     if (body)
@@ -82,11 +92,14 @@ std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>
     for (long k = 0; k < random.count; ++k)
         for (int i = 0; i < tries; ++i) {
             rods::Pose pose{stream.uniform(-half, half), stream.uniform(-half, half), 0.0};
+            if (disc && !(std::hypot(pose.x, pose.y) < half))
+                continue;
             if (body) // its heading says whether there is room
                 pose.heading = random.heading + stream.uniform(-random.spread, random.spread);
             const auto clear = [&](const rods::Pose& other) {
-                const double x = nearest_image(pose.x - other.x, random.extent),
-                             y = nearest_image(pose.y - other.y, random.extent);
+                double x = pose.x - other.x, y = pose.y - other.y;
+                if (!disc)
+                    x = nearest_image(x, random.extent), y = nearest_image(y, random.extent);
                 if (std::hypot(x, y) < apart)
                     return false;
                 return !body || pair.contact(rods::to_state(std::array<rods::Pose, 2>{

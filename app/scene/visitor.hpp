@@ -56,9 +56,14 @@ public:
     /// A table that may be left out: its defaults hold.
     template<class T>
     void table(const Key& key, T& value) {
+        table(key, value, [this](T& present) { fields(*this, present); });
+    }
+
+    template<class T, class Fields>
+    void table(const Key& key, T& value, Fields each) {
         if (!enter_table(key, true))
             return;
-        fields(*this, value);
+        each(value);
         leave();
     }
 

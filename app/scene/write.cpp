@@ -62,7 +62,10 @@ std::string to_toml(const Scene& scene) {
 }
 
 std::string to_plain_toml(const Scene& scene) {
-    std::istringstream lines(to_toml(scene));
+    Scene used = scene;
+    if (used.granular)
+        used.granular->gap = used.granular->plates.gap; // the same bed, whether it is given or the default
+    std::istringstream lines(to_toml(used));
     std::string plain;
     for (std::string line; std::getline(lines, line);)
         if (!line.starts_with("#"))

@@ -201,19 +201,47 @@ Energy total_energy(const Bodies& bodies, double gravity) {
     return energy;
 }
 
-Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
-                              const Eigen::Vector3d& relative_velocity, const Surface& surface) {
+Eigen::Matrix3d contact_frame(const Eigen::Vector3d& normal) {
     // any two directions across the normal will do; away from the axis it is nearest to
     const Eigen::Vector3d beside =
         std::abs(normal.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
-    Eigen::Matrix3d frame; // columns: tangents, normal
+    Eigen::Matrix3d frame;
     frame.col(2) = normal;
     frame.col(1) = normal.cross(beside).normalized();
     frame.col(0) = frame.col(1).cross(normal);
+    return frame;
+}
+
+ImpactCase seen_in(const Eigen::Matrix3d& frame, const Eigen::Matrix3d& inverse_mass,
+                   const Eigen::Vector3d& relative_velocity, const Surface& surface) {
     const Eigen::Matrix3d inwards = frame.transpose();
-    const Impact impact = stronge_impact(product(product(inwards, inverse_mass), frame),
-                                         product(inwards, relative_velocity), surface);
-    return product(frame, impact.impulse);
+    return {product(product(inwards, inverse_mass), frame), product(inwards, relative_velocity), surface};
+}
+
+Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
+                              const Eigen::Vector3d& relative_velocity, const Surface& surface) {
+    const Eigen::Matrix3d frame = contact_frame(normal);
+    const auto& [mass, velocity, acting] = seen_in(frame, inverse_mass, relative_velocity, surface);
+    return product(frame, stronge_impact(mass, velocity, acting).impulse);
+}
+
+std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const Vector3& relative,
+                                     double side, double friction) {
+    // K P = -v by Cramer's rule; K is symmetric
+    const Vector3 x = inverse_mass.col(0), y = inverse_mass.col(1), z = inverse_mass.col(2);
+    const Vector3 stop =
+        Vector3(relative.dot(y.cross(z)), relative.dot(z.cross(x)), relative.dot(x.cross(y))) /
+        -x.dot(y.cross(z));
+    if (stop.head<2>().norm() <= friction * side * stop.z())
+        return stop;
+    const Eigen::Vector2d slip = relative.head<2>().normalized();
+    const Vector3 along(-friction * slip.x(), -friction * slip.y(), side);
+    const double gain = side * z.dot(along); // of speed away from the plate, for each unit of the impulse
+    const Vector3 impulse = (-side * relative.z() / gain) * along;
+    const Vector3 after = relative + product(inverse_mass, impulse);
+    if (!(gain > 0.0 && impulse.dot(relative + after) <= 0.0))
+        return {};
+    return impulse;
 }
 
 } // namespace rodwake::granular

@@ -18,6 +18,7 @@
 #include <hwy/cache_control.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace rodwake::granular {
@@ -92,13 +93,25 @@ State to_state(const Bodies& bodies, std::int64_t step);
 Agitation agitation_of(const Bodies& bodies);
 Energy total_energy(const Bodies& bodies, double gravity);
 
+/// A contact's axes in columns: two tangents and the normal.
+Eigen::Matrix3d contact_frame(const Eigen::Vector3d& normal);
+/// An impact, given in world axes, in those of its contact.
+ImpactCase seen_in(const Eigen::Matrix3d& frame, const Eigen::Matrix3d& inverse_mass,
+                   const Eigen::Vector3d& relative_velocity, const Surface& surface);
+
 /// The impulse on body 1 of Stronge's law about `normal` (unit, from body 2 to body 1); everything in world
 /// axes.
 Eigen::Vector3d impulse_along(const Eigen::Vector3d& normal, const Eigen::Matrix3d& inverse_mass,
                               const Eigen::Vector3d& relative_velocity, const Surface& surface);
 
-/// The same for spheres, on which the normal impulse does not turn the slip: of the slip the law needs only
-/// the size. approach: normal part of the velocity.
+/// A contact that rests on a plate at rest follows no impact. It gets the impulse that stops the point if
+/// friction can hold it, else one that ends its approach and acts against the slip as it is now; nothing if
+/// that would give energy.
+std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const Vector3& relative,
+                                     double side, double friction);
+
+/// impulse_along for spheres, on which the normal impulse does not turn the slip: of the slip the law needs
+/// only the size. approach: normal part of the velocity.
 inline Vector3 uncoupled_along(const Vector3& n, const Vector3& relative, double approach, double k_t,
                                double k_n, const Surface& surface) {
     const Vector3 slip = relative - approach * n;

@@ -8,8 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace rodwake::granular {
 
@@ -286,70 +290,6 @@ double next_touch(const RodApproach& approach, double left, double rest, bool lo
     return approach.opening() <= 0.0 ? 0.0 : end_of_hop(approach, left);
 }
 
-/// A contact that rests on a plate at rest follows no impact. It gets the impulse that stops the point if
-/// friction can hold it, else one that ends its approach and acts against the slip as it is now; nothing if
-/// that would give energy.
-std::optional<Vector3> hold_or_slide(const Eigen::Matrix3d& inverse_mass, const Vector3& relative,
-                                     double side, double friction) {
-    // K P = -v by Cramer's rule; K is symmetric
-    const Vector3 x = inverse_mass.col(0), y = inverse_mass.col(1), z = inverse_mass.col(2);
-    const Vector3 stop =
-        Vector3(relative.dot(y.cross(z)), relative.dot(z.cross(x)), relative.dot(x.cross(y))) /
-        -x.dot(y.cross(z));
-    if (stop.head<2>().norm() <= friction * side * stop.z())
-        return stop;
-    const Eigen::Vector2d slip = relative.head<2>().normalized();
-    const Vector3 along(-friction * slip.x(), -friction * slip.y(), side);
-    const double gain = side * z.dot(along); // of speed away from the plate, for each unit of the impulse
-    const Vector3 impulse = (-side * relative.z() / gain) * along;
-    const Vector3 after = relative + product(inverse_mass, impulse);
-    if (!(gain > 0.0 && impulse.dot(relative + after) <= 0.0))
-        return {};
-    return impulse;
-}
-
-/// One impulse where the sphere touches, if it is in contact and approaches: the impulse.
-std::optional<Vector3> bounce(MovingRod& rod, std::size_t sphere, const RodApproach& now,
-                              const PlateNow& then, double rest, const Surface& surface, PlateTally& tally) {
-    const Plate& plate = then.plate;
-    const double gap = now.gap();
-    if (!(gap <= touching * now.radius()))
-        return {};
-    tally.max_overlap = std::max(tally.max_overlap, -gap / now.radius());
-    const Vector3 normal(0.0, 0.0, plate.side);
-    const Vector3 arm = rod.clump().offset[sphere] * rod.axis() - (now.radius() + gap) * normal;
-    const Vector3 relative = rod.velocity_at(arm) - Vector3(0.0, 0.0, then.speed);
-    const double approach = -relative.dot(normal);
-    if (!(approach > 0.0))
-        return {};
-    const bool lossless = surface.restitution == 1.0;
-    const bool rests = !lossless && 2.0 * surface.restitution * approach <
-                                        std::max(now.pressing(), plate.step->gravity) * rest;
-    const Surface acting{surface.friction, rests ? 0.0 : surface.restitution};
-    const Eigen::Matrix3d inverse_mass = rod.inverse_mass_at(arm);
-    std::optional<Vector3> held;
-    if (rests && plate.step->still())
-        held = hold_or_slide(inverse_mass, relative, plate.side, surface.friction);
-    const Vector3 impulse = held ? *held : impulse_along(normal, inverse_mass, relative, acting);
-    rod.push(impulse, arm);
-    if (rests && gap < 0.0)
-        rod.shift(-gap * normal);
-    plate.impulse(tally) += impulse.z();
-    ++tally.impulses;
-    return impulse;
-}
-
-/// Calls f(sphere, plate) for each sphere of the rod's outline at each plate.
-template<class F>
-void for_each_place(const MovingRod& rod, const PlateStep& step, double left, const F& f) {
-    const double floor = step.floor.position(left), speed = step.floor.velocity(left);
-    for (const double side : {1.0, -1.0}) {
-        const PlateNow plate{{side, &step}, left, floor + (side > 0.0 ? 0.0 : step.gap), speed};
-        for (const std::size_t sphere : rod.outline())
-            f(sphere, plate);
-    }
-}
-
 /// Whether a rod lies on the floor of plates that are still: two places are no higher than a fall in one
 /// step, and none is faster than such a fall makes it. Impulses one after the other leave that much, and
 /// would have it creep on for ever; a rod that slides so slowly stops within g dt^2/(2 mu) (2e-6 m at 1e-4
@@ -367,57 +307,185 @@ bool lies_still(const MovingRod& rod, const PlateStep& step) {
     return lying > 1;
 }
 
-} // namespace
-
-Vector3 fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
-                const std::function<void()>& moved) {
-    const bool lossless = surface.restitution == 1.0;
-    // where plates are still and contacts lose energy, nothing but the rod's own fall disturbs those that
-    // rest
-    const bool calm = step.still() && !lossless;
-    if (calm && lies_still(rod, step)) {
-        Vector3 weight(0.0, 0.0, rod.clump().mass * step.gravity * step.time_step);
+/// A rod on its way through one step.
+class RodFall {
+public:
+    RodFall(MovingRod& rod, const PlateStep& step, const Surface& surface, const RodMoved& moved)
+        : rod_(rod), step_(step), surface_(surface), moved_(moved), flight_(rod) {
+        if (!(calm_ && lies_still(rod, step)))
+            return;
         rod.stop();
-        tally.floor_impulse += weight.z();
-        return weight;
+        left_ = 0.0;
+        momentum_.z() = rod.clump().mass * step.gravity * step.time_step;
+        upward_.push_back({1.0, momentum_.z()});
     }
-    const int rounds = calm ? 12 : 1;
-    const double rest = (calm ? 1.0 : rest_share) * step.time_step;
-    double left = step.time_step;
-    Vector3 got = Vector3::Zero();
-    bool acted = true; // the last look gave an impulse; else time must pass
-    for (int bounces = 0; left > 0.0;) {
-        double next = never;
-        RodFlight flight(rod);
-        for_each_place(rod, step, left, [&](std::size_t sphere, const PlateNow& plate) {
-            next = std::min(
-                next, next_touch(RodApproach(flight, rod.clump(), sphere, plate), left, rest, lossless));
-        });
-        if (!acted || bounces >= most_rod_bounces)
-            next = std::max(next, std::min(rest, left));
-        rod.move(std::min(next, left), step.gravity);
-        if (next == never)
-            break;
-        left = std::max(left - next, 0.0);
-        acted = false;
-        flight = RodFlight(rod);
+
+    /// Goes on to the next impact, whose impulse is then wanted; nullptr: the step is over.
+    const ImpactCase* next_impact() {
         // two ends that rest push each other: an impulse leaves a quarter of the approach to the next round
-        for (int round = 0, before = -1; round < rounds && before != bounces; ++round) {
-            before = bounces;
-            for_each_place(rod, step, left, [&](std::size_t sphere, const PlateNow& plate) {
-                const RodApproach now(flight, rod.clump(), sphere, plate);
-                const auto impulse = bounce(rod, sphere, now, plate, rest, surface, tally);
-                if (!impulse)
-                    return;
-                flight = RodFlight(rod);
-                got += *impulse;
-                acted = true;
-                ++bounces;
-                moved();
-            });
+        const int rounds = calm_ ? 12 : 1;
+        for (;;) {
+            while (place_ < places())
+                if (touches(place_++))
+                    return &impact_;
+            if (++round_ < rounds && bounces_before_ != bounces_)
+                start_round();
+            else if (!fly())
+                return nullptr;
         }
     }
-    return got;
+
+    /// The impulse of the impact, in its frame.
+    void take(const Vector3& impulse) { push(product(frame_, impulse)); }
+
+    const Vector3& momentum() const { return momentum_; }
+    void add_to(PlateTally& tally) const {
+        for (const auto& [side, impulse] : upward_)
+            Plate{side, &step_}.impulse(tally) += impulse;
+        tally.impulses += bounces_;
+        tally.max_overlap = std::max(tally.max_overlap, max_overlap_);
+    }
+
+private:
+    std::size_t places() const { return 2 * rod_.outline().size(); }
+    /// Spheres of the rod's outline at the floor, then at the lid.
+    RodApproach approach(std::size_t place) const {
+        const std::size_t count = rod_.outline().size();
+        return {flight_, rod_.clump(), rod_.outline()[place % count], plates_[place / count]};
+    }
+
+    void look() {
+        flight_ = RodFlight(rod_);
+        const double floor = step_.floor.position(left_), speed = step_.floor.velocity(left_);
+        plates_ = {PlateNow{{1.0, &step_}, left_, floor, speed},
+                   PlateNow{{-1.0, &step_}, left_, floor + step_.gap, speed}};
+    }
+
+    /// To the next touch; false: the step is over.
+    bool fly() {
+        if (!(left_ > 0.0))
+            return false;
+        look();
+        double next = never;
+        for (std::size_t place = 0; place < places(); ++place)
+            next = std::min(next, next_touch(approach(place), left_, rest_, lossless_));
+        if (!acted_ || bounces_ >= most_rod_bounces)
+            next = std::max(next, std::min(rest_, left_));
+        rod_.move(std::min(next, left_), step_.gravity);
+        if (next == never)
+            return false;
+        left_ = std::max(left_ - next, 0.0);
+        acted_ = false;
+        look();
+        round_ = 0;
+        start_round();
+        return true;
+    }
+
+    void start_round() {
+        bounces_before_ = bounces_;
+        place_ = 0;
+    }
+
+    /// Whether an impact is to be followed there: the sphere is in contact and approaches.
+    bool touches(std::size_t place) {
+        const RodApproach now = approach(place);
+        const PlateNow& then = plates_[place / rod_.outline().size()];
+        const double gap = now.gap(), side = then.plate.side;
+        if (!(gap <= touching * now.radius()))
+            return false;
+        max_overlap_ = std::max(max_overlap_, -gap / now.radius());
+        const Vector3 normal(0.0, 0.0, side);
+        arm_ = rod_.clump().offset[rod_.outline()[place % rod_.outline().size()]] * rod_.axis() -
+               (now.radius() + gap) * normal;
+        const Vector3 relative = rod_.velocity_at(arm_) - Vector3(0.0, 0.0, then.speed);
+        const double approach = -relative.dot(normal);
+        if (!(approach > 0.0))
+            return false;
+        const bool rests = !lossless_ && 2.0 * surface_.restitution * approach <
+                                             std::max(now.pressing(), step_.gravity) * rest_;
+        lift_ = rests && gap < 0.0 ? Vector3(-gap * normal) : Vector3(Vector3::Zero());
+        side_ = side;
+        const Eigen::Matrix3d inverse_mass = rod_.inverse_mass_at(arm_);
+        if (rests && step_.still())
+            if (const auto held = hold_or_slide(inverse_mass, relative, side, surface_.friction)) {
+                push(*held);
+                return false;
+            }
+        frame_ = contact_frame(normal);
+        impact_ =
+            seen_in(frame_, inverse_mass, relative, {surface_.friction, rests ? 0.0 : surface_.restitution});
+        return true;
+    }
+
+    void push(const Vector3& impulse) {
+        rod_.push(impulse, arm_);
+        if (lift_.z() != 0.0)
+            rod_.shift(lift_);
+        upward_.emplace_back(side_, impulse.z());
+        flight_ = RodFlight(rod_);
+        momentum_ += impulse;
+        acted_ = true;
+        ++bounces_;
+        moved_(rod_);
+    }
+
+    MovingRod& rod_;
+    const PlateStep& step_;
+    const Surface& surface_;
+    const RodMoved& moved_;
+    bool lossless_ = surface_.restitution == 1.0;
+    /// Where plates are still and contacts lose energy nothing but the rod's own fall disturbs those that
+    /// rest.
+    bool calm_ = step_.still() && !lossless_;
+    double rest_ = (calm_ ? 1.0 : rest_share) * step_.time_step;
+    double left_ = step_.time_step; ///< of the step
+    RodFlight flight_;
+    std::array<PlateNow, 2> plates_{};
+    std::size_t place_ = places();
+    int round_ = 0, bounces_ = 0, bounces_before_ = 0;
+    bool acted_ = true; ///< the last look gave an impulse; else time must pass
+    ImpactCase impact_;
+    Eigen::Matrix3d frame_;
+    Vector3 arm_, lift_;
+    double side_ = 1.0;
+    Vector3 momentum_ = Vector3::Zero();
+    std::vector<std::pair<double, double>> upward_; ///< side and impulse of each bounce
+    double max_overlap_ = 0.0;
+};
+
+} // namespace
+
+void fly_rods(std::span<MovingRod> rods, const PlateStep& step, const Surface& surface, PlateTally& tally,
+              std::span<Vector3> momentum, const RodMoved& moved) {
+    std::vector<RodFall> falls;
+    falls.reserve(rods.size());
+    for (MovingRod& rod : rods)
+        falls.emplace_back(rod, step, surface, moved);
+    // Rods do not meet here, so their impacts can be followed side by side.
+    std::vector<std::size_t> flying(rods.size());
+    std::iota(flying.begin(), flying.end(), std::size_t{0});
+    std::vector<ImpactCase> cases;
+    std::vector<Impact> impacts;
+    while (!flying.empty()) {
+        cases.clear();
+        std::erase_if(flying, [&](std::size_t i) {
+            const ImpactCase* impact = falls[i].next_impact();
+            if (impact)
+                cases.push_back(*impact);
+            return !impact;
+        });
+        stronge_impacts(cases, impacts);
+        for (std::size_t k = 0; k < flying.size(); ++k)
+            falls[flying[k]].take(impacts[k].impulse);
+    }
+    for (std::size_t i = 0; i < rods.size(); ++i) {
+        const double before = tally.max_overlap;
+        falls[i].add_to(tally);
+        momentum[i] += falls[i].momentum();
+        if (tally.max_overlap > before)
+            tally.deepest = i;
+    }
 }
 
 } // namespace rodwake::granular

@@ -18,12 +18,13 @@ namespace rodwake::granular {
 void bounce_beads(Bodies& bodies, std::span<const std::uint32_t> beads, const PlateStep& step,
                   const Surface& surface, BodyRange& velocities, PlateTally& tally);
 
-/// Moves a rod through one step. Between impulses it flies freely (rod_motion.hpp); where one of its spheres
-/// touches a plate it gets an impulse at that instant, as often as it touches within the step. A contact
-/// whose hop would be shorter than an eighth of a step rests on the plate: it gets an impulse without rebound
-/// that often, which tends to a lasting contact with Coulomb friction as the step goes to zero. `moved` is
-/// called after each change of velocity. Returns the momentum it got from the plates, N s.
-Eigen::Vector3d fly_rod(MovingRod& rod, const PlateStep& step, const Surface& surface, PlateTally& tally,
-                        const std::function<void()>& moved);
+/// Moves rods through one step. Between impulses they fly freely (rod_motion.hpp); where one of a rod's
+/// spheres touches a plate it gets an impulse at that instant, as often as it touches within the step. A
+/// contact whose hop would be shorter than an eighth of a step rests on the plate: it gets an impulse without
+/// rebound that often, which tends to a lasting contact with Coulomb friction as the step goes to zero.
+/// Adds what each rod got from the plates to `momentum`, N s.
+using RodMoved = std::function<void(const MovingRod&)>; ///< called after each change of a velocity
+void fly_rods(std::span<MovingRod> rods, const PlateStep& step, const Surface& surface, PlateTally& tally,
+              std::span<Eigen::Vector3d> momentum, const RodMoved& moved);
 
 } // namespace rodwake::granular

@@ -159,16 +159,11 @@ struct Simulation::Impl {
     }
 
     void fly_rods(const PlateStep& plate, BodyRange& velocities, PlateTally& tally) {
-        for (std::size_t i = 0; i < bodies.rods.size(); ++i) {
-            MovingRod& rod = bodies.rods[i];
-            const double before = tally.max_overlap;
-            include_ends(rod, velocities);
-            tallies.impulse_from_plates[i] += fly_rod(rod, plate, problem.contacts.rod_plate, tally,
-                                                      [&] { include_ends(rod, velocities); });
-            include_ends(rod, velocities);
-            if (tally.max_overlap > before)
-                tally.deepest = i;
-        }
+        const auto include = [&](const MovingRod& rod) { include_ends(rod, velocities); };
+        std::ranges::for_each(bodies.rods, include);
+        granular::fly_rods(bodies.rods, plate, problem.contacts.rod_plate, tally, tallies.impulse_from_plates,
+                           include);
+        std::ranges::for_each(bodies.rods, include);
         bodies.place_rod_spheres();
     }
 

@@ -1,15 +1,15 @@
 #include "slip.hpp"
 
-#include "kernels.hpp"
 #include "rodwake/core/error.hpp"
+#include "slip_series.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 #include <limits>
-#include <numbers>
 #include <string>
+#include <vector>
 
 namespace rodwake::granular {
 
@@ -161,21 +161,9 @@ ContactTerms::ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, c
       scale(q.lpNorm<1>() + friction * a.trace()),
       tolerance(1e-14 * determinant(a(0, 0), a(0, 1), a(1, 1)) / a.trace()) {}
 
-void slide_curved(const ContactTerms& contact, ImpactProgress& at) {
-    while (!at.ended && at.speed > contact.tolerance) {
-        if (is_straight(contact, at))
-            return;
-        if (++at.steps > most_slip_steps)
-            throw RunError("impact: the slip was not followed to its end in " +
-                           std::to_string(most_slip_steps) +
-                           " steps; the inverse mass is not positive definite or not finite");
-        const SlipSeries series(contact, at);
-        series.advance(at, series.stop());
-    }
-    if (!(at.speed > contact.tolerance))
-        at.speed = 0.0;
-}
+namespace {
 
+/// Slip along a root of h, until it stops or the impact ends. Throws RunError if K is not positive definite.
 void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
     const double growth = at.direction.dot(contact.slip_rate(at.direction));
     const double to_stop = growth < 0.0 ? -at.speed / growth : endless;
@@ -183,6 +171,7 @@ void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
     at.speed = 0.0;
 }
 
+/// From zero slip to the end: stick, or slip in the one direction in which it grows.
 void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at) {
     const Eigen::Vector2d hold = solve(contact.tangential, contact.coupling);
     if (hold.norm() <= contact.friction) {
@@ -193,225 +182,81 @@ void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at) {
     add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), endless);
 }
 
-void follow_impact(const ContactTerms& contact, ImpactProgress& at) {
-    slide_curved(contact, at);
+using slip::SlipPath, slip::SlipSeries;
+
+/// Whether the path turns on from here.
+bool turns_on(const SlipPath& path) {
+    ImpactProgress& at = *path.at;
+    const bool slips = at.speed > path.contact->tolerance;
+    if (!slips)
+        at.speed = 0.0;
+    if (at.ended || !slips || is_straight(*path.contact, at))
+        return false;
+    if (++at.steps > most_slip_steps)
+        throw RunError("impact: the slip was not followed to its end in " + std::to_string(most_slip_steps) +
+                       " steps; the inverse mass is not positive definite or not finite");
+    return true;
+}
+
+/// Follows slips while their directions turn. Afterwards an impact has ended, or its speed is 0, or its
+/// direction is a root of h to rounding. Throws RunError after `most_slip_steps`.
+void slide_curved(std::span<SlipPath> paths) {
+    constexpr std::size_t lanes = 4;
+    for (;;) {
+        paths = paths.first(static_cast<std::size_t>(
+            std::remove_if(paths.begin(), paths.end(), [](const SlipPath& path) { return !turns_on(path); }) -
+            paths.begin()));
+        if (paths.empty())
+            return;
+        std::array<SlipPath, lanes> some{};
+        std::size_t count = 0;
+        for (const SlipPath& path : paths) {
+            if (SlipSeries<1>::can_fall(*path.contact)) {
+                SlipSeries<1>({path}).take();
+                continue;
+            }
+            some[count++] = path;
+            if (count == lanes) {
+                SlipSeries<lanes>(some).take();
+                count = 0;
+            }
+        }
+        if (count == 1)
+            SlipSeries<1>({some[0]}).take();
+        if (count < 2)
+            continue;
+        std::array<ImpactProgress, lanes> idle;
+        for (std::size_t lane = count; lane < lanes; ++lane) {
+            idle[lane] = *some[0].at;
+            some[lane] = {some[0].contact, &idle[lane]};
+        }
+        SlipSeries<lanes>(some).take();
+    }
+}
+
+/// What is left of an impact once its slip does not turn.
+void go_on_straight(const ContactTerms& contact, ImpactProgress& at) {
     if (!at.ended && at.speed > 0.0)
         slide_straight(contact, at);
     if (!at.ended)
         go_on_from_rest(contact, at);
 }
 
-namespace {
-
-// Root of a function in a bracket: Newton, bisection where Newton leaves the bracket.
-
-struct ValueAndSlope {
-    double value, slope;
-};
-
-/// f(low) and f(high) have opposite signs, f(high) > 0 if `rising`; accurate to the rounding of f. The
-/// bracket shrinks with every evaluation, and 200 of them halve it below the last bit.
-template<class Function>
-double bracketed_root(Function f, double low, double high, double guess, bool rising) {
-    double x = guess > low && guess < high ? guess : 0.5 * (low + high);
-    for (int k = 0; k < 200; ++k) {
-        const ValueAndSlope at = f(x);
-        ((at.value < 0.0) == rising ? low : high) = x;
-        double next = x - at.value / at.slope;
-        if (!(next >= low && next <= high))
-            next = 0.5 * (low + high);
-        if (std::abs(next - x) <= 2.0 * std::numeric_limits<double>::epsilon() * std::abs(next))
-            return next;
-        x = next;
-    }
-    return x;
-}
-
-constexpr int order = SlipSeries::order;
-using Coefficients = std::array<double, order + 1>;
-
-constexpr int work_order = SlipSeries::work_order;
-
-constexpr auto reciprocals = [] {
-    std::array<double, work_order + 1> one_over{};
-    for (int k = 1; k <= work_order; ++k)
-        one_over[k] = 1.0 / k;
-    return one_over;
-}();
-
-template<std::size_t size>
-double value(const std::array<double, size>& c, double u) {
-    double sum = c[size - 1];
-    for (std::size_t k = size - 1; k-- > 0;)
-        sum = sum * u + c[k];
-    return sum;
-}
-
-template<std::size_t size>
-ValueAndSlope value_and_slope(const std::array<double, size>& c, double u) {
-    double sum = c[size - 1], slope = 0.0;
-    for (std::size_t k = size - 1; k-- > 0;) {
-        slope = slope * u + sum;
-        sum = sum * u + c[k];
-    }
-    return {sum, slope};
-}
-
-/// Inserts the sign changes of f between neighbouring cuts, which must be at most one each.
-template<class Function>
-int cut_at_roots(Function f, std::array<double, 6>& u, int count) {
-    std::array<double, 6> cut{u[0]};
-    int found = 1;
-    for (int k = 1; k < count; ++k) {
-        const double low = f(u[k - 1]).value, high = f(u[k]).value;
-        if (low * high < 0.0 && found + (count - k) < 6)
-            cut[found++] = bracketed_root(f, u[k - 1], u[k], -1.0, high > 0.0);
-        cut[found++] = u[k];
-    }
-    u = cut;
-    return found;
-}
-
 } // namespace
 
-SlipSeries::SlipSeries(const ContactTerms& contact, const ImpactProgress& from)
-    : contact_(contact), from_(from), wanted_(from.normal.wanted(contact.restitution)) {
-    expand();
-    const double length = step_length();
-    scale_to(length);
-    impulse_ = from.speed * length / contact.scale;
-    integrate_normal();
-    integrate_work();
+void follow_impact(const ContactTerms& contact, ImpactProgress& at) {
+    SlipPath path{&contact, &at};
+    slide_curved(std::span(&path, 1));
+    go_on_straight(contact, at);
 }
 
-/// In tau' = scale tau, so that no power over- or underflows.
-void SlipSeries::expand() {
-    const double unit = 1.0 / contact_.scale;
-    const Eigen::Vector2d q = unit * contact_.coupling;
-    const Eigen::Matrix2d drag = unit * contact_.friction * contact_.tangential;
-    x_[0] = from_.direction.x(), y_[0] = from_.direction.y(), r_[0] = 1.0;
-    for (int k = 1; k <= order; ++k) {
-        const double x = x_[k - 1], y = y_[k - 1], r = r_[k - 1];
-        x_[k] = (q.x() * r - (drag(0, 0) * x + drag(0, 1) * y)) * reciprocals[k];
-        y_[k] = (q.y() * r - (drag(0, 1) * x + drag(1, 1) * y)) * reciprocals[k];
-        double xx = 0.0, yy = 0.0, rr = 0.0; // products of two inner coefficients, each pair once
-        for (int i = 1, j = k - 1; i < j; ++i, --j)
-            xx += x_[i] * x_[j], yy += y_[i] * y_[j], rr += r_[i] * r_[j];
-        if (const int m = k / 2; k % 2 == 0)
-            xx += 0.5 * x_[m] * x_[m], yy += 0.5 * y_[m] * y_[m], rr += 0.5 * r_[m] * r_[m];
-        r_[k] = x_[0] * x_[k] + y_[0] * y_[k] + (xx + yy - rr);
-    }
-}
-
-namespace {
-
-/// Less than the binary logarithm by up to 0.09: a straight line from one power of two to the next.
-double rough_log2(double x) { return 0x1p-52 * static_cast<double>(std::bit_cast<std::int64_t>(x)) - 1023.0; }
-
-} // namespace
-
-/// So long, or up to 0.5 % less, that the last terms are below rounding or, of slow slip, below the contact's
-/// tolerance.
-double SlipSeries::step_length() const {
-    const double remainder = std::clamp(0.01 * contact_.tolerance / from_.speed, 1e-17, 1e-3);
-    const auto limit = [&](int k) {
-        const double size = std::max({std::abs(x_[k]), std::abs(y_[k]), std::abs(r_[k]), 1e-280});
-        return rough_log2(remainder / size) / k;
-    };
-    return repeatable::exp(std::numbers::ln2 * std::min(limit(order), limit(order - 1)));
-}
-
-void SlipSeries::scale_to(double length) {
-    double power = length;
-    for (int k = 1; k <= order; ++k, power *= length)
-        x_[k] *= power, y_[k] *= power, r_[k] *= power;
-}
-
-void SlipSeries::integrate_normal() {
-    const Eigen::Vector2d pull = contact_.friction * contact_.coupling;
-    v_[0] = from_.normal.velocity;
-    for (int k = 1; k <= order; ++k)
-        v_[k] = impulse_ * (r_[k - 1] - (pull.x() * x_[k - 1] + pull.y() * y_[k - 1])) * reciprocals[k];
-}
-
-void SlipSeries::integrate_work() {
-    // This multiplies the series r and v_z; zeros on both sides of v_z stand for terms that it does not have.
-    std::array<double, order + product_lanes> v{};
-    std::array<double, product_lanes> product;
-    std::ranges::copy(v_, v.begin() + order);
-    series_product(r_.data(), order, v.data() + order, product.data());
-    w_[0] = 0.0;
-    for (int k = 1; k <= work_order; ++k)
-        w_[k] = impulse_ * product[k - 1] * reciprocals[k];
-}
-
-/// 0, 1, and what lies between of the extrema of v_z: only friction that can pull the bodies together
-/// (mu |q| > 1) lets v_z fall. dv_z/dp = 1 - mu q.s is monotone between the directions with q.t = 0.
-int SlipSeries::cuts(std::array<double, 6>& u) const {
-    u[0] = 0.0, u[1] = 1.0;
-    const Eigen::Vector2d q = contact_.friction * contact_.coupling;
-    if (q.squaredNorm() < 1.0)
-        return 2;
-    const auto across = [&](double at) {
-        const ValueAndSlope x = value_and_slope(x_, at), y = value_and_slope(y_, at);
-        return ValueAndSlope{q.y() * x.value - q.x() * y.value, q.y() * x.slope - q.x() * y.slope};
-    };
-    const auto rate = [&](double at) {
-        const ValueAndSlope x = value_and_slope(x_, at), y = value_and_slope(y_, at),
-                            r = value_and_slope(r_, at);
-        return ValueAndSlope{r.value - q.x() * x.value - q.y() * y.value,
-                             r.slope - q.x() * x.slope - q.y() * y.slope};
-    };
-    return cut_at_roots(rate, u, cut_at_roots(across, u, 2));
-}
-
-/// v_z is monotone between low and high, so v_z and W - wanted have at most one root each there.
-SlipSeries::Stop SlipSeries::stop_between(double low, double high) const {
-    const auto velocity = [this](double u) { return value_and_slope(v_, u); };
-    const auto work = [this](double u) {
-        const ValueAndSlope w = value_and_slope(w_, u);
-        return ValueAndSlope{w.value - wanted_, w.slope};
-    };
-    const double before = value(v_, low), after = value(v_, high);
-    if (before < 0.0)
-        return after < 0.0 ? Stop{}
-                           : Stop{bracketed_root(velocity, low, high, -v_[0] / v_[1], true), true, false};
-    const double last = after < 0.0 ? bracketed_root(velocity, low, high, -1.0, false) : high;
-    if (value(w_, last) < wanted_)
-        return {};
-    // As if dv_z/dp were constant; good where the step is long against what is left.
-    const double square = v_[0] * v_[0] + 2.0 * v_[1] / impulse_ * wanted_;
-    const double guess = 2.0 * wanted_ / (impulse_ * (v_[0] + std::sqrt(std::max(square, 0.0))));
-    return {bracketed_root(work, low, last, guess, true), false, true};
-}
-
-SlipSeries::Stop SlipSeries::stop() const {
-    std::array<double, 6> u{};
-    const int count = cuts(u);
-    for (int k = 1; k < count; ++k)
-        if (const Stop found = stop_between(u[k - 1], u[k]); found.turned || found.ended)
-            return found;
-    return {};
-}
-
-void SlipSeries::advance(ImpactProgress& at, const Stop& stop) const {
-    const double u = stop.u;
-    double x = x_[order], y = y_[order], px = 0.0, py = 0.0, p = 0.0; // v_t, and integrals of v_t and r
-    for (int k = order; k-- > 0;) {
-        px = (px + x_[k] * reciprocals[k + 1]) * u, py = (py + y_[k] * reciprocals[k + 1]) * u;
-        p = (p + r_[k] * reciprocals[k + 1]) * u;
-        x = x * u + x_[k], y = y * u + y_[k];
-    }
-    const double r = std::sqrt(x * x + y * y);
-    at.tangential_impulse -= contact_.friction * impulse_ * Eigen::Vector2d(px, py);
-    at.normal_impulse += impulse_ * p;
-    at.normal.regained += value(w_, u);
-    at.normal.velocity = value(v_, u);
-    if (stop.turned)
-        at.normal.turn();
-    at.direction = Eigen::Vector2d(x, y) / r;
-    at.speed *= r;
-    at.ended = stop.ended || (stop.turned && at.normal.wanted(contact_.restitution) <= 0.0);
+void follow_impacts(std::span<const ContactTerms> contacts, std::span<ImpactProgress> at) {
+    std::vector<SlipPath> paths;
+    for (std::size_t i = 0; i < at.size(); ++i)
+        paths.push_back({&contacts[i], &at[i]});
+    slide_curved(paths);
+    for (std::size_t i = 0; i < at.size(); ++i)
+        go_on_straight(contacts[i], at[i]);
 }
 
 } // namespace rodwake::granular

@@ -14,7 +14,7 @@
 
 #include <Eigen/Core>
 
-#include <array>
+#include <span>
 
 namespace rodwake::granular {
 
@@ -72,71 +72,16 @@ struct ImpactProgress {
     int steps = 0; ///< Taylor steps taken
 };
 
-/// Follows the slip while its direction turns. Afterwards the impact has ended, or the speed is 0, or the
-/// direction is a root of h to rounding. Throws RunError after `most_slip_steps`.
-void slide_curved(const ContactTerms& contact, ImpactProgress& at);
-
 /// Most Taylor steps of one impact. A step covers a fixed part of the convergence radius, which is at least
 /// about 1/scale and grows as the path slows down; in it r changes by a factor of e or more, or phi turns on,
 /// which it does at most once around. From a slip of 1e24 down to the tolerance r falls by some 120 factors
 /// of e. Some 70 steps are the most of a million hard cases (tests/granular/test_impact_closed.cpp).
 inline constexpr int most_slip_steps = 1000;
 
-/// Slip along a root of h, until it stops or the impact ends. Throws RunError if K is not positive definite.
-void slide_straight(const ContactTerms& contact, ImpactProgress& at);
-
-/// From zero slip to the end: stick, or slip in the one direction in which it grows.
-void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at);
-
-/// The whole impact.
+/// The whole impact. Throws RunError if K is not positive definite, and after `most_slip_steps`.
 void follow_impact(const ContactTerms& contact, ImpactProgress& at);
 
-// One step of a curved slip path as a Taylor series. With dp = r dtau the path is free of the singularity at
-// r = 0 and, in v_t = r s, almost linear (contact terms of above):
-//
-//   dv_t/dtau = r q - mu A v_t,   r^2 = v_t.v_t,   dp/dtau = r,   dP_t/dtau = -mu v_t,
-//   dv_z/dtau = r - mu q.v_t,     dW/dtau = r v_z
-//
-// so one Cauchy product an order gives all of v_t, r, p, P_t and v_z, and one more gives W. Coefficients are
-// in u = tau/(length of the step), 0 <= u <= 1, and in units of the speed at its start.
-
-class SlipSeries {
-public:
-    static constexpr int order = 20;
-    /// Of W: a product of two series of exponential kind falls off later than they do.
-    static constexpr int work_order = 30;
-
-    SlipSeries(const ContactTerms& contact, const ImpactProgress& from);
-
-    /// First event of the step, or its end.
-    struct Stop {
-        double u = 1.0;
-        bool turned = false; ///< v_z rises through 0
-        bool ended = false;  ///< the impact is over
-    };
-    Stop stop() const;
-
-    /// The state at u; `stop` as returned.
-    void advance(ImpactProgress& at, const Stop& stop) const;
-
-private:
-    using Coefficients = std::array<double, order + 1>;
-
-    void expand();
-    double step_length() const;
-    void scale_to(double length);
-    void integrate_normal();
-    void integrate_work();
-    int cuts(std::array<double, 6>& u) const;
-    Stop stop_between(double low, double high) const;
-
-    const ContactTerms& contact_;
-    const ImpactProgress& from_;
-    Coefficients x_, y_, r_;               ///< v_t and r
-    Coefficients v_;                       ///< v_z
-    std::array<double, work_order + 1> w_; ///< W - W(0)
-    double impulse_;                       ///< p of the step, were r constant
-    double wanted_;
-};
+/// Several impacts side by side, each to the bit as alone.
+void follow_impacts(std::span<const ContactTerms> contacts, std::span<ImpactProgress> at);
 
 } // namespace rodwake::granular

@@ -69,7 +69,11 @@ void ClosedRates::rates(integrate::State poses, std::span<double> ydot) {
 rods::RodResult simulate_closed(const rods::RodProblem& rods, const DynamicMedium& medium,
                                 rods::RodOptions options) {
     ClosedRates closed(*rods.medium, medium, rods.couplings, rods.rods.size(), rods.sums.threads);
-    const rods::StateRates rates = [&](integrate::State y, std::span<double> ydot) { closed.rates(y, ydot); };
+    const rods::BodyForces bodies(rods.bodies, rods.rods.size(), rods.box);
+    const rods::StateRates rates = [&](integrate::State y, std::span<double> ydot) {
+        closed.rates(y, ydot);
+        bodies.add_rates(y, ydot);
+    };
     options.ode.method = integrate::Method::erk;
     return rods::simulate_rates(rods, rates, medium.force_width, options);
 }

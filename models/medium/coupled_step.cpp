@@ -7,10 +7,10 @@ namespace rodwake::medium {
 
 std::unique_ptr<CoupledStep> make_step(const elastic::Medium& elastic, const DynamicMedium& medium,
                                        const rods::Couplings& couplings, std::size_t rods,
-                                       std::size_t threads) {
+                                       std::size_t threads, const rods::BodyForces& bodies) {
     if (medium.inertia > 0.0 || evaluation_of(medium, rods) == Evaluation::mesh)
-        return std::make_unique<ModeStep>(elastic, medium, couplings, rods, threads);
-    return std::make_unique<ExponentialStep>(elastic, medium, couplings, rods, threads);
+        return std::make_unique<ModeStep>(elastic, medium, couplings, rods, threads, bodies);
+    return std::make_unique<ExponentialStep>(elastic, medium, couplings, rods, threads, bodies);
 }
 
 std::vector<double> summed_amplitudes(const ModalField& modes, const DynamicMedium& medium, std::size_t rods,

@@ -8,9 +8,10 @@
 namespace rodwake::medium {
 
 ExponentialStep::ExponentialStep(const elastic::Medium& elastic, const DynamicMedium& medium,
-                                 const rods::Couplings& couplings, std::size_t rods, std::size_t threads)
-    : modes_(elastic, medium), rods_(rods), steady_(medium.start == Start::steady), team_(threads),
-      fields_(modes_, couplings, medium.self_field, rods, 4 * modes_.size(), team_) {
+                                 const rods::Couplings& couplings, std::size_t rods, std::size_t threads,
+                                 const rods::BodyForces& bodies)
+    : CoupledStep(bodies), modes_(elastic, medium), rods_(rods), steady_(medium.start == Start::steady),
+      team_(threads), fields_(modes_, couplings, medium.self_field, rods, 4 * modes_.size(), team_) {
     validate(elastic, medium, rods);
     const std::size_t numbers = 4 * modes_.size();
     decay_.resize(numbers);

@@ -31,10 +31,11 @@ namespace rodwake::medium {
 class ExponentialStep : public CoupledStep {
 public:
     ExponentialStep(const elastic::Medium& elastic, const DynamicMedium& medium,
-                    const rods::Couplings& couplings, std::size_t rods, std::size_t threads);
+                    const rods::Couplings& couplings, std::size_t rods, std::size_t threads,
+                    const rods::BodyForces& bodies = {});
 
     Coupled start(std::vector<double> poses) override;
-    void rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) override {
+    void free_rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) override {
         fields_.rates(poses, fields, ydot);
     }
     void take(const Coupled& before, std::span<const double> rates, double h, Coupled& after) override;

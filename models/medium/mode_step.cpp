@@ -8,9 +8,11 @@
 namespace rodwake::medium {
 
 ModeStep::ModeStep(const elastic::Medium& elastic, const DynamicMedium& medium,
-                   const rods::Couplings& couplings, std::size_t rods, std::size_t threads)
-    : modes_(elastic, medium), couplings_(couplings), rods_(rods), steady_(medium.start == Start::steady),
-      team_(threads), fields_(modes_, couplings, medium.self_field, rods, modes_.numbers(), team_) {
+                   const rods::Couplings& couplings, std::size_t rods, std::size_t threads,
+                   const rods::BodyForces& bodies)
+    : CoupledStep(bodies), modes_(elastic, medium), couplings_(couplings), rods_(rods),
+      steady_(medium.start == Start::steady), team_(threads),
+      fields_(modes_, couplings, medium.self_field, rods, modes_.numbers(), team_) {
     validate(elastic, medium, rods);
     if (evaluation_of(medium, rods) == Evaluation::mesh) {
         mesh_.emplace(modes_, medium.box, team_);
@@ -66,7 +68,7 @@ void ModeStep::add_steady(std::span<const double> poses, std::span<double> field
     }
 }
 
-void ModeStep::rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) {
+void ModeStep::free_rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) {
     if (!mesh_)
         return fields_.rates(poses, fields, ydot);
     const bool acting = !own_ || rods_ > 1;

@@ -26,10 +26,10 @@ namespace rodwake::medium {
 class ModeStep : public CoupledStep {
 public:
     ModeStep(const elastic::Medium& elastic, const DynamicMedium& medium, const rods::Couplings& couplings,
-             std::size_t rods, std::size_t threads);
+             std::size_t rods, std::size_t threads, const rods::BodyForces& bodies = {});
 
     Coupled start(std::vector<double> poses) override;
-    void rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) override;
+    void free_rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) override;
     void take(const Coupled& before, std::span<const double> rates, double h, Coupled& after) override;
     std::vector<double> own_turning(const Coupled& state) override;
 

@@ -30,7 +30,7 @@ std::size_t told_apart(const DynamicMedium& medium, std::size_t rods) {
 }
 
 RodCheckpoint beginning(const RodProblem& problem, const DynamicMedium& medium, CoupledStep& method,
-                        const EndingCriteria& criteria) {
+                        const EndingCriteria& criteria, const rods::BodyForces& bodies) {
     constexpr double first_step = 0.05; // f/(mu v0); too long a step is rejected
     const Coupled start = method.start(rods::to_state(problem.rods));
     RodCheckpoint from;
@@ -39,19 +39,29 @@ RodCheckpoint beginning(const RodProblem& problem, const DynamicMedium& medium, 
     from.state.resize(from.state.size() + told_apart(medium, problem.rods.size()));
     from.statistics.rhs_evaluations = 1;
     from.state.insert(from.state.end(), start.fields.begin(), start.fields.end());
-    from.record =
-        rods::start_record(start.poses, (1.0 - criteria.steady_fraction) * problem.t_end, problem.box);
+    from.record = rods::start_record(start.poses, (1.0 - criteria.steady_fraction) * problem.t_end,
+                                     problem.box, bodies, problem.t_end);
     return from;
 }
 
 /// First time in a step at which two rods are as close as `distance`: the later end of a bracket of rounding.
-std::optional<double> contact_time(const DoubleStep& step, double distance, rods::Box box) {
+/// Rods that bodies push aside do not follow their headings, by which approaches are known: the step, as
+/// short as body_step has it, is sampled.
+std::optional<double> contact_time(const DoubleStep& step, double distance, rods::Box box, bool bodies) {
+    constexpr int samples = 4; // of half a step
     const auto near = [&](State y) { return rods::closest_pair(y, box).distance <= distance; };
     const double times[] = {step.time, step.time + step.half, step.end()};
     for (std::size_t k = 0; k < 2; ++k) {
         const integrate::Step half{times[k], times[k + 1], step.poses[k], step.poses[k + 1]};
         double before = half.time_before, after = half.time;
-        if (!near(half.state)) {
+        if (bodies) {
+            for (int part = 1; part < samples && after == half.time; ++part) {
+                const double time = half.time_before + (half.time - half.time_before) * part / samples;
+                (near(step.at(time)) ? after : before) = time;
+            }
+            if (after == half.time && !near(half.state))
+                continue;
+        } else if (!near(half.state)) {
             const auto approach = rods::closest_approach(half, box, distance);
             if (!approach || !near(step.at(approach->time)))
                 continue;
@@ -83,10 +93,11 @@ public:
     MediumRun(const RodProblem& problem, const DynamicMedium& medium, const RodOptions& options,
               const FilmSink& film)
         : problem_(problem), options_(options), width_(medium.force_width),
-          times_(rods::output_times(problem)), method_(make_step(*problem.medium, medium, problem.couplings,
-                                                                 problem.rods.size(), problem.sums.threads)),
+          bodies_(problem.bodies, problem.rods.size(), problem.box), times_(rods::output_times(problem)),
+          method_(make_step(*problem.medium, medium, problem.couplings, problem.rods.size(),
+                            problem.sums.threads, bodies_)),
           from_(options.resume_from ? *options.resume_from
-                                    : beginning(problem, medium, *method_, options.criteria)),
+                                    : beginning(problem, medium, *method_, options.criteria, bodies_)),
           record_(from_.record), outputs_(from_.outputs), own_turn_(told_apart(medium, problem.rods.size())),
           control_(*method_, tolerance(options.ode), coupled(from_.state, own_turn_), from_.time,
                    from_.state[3 * problem.rods.size()]),
@@ -133,7 +144,8 @@ private:
             problem_.rods.size() < 2
                 ? std::numeric_limits<double>::infinity()
                 : std::max(rods::encounter_step(control_.state().poses, problem_.box), width_);
-        return options_.ode.max_step > 0.0 ? std::min(limit, options_.ode.max_step) : limit;
+        const double seen = std::min(limit, rods::body_step(bodies_, control_.state().poses));
+        return options_.ode.max_step > 0.0 ? std::min(seen, options_.ode.max_step) : seen;
     }
 
     void step() {
@@ -151,7 +163,7 @@ private:
         ++steps_;
         const DoubleStep& last = control_.last();
         const auto contact = problem_.contact_distance && problem_.rods.size() > 1
-                                 ? contact_time(last, *problem_.contact_distance, problem_.box)
+                                 ? contact_time(last, *problem_.contact_distance, problem_.box, bodies_.any())
                                  : std::nullopt;
         const double until = contact.value_or(control_.time());
         add_step(until);
@@ -194,7 +206,7 @@ private:
                                                                   : record_.late_from;
             std::ranges::copy(control_.last().rates_at(when), ydot.begin());
         };
-        rods::add_step(record_, part, rates, problem_.box);
+        rods::add_step(record_, part, rates, problem_.box, bodies_);
         if (options_.ode.on_step)
             options_.ode.on_step(part);
     }
@@ -266,6 +278,7 @@ private:
     const RodProblem& problem_;
     const RodOptions& options_;
     double width_;
+    rods::BodyForces bodies_;
     std::vector<double> times_;
     std::unique_ptr<CoupledStep> method_;
     RodCheckpoint from_;
@@ -305,6 +318,16 @@ void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rod
                         pair.first, pair.second, pair.distance, medium.force_width));
 }
 
+void validate_bodies(const DynamicMedium& medium, const rods::RodProblem& rods) {
+    if (rods.bodies.any() && !medium.self_field &&
+        evaluation_of(medium, rods.rods.size()) == Evaluation::mesh)
+        throw InputError(
+            fmt::format("rods with bodies on the mesh: the part of a rod's own field, which "
+                        "self_field = false leaves out, is known there only for rods that walk "
+                        "along their headings; take self_field = true, or sums for at most {} rods",
+                        most_fields));
+}
+
 std::size_t state_size(const DynamicMedium& medium, std::size_t rods) {
     if (medium.closure != Closure::none)
         return 3 * rods;
@@ -325,8 +348,7 @@ MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& opti
     validate(*rods.medium, problem.medium, rods.rods.size());
     if (options.form != rods::Form::angle)
         throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
-    if (rods.bodies.any())
-        throw InputError("a dynamic medium takes no rods with bodies");
+    validate_bodies(problem.medium, rods);
     if (rods.rows.any())
         throw InputError("a dynamic medium takes no rows of a crystal");
     if (rods.field || rods.sums.turning_tolerance != 0.0 || rods.sums.accuracy != elastic::Accuracy::full)

@@ -75,7 +75,7 @@ void StepControl::attempt(double step) {
 double StepControl::error() {
     for (std::size_t i = 0; i < field_error_.size(); ++i)
         field_error_[i] = (end_.fields[i] - whole_.fields[i]) / 15.0;
-    method_.rates(end_.poses, field_error_, rate_error_); // linear in the fields
+    method_.free_rates(end_.poses, field_error_, rate_error_); // linear in the fields
     ++evaluations_;
     double sum = 0.0;
     for (std::size_t i = 0; i < rates_.size(); ++i) {

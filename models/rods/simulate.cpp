@@ -52,14 +52,12 @@ std::vector<integrate::Event> known_contact(const RodProblem& problem) {
     return {event};
 }
 
-/// Unseen touches shift few rods by less than any tolerance, and a crowd by little.
-std::function<double(double, State)> body_step_limit(const BodyForces& bodies, std::size_t rods) {
-    return [bodies, share = rods > most_followed_rods ? 0.5 : 1.0 / 12.0](double, State y) {
-        return bodies.step_limit(y, share);
-    };
-}
-
 } // namespace
+
+double body_step(const BodyForces& bodies, State y) {
+    return bodies.any() ? bodies.step_limit(y, y.size() / 3 > most_followed_rods ? 0.5 : 1.0 / 12.0)
+                        : std::numeric_limits<double>::infinity();
+}
 
 std::function<double(double, State)> step_limit(const RodProblem& problem) {
     if (!problem.medium || has_wide_wakes(*problem.medium))
@@ -119,9 +117,8 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
     if (model->rods() > 1 && (model->interacting() || (problem.box && problem.contact_distance)))
         ode.step_limit = step_limit(problem);
     if (model->rods() > 1 && bodies)
-        ode.step_limit = [bodies_limit = body_step_limit(model->bodies(), model->rods()),
-                          others = ode.step_limit](double t, State y) {
-            return std::min(bodies_limit(t, y),
+        ode.step_limit = [model, others = ode.step_limit](double t, State y) {
+            return std::min(body_step(model->bodies(), y),
                             others ? others(t, y) : std::numeric_limits<double>::infinity());
         };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
@@ -328,7 +325,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     const RodModel wakes = model_of(points), others(nullptr, {}, model.rods(), problem.rows, model.bodies());
     equations.wakes = [&wakes](State y, std::span<double> ydot) { wakes.rhs(y, ydot); };
     equations.others = [&others](State y, std::span<double> ydot) { others.rhs(y, ydot); };
-    equations.ode.step_limit = body_step_limit(model.bodies(), model.rods());
+    equations.ode.step_limit = [&model](double, State y) { return body_step(model.bodies(), y); };
     return solve_equations(problem, options, std::move(equations));
 }
 
@@ -342,8 +339,10 @@ RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, dou
     ode.rhs = [&rates](double, State y, std::span<double> ydot) { rates(y, ydot); };
     ode.jacobian = nullptr;
     if (ode.step_limit)
-        ode.step_limit = [limit = ode.step_limit, width](double t, State y) {
-            return std::max(limit(t, y), width);
+        ode.step_limit = [limit = ode.step_limit, width,
+                          bodies = BodyForces(problem.bodies, problem.rods.size(), problem.box)](double t,
+                                                                                                 State y) {
+            return std::min(std::max(limit(t, y), width), body_step(bodies, y)); // bodies are not as wide
         };
     return solve_equations(problem, options, {std::move(ode), rates, problem.couplings.any(), false});
 }

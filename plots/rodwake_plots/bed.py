@@ -176,16 +176,17 @@ PLAIN, UNKNOWN = "#b7c3cc", "#d3d3cf"  # beads of a film without bond order; bea
 
 
 def draw_film_frame(run, spec):
-    t, *place, order, orientation = files.read_columns(run.path / FILM_FRAME, "t", "x", "y", "psi6", "orientation")
+    t, *place, order, orientation, radii = files.read_columns(run.path / FILM_FRAME, "t", "x", "y", "psi6", "orientation", "radius")
     film, window = FilmRods(run.path), window_of(run, spec)
     figure, axes = snapshot_stage(run, spec)
-    centres, index = with_images(np.stack(place, axis=-1) / film.a, np.ones(t.size), film.box / film.a, window)
+    centres, index = with_images(np.stack(place, axis=-1) / film.a, radii / film.a, film.box / film.a, window)
     values = np.degrees(orientation) if spec.colour == "orientation" else order
-    known, (norm, colours) = np.isfinite(values)[index], bead_colours(spec)
+    values, radii = values[index], radii[index] / film.a
+    known, (norm, colours) = np.isfinite(values), bead_colours(spec)
     rim = dict(edgecolors="white", linewidths=0.3)
-    discs(axes, centres[~known], np.ones((~known).sum()), facecolors=UNKNOWN if known.any() else PLAIN, **rim)
+    discs(axes, centres[~known], radii[~known], facecolors=UNKNOWN if known.any() else PLAIN, **rim)
     if known.any():
-        discs(axes, centres[known], np.ones(known.sum()), array=values[index][known], norm=norm, cmap=colours, **rim)
+        discs(axes, centres[known], radii[known], array=values[known], norm=norm, cmap=colours, **rim)
         order_bar(figure, axes, spec)
     if (run.path / ROD_TRACKS).is_file():
         film_rods(axes, film, track(run.path / ROD_TRACKS), t[0], window)
@@ -216,10 +217,10 @@ def film_rods(axes, film, rods, t, window):
 
 
 def caption_film_frame(run, spec):
-    t, order = files.read_columns(run.path / FILM_FRAME, "t", "psi6")
+    t, order, radii = files.read_columns(run.path / FILM_FRAME, "t", "psi6", "radius")
     film = FilmRods(run.path)
     text = (f"The frame of the film with most beads, {t.size}, at <i>t</i> = {clock(t[0], run.tracks.get('duration', 0.0))} s; "
-            "circles have the radius <i>a</i>")
+            f"circles {'have the radius <i>a</i>' if np.all(radii == film.a) else 'are at true size'}")
     if film.lengths:
         lines = "paths of the rods over the whole film" if len(film.lengths) > 1 else "the path of the rod over the whole film"
         text += f"; lines: {lines}" + ("; rods are as long as their ends are apart" if any(film.lengths) else "")

@@ -105,9 +105,9 @@ class KeyPathsTest(unittest.TestCase):
         self.assertEqual(set(reasons) - {reason_of(key, reasons) for key in without}, set(), "reasons for keys that have a path or are gone")
 
     def test_a_default_is_no_use(self):
-        for key, value in (("fit.starts", 1), ("granular.plates.gap", "1.2 mm"), ("granular.plates.frequency", "200 Hz"), ("rods_run.method", "auto")):
+        for key, value in (("fit.starts", 1), ("granular.bead_radius", "0.4 mm"), ("granular.plates.frequency", "200 Hz"), ("rods_run.method", "auto")):
             self.assertTrue(is_default(KEYS[key], value), key)
-        for key, value in (("fit.starts", 2), ("granular.plates.gap", "1.3 mm"), ("rods.position", [0.0, 1.0])):
+        for key, value in (("fit.starts", 2), ("granular.bead_radius", "0.5 mm"), ("rods.position", [0.0, 1.0])):
             self.assertFalse(is_default(KEYS[key], value), key)
 
     def test_keys_are_found_wherever_a_scene_can_name_them(self):

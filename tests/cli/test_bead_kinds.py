@@ -144,6 +144,8 @@ class BeadKindsTest(BedTest):
 
     def test_told_before_it_runs(self):
         told = self.expect(0, "check", "mixed.toml").stdout
+        self.assertIn("plates: gap 1.55 mm", told)
+        self.assertIn("plates: gap 1.512 mm", self.expect(0, "check", "mixed.toml", "-s", "granular.plates=").stdout)
         self.assertRegex(told, r"beads of radius 0.4 mm \(\d+\) and 0.56 mm \(\d+\) and 2700 kg")
 
 
@@ -200,6 +202,7 @@ block = 0.2
             self.expect(0, "run", f"{name}.toml", "-o", name, "--no-figures")
             np.testing.assert_allclose(self.table(name, "gr_kinds.csv")["g"], g["g"], rtol=1e-9, err_msg=name)
             np.testing.assert_allclose(self.table(name, "stiffness_kinds.csv")["stiffness"], stiffness["stiffness"], rtol=1e-6, err_msg=name)
+            np.testing.assert_allclose(np.sort(self.table(name, "film_frame.csv")["radius"]), np.sort(radius), rtol=1e-9, err_msg=name)
             self.assertAlmostEqual(json.loads(self.out(name, "tracks.json").read_text())["phi_b"], self.summary("out")["beads_fraction"], delta=1e-9)
         for scene, message in ((named.replace("small", "smal"), 't.csv:.*: kind = "small": expected one of the names in tracks.bead_kinds'),
                                (self.TRACKS.format("t.csv", periodic), "tracks.bead_kinds need a column of radii"),

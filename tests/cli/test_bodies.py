@@ -53,6 +53,16 @@ class BodiesTest(ProgramTest):
         self.assertGreater(apart["min_gap"], 0)
         self.assertNotIn("min_gap", self.rods(PAIR, "body=", "rods.1.body=", "rods_run.contact_distance=0.1"))
 
+    def test_a_pair_in_a_medium_with_memory(self):
+        """The quick medium of small alpha has the wakes of the exact one, but for the width of its force and its box."""
+        quick = "medium.alpha=0.05", "rods_run.t_end=3"
+        static = self.rods(PAIR, *quick)
+        memory = self.rods(PAIR, *quick, "medium.field=dynamic", "medium.dynamic={box=20, force_width=0.4, modes=60}")
+        self.assertEqual(memory["outcome"], static["outcome"])
+        self.assertLess(memory["min_gap"], 0)
+        for key, error in (("min_gap", 0.001), ("min_separation", 0.05)):
+            self.assertAlmostEqual(memory[key], static[key], delta=error, msg=key)
+
     def test_rods_of_their_own_shape(self):
         scene = self.write("own.toml", LONE % DISC)
         stalled = self.rods(scene)
@@ -125,7 +135,8 @@ values = ["-90 deg", "97 deg"]
                              ("body.thin_diameter=0.4", "at most thick_diameter = 0.32"), ("body.stall_overlap=0", ">= 0.0001"),
                              ("rods.1.position=[0.3, 0.0]", "overlap by"), ("medium.periodic=3.1", "must exceed 3.2")):
             self.assertIn(why, self.expect(2, "check", PAIR, *options(setting)).stderr)
-        self.assertIn("cannot be combined with medium.field", self.expect(2, "check", PAIR, *options("medium.field=dynamic")).stderr)
+        mesh = options("medium.field=dynamic", 'medium.dynamic={evaluation="mesh"}')
+        self.assertIn("take self_field = true, or sums for at most 64 rods", self.expect(2, "check", PAIR, *mesh).stderr)
         dense = self.expect(2, "check", CROWD, *options("rods_random.extent=8")).stderr
         self.assertIn("fewer rods or a larger extent", dense)
 

@@ -6,12 +6,6 @@
 
 namespace rodwake::granular {
 
-struct ImpactCase {
-    Eigen::Matrix3d inverse_mass;
-    Eigen::Vector3d velocity;
-    Surface surface;
-};
-
 /// K = diag(k_t, k_t, k_n).
 ImpactCase sphere_case(RandomStream& random);
 /// A rod with its axis, contact arm and velocity in the x-z plane.

@@ -287,6 +287,23 @@ TEST_CASE("a million impacts end, keep to the friction cone and add no energy", 
     CHECK(most * 5 < most_slip_steps);
 }
 
+TEST_CASE("impacts side by side have the bits that each has alone") {
+    RandomStream random(7);
+    std::vector<Impact> together;
+    for (int k = 0; k < 4000;) {
+        std::vector<ImpactCase> cases;
+        for (int count = 1 + k % 11; count > 0; --count)
+            cases.push_back(any_case(random, k++));
+        stronge_impacts(cases, together);
+        REQUIRE(together.size() == cases.size());
+        for (std::size_t i = 0; i < cases.size(); ++i) {
+            const Impact alone = stronge_impact(cases[i].inverse_mass, cases[i].velocity, cases[i].surface);
+            CHECK(together[i].impulse == alone.impulse);
+            CHECK(together[i].velocity == alone.velocity);
+        }
+    }
+}
+
 TEST_CASE("the checks of an impact can fail") {
     RandomStream random(5);
     ImpactCase c = rod_case(random);

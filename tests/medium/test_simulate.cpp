@@ -40,6 +40,17 @@ MediumProblem meeting() {
     return p;
 }
 
+/// Rods with bodies whose courses cross.
+MediumProblem touching(double kappa, double alpha = 1.0) {
+    MediumProblem p = pair(false, Start::steady);
+    p.rods.medium = elastic::Medium{1.0, 1.0 / alpha};
+    p.rods.couplings = {kappa, 0.0, 0.0};
+    p.rods.rods = {{-1.2, 0.0, 0.0}, {0.1, -1.2, 1.4}};
+    p.rods.bodies.shapes = {rods::BodyShape{}};
+    p.rods.t_end = 3.0;
+    return p;
+}
+
 } // namespace
 
 TEST_CASE("rods that start within the contact distance are in contact at 0, however near") {
@@ -195,4 +206,52 @@ TEST_CASE("a run that may take no more steps says so") {
     CHECK(result.solution.status.termination == integrate::Termination::failed);
     CHECK(result.solution.status.flag == "TOO_MANY_STEPS");
     CHECK(result.outcome.ending == Ending::undecided);
+}
+
+TEST_CASE("bodies push rods in any field as they do without one") {
+    MediumProblem problem = touching(0.0);
+    rods::RodProblem alone = problem.rods;
+    alone.box = problem.medium.box;
+    rods::RodOptions options = tolerance(1e-10);
+    options.ode.method = integrate::Method::erk;
+    const rods::RodResult expected = rods::simulate(alone, options);
+    REQUIRE(expected.outcome.min_gap < 0.0);
+    const auto compare = [&](const rods::RodResult& wanted) {
+        const rods::RodResult result = simulate(problem, tolerance(1e-8));
+        CHECK(result.outcome.ending == wanted.outcome.ending);
+        CHECK(result.outcome.time == Approx(wanted.outcome.time).epsilon(1e-7));
+        CHECK(result.outcome.min_gap == Approx(wanted.outcome.min_gap).epsilon(1e-3));
+        CHECK(result.outcome.min_separation == Approx(wanted.outcome.min_separation).epsilon(1e-6));
+        CHECK(tests::distance(result.solution.final_state, wanted.solution.final_state) < 1e-6);
+    };
+    compare(expected);
+    for (const Evaluation evaluation : {Evaluation::sums, Evaluation::mesh}) {
+        problem.medium.self_field = true;
+        problem.medium.evaluation = evaluation;
+        compare(expected);
+    }
+    // contact is between centres, and rods that are pushed come to it by other ways than their headings'
+    alone.contact_distance = problem.rods.contact_distance = expected.outcome.min_separation + 0.05;
+    const rods::RodResult met = rods::simulate(alone, options);
+    REQUIRE(met.outcome.ending == Ending::contact);
+    compare(met);
+    problem.rods.contact_distance.reset();
+    problem.medium.self_field = false; // on the mesh: own fields are known of rods that walk straight
+    CHECK_THROWS_WITH(simulate(problem, {}),
+                      Catch::Contains("take self_field = true, or sums for at most 64"));
+}
+
+TEST_CASE("where fields follow at once bodies move as in the closure") {
+    const auto error = [](double alpha) {
+        MediumProblem problem = touching(3.0, alpha);
+        const MediumResult memory = simulate(problem, tolerance(1e-8));
+        problem.medium.closure = Closure::steady;
+        const MediumResult closed = simulate(problem, tolerance(1e-8));
+        CHECK(memory.outcome.min_gap < 0.0);
+        CHECK(memory.outcome.min_gap == Approx(closed.outcome.min_gap).margin(alpha));
+        return tests::distance(memory.solution.final_state, closed.solution.final_state);
+    };
+    const double coarse = error(0.04), fine = error(0.02);
+    CHECK(fine < 0.02);
+    CHECK(coarse / fine == Approx(2.0).margin(0.2)); // of first order in alpha
 }

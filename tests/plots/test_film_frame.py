@@ -14,12 +14,13 @@ from rodwake_plots import draw, run_dir, style
 SIDES = np.array([24.0, 20.0]) * A
 
 
-def write_film(folder, window="hull", lengths=(8.0, None), order=True):
+def write_film(folder, window="hull", lengths=(8.0, None), order=True, sizes=(1.0,)):
     """Beads on a lattice with two rods that cross it, the second seen in parts only; lengths in a."""
     place = np.array([(i * 2.1 + 1.05 * (j % 2), j * 1.82) for j in range(11) for i in range(11)]) * A
     border = (place > 3 * A).all(axis=1) & (place < SIDES - 3 * A).all(axis=1)
     psi6 = np.where(border | (window == "periodic"), np.abs(np.sin(place[:, 0] / A)), np.nan) if order else np.full(len(place), np.nan)
-    write_csv(folder / "film_frame.csv", {"t": np.ones(len(place)), "x": place[:, 0], "y": place[:, 1], "psi6": psi6, "orientation": psi6 - 0.5})
+    write_csv(folder / "film_frame.csv", {"t": np.ones(len(place)), "x": place[:, 0], "y": place[:, 1], "psi6": psi6, "orientation": psi6 - 0.5,
+                                           "radius": A * np.resize(sizes, len(place))})
     t = np.linspace(0, 2, 41)
     x, y = (3 + 8 * t) * A, (6 + 3 * np.sin(2 * t)) * A
     gap = np.where((t > 0.5) & (t < 0.8), np.nan, 1.0)
@@ -61,6 +62,12 @@ class FilmFrameTest(PlotCase):
         self.assertEqual(sum(len(line.get_xdata()) > 2 for line in axes.lines), 2)
         self.assertIn("as long as their ends are apart", caption)
         self.assertIn("grey beads", caption)
+
+    def test_beads_have_their_own_radii(self):
+        made, caption = self.drawn(sizes=(1.0, 1.4))
+        drawn = np.concatenate([one._widths for one in made.axes[0].collections if isinstance(one, EllipseCollection)])
+        self.assertEqual([np.isclose(drawn, radius).sum() for radius in (1.0, 1.4)], [61, 60])
+        self.assertIn("circles are at true size", caption)
 
     def test_plain_beads_without_order(self):
         made, caption = self.drawn(order=False, lengths=())

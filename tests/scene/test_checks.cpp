@@ -3,8 +3,10 @@
 #include "support.hpp"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 using namespace scene_test;
 
@@ -88,6 +90,26 @@ TEST_CASE("rods at random keep their distance, and depend on the seed") {
     }
     CHECK(nearest >= 0.8);
     CHECK(nearest < 0.9); // so many are bound to come near
+}
+
+TEST_CASE("rods at random fill a disc evenly, up to its edge on all sides") {
+    const std::string text = "schema = 1\n[rods_random]\ncount = 2000\nshape = \"disc\"\nextent = 60\n"
+                             "min_separation = 0.6\n[rods_run]\nt_end = 1\n";
+    const Scene scene = parse(text);
+    REQUIRE(scene.rods.size() == 2000);
+    std::array<int, 4> right_up_left_down{};
+    int inner = 0;
+    for (const auto& rod : scene.rods) {
+        const double r = std::hypot(rod.position[0], rod.position[1]);
+        CHECK(r < 30.0);
+        inner += r < 30.0 * std::numbers::sqrt2 / 2.0; // half of the area
+        for (int k = 0; k < 4; ++k)
+            right_up_left_down[k] += rod.position[k % 2] * (k < 2 ? 1.0 : -1.0) > 29.0;
+    }
+    CHECK(std::abs(inner - 1000) < 90); // four deviations of a binomial distribution
+    CHECK(std::ranges::min(right_up_left_down) > 0);
+    says(replaced(text, "0.6", "0.9"), "cover 0.45 of the disc of diameter 60, and may cover 0.3");
+    CHECK(parse(replaced(text, "\"disc\"", "\"square\"")) == parse(replaced(text, "shape = \"disc\"\n", "")));
 }
 
 TEST_CASE("starts that coincide or touch") {

@@ -2,6 +2,7 @@
 // other.
 
 #include "rodwake/scene/read.hpp"
+#include "rodwake/scene/set.hpp"
 #include "support.hpp"
 
 #include <catch2/catch.hpp>
@@ -120,7 +121,22 @@ TEST_CASE("kinds of beads, their spread, and what they rule out") {
     // the time step is that of the smallest beads
     CHECK(time_step(mixed) == mixed.plates.longest_step(mixed.gravity, 0.96 * 0.4e-3));
     CHECK(time_step(granular()) == granular().plates.longest_step(9.81, 0.4e-3));
-    check_round_trip(parse(bed("start = \"random\"\nbead_spread = 0.02\n" + kinds)));
+    const Scene written = parse(bed("start = \"random\"\nbead_spread = 0.02\n" + kinds));
+    check_round_trip(written);
+    // the gap is that of the largest beads, unless the scene gives one or 1.2 mm is wide enough
+    CHECK(mixed.plates.gap == 2.7 * (1.04 * (1.4 * 0.4e-3)));
+    CHECK(to_toml(written).find("# gap: 1.57248 mm; with beads of several sizes") != std::string::npos);
+    for (const std::string gap : {"1.2 mm", "1.6 mm"}) {
+        const Granular given = granular("start = \"random\"\n" + kinds, {"granular.plates.gap=" + gap});
+        CHECK(given.plates.gap == (gap == "1.2 mm" ? 1.2e-3 : 1.6e-3));
+        CHECK(given.gap == given.plates.gap);
+    }
+    for (const char* narrow : {"bead_spread = 0.05\n", "bead_radius = \"0.5 mm\"\n",
+                               "[[granular.bead_kinds]]\nradius = \"0.56 mm\"\n"})
+        CHECK(granular(narrow).plates.gap == 1.2e-3);
+    Scene changed = written;
+    CHECK_FALSE(compile_setter(changed, "granular.bead_kinds.1.radius").set(changed, 0.5e-3));
+    CHECK(changed.granular->plates.gap == 2.7 * (1.04 * 0.5e-3));
     says(bed(kinds), "start = \"lattice\" puts equal beads on the sites of a triangular lattice");
     says(bed("start = \"random\"\n" + kinds), "box = \"fit\" fits a lattice of equal beads",
          {"granular.box=fit"});

@@ -218,6 +218,12 @@ TEST_CASE("beads and rods that the gap of the bed stops are pointed out") {
           std::vector<std::string>{
               "granular.plates.gap = 0.0012 m is 2.40 radii of the largest beads (0.0005 m), "
               "which hardly move below 2.5; 2.7 to 2.8 keep them moving"});
+    const std::string spread = "granular.bead_spread=0.2", thick = "granular.rods.0.thick_diameter=1.4 mm";
+    CHECK(advice(parse(bed, {spread, thick})).empty());
+    CHECK(advice(parse(bed, {spread, thick, "granular.plates.gap=1.7 mm"})) ==
+          std::vector<std::string>{
+              "granular.plates.gap = 0.0017 m is 4.25 radii of the smallest beads (0.0004 m), which stack "
+              "from 4 on: this bed is not one layer"});
 }
 
 // --- [[fit.models]]: what a rival of a fit is, and which are refused

@@ -4,9 +4,10 @@
 //   R_a' = n_a,   theta_a' = z.[n_a x (kappa eps.n_a + gamma1 lap u + gamma2 grad div u)]  at R_a,
 //
 // u the field of the other rods, with self_field that of all; many rods: less what own_response.hpp knows of
-// a rod's own. Reduced units, signs and couplings as in rods/model.hpp; places are unwrapped, u is periodic.
-// Where rods/model.hpp turns each wake to its rod's heading at once, here it follows as the medium relaxes:
-// that is the closure this part tests.
+// a rod's own. Contacts of bodies add to these rates as in rods/body.hpp, and a rod that is pushed acts on
+// the medium where it is. Reduced units, signs and couplings as in rods/model.hpp; places are unwrapped, u is
+// periodic. Where rods/model.hpp turns each wake to its rod's heading at once, here it follows as the medium
+// relaxes: that is the closure this part tests.
 //
 // Error: each step's errors are held to rtol and atol (studies/reports/medium.md has what comes of it at the
 // end). A Gaussian force leaves no singularity where rods meet, so that without a contact distance they pass
@@ -54,6 +55,9 @@ std::size_t worthwhile_threads(const DynamicMedium& medium, std::size_t rods, st
 /// that of the Gaussian, not of a rod.
 void validate_start(const DynamicMedium& medium, std::span<const rods::Pose> rods,
                     std::optional<double> contact_distance = {});
+
+/// Throws InputError for rods with bodies whose own fields the mesh does not know (own_response.hpp).
+void validate_bodies(const DynamicMedium& medium, const rods::RodProblem& rods);
 
 /// Numbers in a checkpoint's state: poses, the next step, own turns if they are kept apart, fields; with a
 /// closure poses.

@@ -2,6 +2,7 @@
 // What every way of integrating rods begins and ends with: a problem that can be posed, and the outcome of
 // its solution. For integrators of other models than rods/model.hpp, and for other right-hand sides.
 
+#include "rodwake/rods/body.hpp"
 #include "rodwake/rods/simulate.hpp"
 
 #include <vector>
@@ -31,6 +32,10 @@ enum class TurnedBy { steady_wakes, other };
 RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
                     const integrate::Solution& solution, const SeparationRecord& record,
                     const EndingCriteria& criteria, TurnedBy turned_by = TurnedBy::other);
+
+/// Longest step from a state in which a touch of bodies is seen (BodyForces::step_limit); unseen ones shift
+/// few rods by less than any tolerance, and a crowd by little. Infinite without bodies.
+double body_step(const BodyForces& bodies, integrate::State y);
 
 /// As simulate, form angle, with `rates` instead of those of rods/model.hpp: of places and headings by the
 /// state, in its layout, finite where rods meet: they change over `width`, f/mu, below which steps need not

@@ -116,7 +116,8 @@ struct Granular {
     long seed = 1, runs = 1;
     double overlap_limit = 0.1;         ///< fraction of the radius
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
-    granular::Plates plates;
+    granular::Plates plates;            ///< with the gap that is used
+    std::optional<double> gap;          ///< plates.gap, m; absent: default_gap()
     Contacts contacts;
     std::optional<BedContainer> container;
     std::optional<granular::BodyForce> body_force;
@@ -137,6 +138,10 @@ std::vector<GranularRod> random_bed_rods(const Granular& bed);
 inline granular::BeadMix bead_mix(const Granular& bed) {
     return {bed.bead_radius, bed.bead_kinds, bed.bead_spread};
 }
+
+/// Gap between the plates where the scene gives none, m: the paper's, or wider where it would stop the
+/// largest of beads of several sizes.
+double default_gap(const Granular& bed);
 
 /// granular.time_step, or the longest one that follows the bed on its plates, s.
 double time_step(const Granular& bed);

@@ -74,8 +74,8 @@ Scene apply_model(const Scene& scene, const FitModel& model);
 /// that SI cannot hold exactly is written in reduced units ("2.5 f/mu").
 std::string to_toml(const Scene& scene);
 
-/// The same without comments: equal for scenes that mean the same, whatever the documentation says of their
-/// keys.
+/// The same without comments, but with the gap of the bed that is used: equal for scenes that mean the same,
+/// whatever the documentation says of their keys.
 std::string to_plain_toml(const Scene& scene);
 
 // What is legal in a scene and yet hardly meant.

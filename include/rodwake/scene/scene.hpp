@@ -124,10 +124,13 @@ struct Rod {
     bool operator==(const Rod&) const = default;
 };
 
-/// [rods_random]: rods at random in a square round the origin, in place of [[rods]].
+enum class RandomShape { square, disc };
+
+/// [rods_random]: rods at random in a square or disc round the origin, in place of [[rods]].
 struct RandomRods {
     long count = 100;
-    double extent = 0.0;         ///< side of the square, f/mu
+    RandomShape shape = RandomShape::square;
+    double extent = 0.0;         ///< side of the square or diameter of the disc, f/mu
     double min_separation = 0.0; ///< of two rods, across the sides of the square too, f/mu
     double heading = 0.0;        ///< rad; headings are uniform within `spread` of it
     double spread = 3.14159265358979323846;
@@ -139,10 +142,12 @@ struct RandomRods {
 /// The rods it stands for; they depend on its values and on the body alone, and bodies do not overlap. None
 /// if they are too crowded.
 std::vector<Rod> random_rods(const RandomRods& random, const std::optional<Body>& body);
-/// Share of the square that discs of diameter min_separation cover, or the bodies if they cover more of what
-/// they may. Up to most_crowding all rods find room.
+/// Share of the square or disc that discs of diameter min_separation cover, or the bodies if they cover more
+/// of what they may. Up to most_crowding all rods find room.
 double crowding(const RandomRods& random, const std::optional<Body>& body);
 inline constexpr double most_crowding = 0.3;
+/// "square of side 40"
+std::string region_of(const RandomRods& random);
 
 /// [rods_run]
 struct RodsRun {
