@@ -33,16 +33,16 @@ std::string key_of(const scene::Scene& scene, const std::string& field) {
 
 json to_json(const rods::SeparationRecord& record) {
     json late = json::array();
-    for (const LatePart& range : record.late)
+    for (const TailWindow& range : record.late)
         late.push_back(
             {finite_or_null(range.min_separation), finite_or_null(range.max_separation), range.max_turning});
     const rods::Separation& pair = record.smallest;
     return {{"smallest", {pair.first, pair.second, finite_or_null(pair.distance), record.smallest_time}},
-            {"late_from", record.late_from},
+            {"tail_start", record.tail_start},
             {"late", late},
             {"bodies",
              {finite_or_null(record.bodies.smallest_gap), record.bodies.smallest_gap_time,
-              record.bodies.late_from, record.bodies.touching}}};
+              record.bodies.tail_start, record.bodies.touching}}};
 }
 
 rods::SeparationRecord record_of(const json& value) {
@@ -50,7 +50,7 @@ rods::SeparationRecord record_of(const json& value) {
     const json& pair = value.at("smallest");
     record.smallest = {pair.at(0).get<std::size_t>(), pair.at(1).get<std::size_t>(), number(pair.at(2))};
     record.smallest_time = pair.at(3).get<double>();
-    record.late_from = value.at("late_from").get<double>();
+    record.tail_start = value.at("tail_start").get<double>();
     for (const json& range : value.at("late"))
         record.late.push_back({number(range.at(0)), number(range.at(1)), range.at(2).get<double>()});
     const json& bodies = value.at("bodies");

@@ -203,7 +203,7 @@ private:
                                std::span<double> ydot) { // of the step, at the three times that are asked for
             const double when = y.data() == state.data()          ? after
                                 : y.data() == state_before.data() ? before
-                                                                  : record_.late_from;
+                                                                  : record_.tail_start;
             std::ranges::copy(control_.last().rates_at(when), ydot.begin());
         };
         rods::add_step(record_, part, rates, problem_.box, bodies_);

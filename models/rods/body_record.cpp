@@ -66,9 +66,9 @@ void add_body_step(SeparationRecord& record, const integrate::Step& step, const 
 
     // A pair that touches at one end of the step only touches for the share that a straight line gives.
     BodyRecord& late = record.bodies;
-    if (!(step.time > late.late_from) || late.touching.empty())
+    if (!(step.time > late.tail_start) || late.touching.empty())
         return;
-    const double from = std::max(step.time_before, late.late_from);
+    const double from = std::max(step.time_before, late.tail_start);
     const std::vector<double> first =
         from > step.time_before ? state(from)
                                 : std::vector<double>(step.state_before.begin(), step.state_before.end());
@@ -87,13 +87,13 @@ void add_body_step(SeparationRecord& record, const integrate::Step& step, const 
     }
 }
 
-SeparationRecord start_record(integrate::State y, double late_from, Box box, const BodyForces& bodies,
+SeparationRecord start_record(integrate::State y, double tail_start, Box box, const BodyForces& bodies,
                               double t_end) {
-    SeparationRecord record = start_record(y, late_from, box);
+    SeparationRecord record = start_record(y, tail_start, box);
     if (!bodies.any() || y.size() < 6)
         return record;
     record.bodies.smallest_gap = bodies.closest(y).gap;
-    record.bodies.late_from = (1.0 - bound_part) * t_end;
+    record.bodies.tail_start = (1.0 - bound_part) * t_end;
     record.bodies.touching.resize(record.late.size());
     return record;
 }

@@ -77,8 +77,8 @@ Enclosure widened(double value, double other, double floor) {
     return {value - error, value + error};
 }
 
-EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_t b, const LatePart& late,
-                                  const LatePart& tight) {
+EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_t b, const TailWindow& late,
+                                  const TailWindow& tight) {
     const Offset d = offset(runs.run.state, a, b, runs.box);
     EncounterBounds bounds;
     bounds.contact = EncounterBounds::Contact::none;

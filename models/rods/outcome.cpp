@@ -18,7 +18,7 @@ using integrate::State;
 
 namespace {
 
-PairEnd pair_end(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late, Box box) {
+PairEnd pair_end(State y, State ydot, std::size_t a, std::size_t b, const TailWindow& late, Box box) {
     const Offset d = offset(y, a, b, box);
     PairEnd pair;
     pair.x = d.x;
@@ -36,12 +36,12 @@ PairEnd pair_end(State y, State ydot, std::size_t a, std::size_t b, const LatePa
 
 } // namespace
 
-Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late,
+Ending classify_pair(State y, State ydot, std::size_t a, std::size_t b, const TailWindow& late,
                      const EndingCriteria& criteria, Box box) {
     return classify(pair_end(y, ydot, a, b, late, box), criteria);
 }
 
-std::string failed_criteria(State y, State ydot, std::size_t a, std::size_t b, const LatePart& late,
+std::string failed_criteria(State y, State ydot, std::size_t a, std::size_t b, const TailWindow& late,
                             const EndingCriteria& criteria, Box box) {
     return fmt::format("rods {} and {} show {}", a, b,
                        failed_criteria(pair_end(y, ydot, a, b, late, box), criteria));
@@ -117,13 +117,13 @@ Row row_between(const Row& before, const Row& after, double time) {
     return row_of(time, state_at(time, step_of(before, after), before.rates, after.rates), turning);
 }
 
-/// Rows of the track, one at `late_from` among them: there the last part begins.
-std::vector<Row> rows_of(const RodTrack& track, double late_from) {
+/// Rows of the track, one at `tail_start` among them: there the last part begins.
+std::vector<Row> rows_of(const RodTrack& track, double tail_start) {
     std::vector<Row> rows;
     for (std::size_t k = 0; k < track.times.size(); ++k) {
         const Row row = row_of(track.times[k], track.states[k], track.turning[k]);
-        if (!rows.empty() && rows.back().time < late_from && late_from < row.time)
-            rows.push_back(row_between(rows.back(), row, late_from));
+        if (!rows.empty() && rows.back().time < tail_start && tail_start < row.time)
+            rows.push_back(row_between(rows.back(), row, tail_start));
         rows.push_back(row);
     }
     return rows;
@@ -191,13 +191,13 @@ RodOutcome outcome_of(const RodTrack& track, std::optional<double> contact_dista
                       bool interacting, const EndingCriteria& criteria) {
     check_speed(track);
     const double first = track.times.front(), last = track.times.back();
-    const double late_from = last - criteria.steady_fraction * (last - first);
-    std::vector<Row> rows = rows_of(track, late_from);
+    const double tail_start = last - criteria.steady_fraction * (last - first);
+    std::vector<Row> rows = rows_of(track, tail_start);
     RodProblem problem;
     for (std::size_t a = 0; a < track.turning.front().size(); ++a)
         problem.rods.push_back(pose(rows.front().y, a));
     problem.box = box;
-    SeparationRecord record = start_record(rows.front().y, late_from, box);
+    SeparationRecord record = start_record(rows.front().y, tail_start, box);
     record.smallest_time = first;
     integrate::Solution solution;
     if (contact_distance && problem.rods.size() > 1 && cut_at_contact(rows, *contact_distance, box))

@@ -17,7 +17,7 @@ struct EncounterBounds {
     enum class Contact { none, certain, unknown } contact = Contact::unknown;
     double x = 0.0, y = 0.0, heading[2] = {}; ///< R_0 - R_1 at the end
     double place_error = 0.0, heading_error[2] = {};
-    Enclosure late_least{}, late_most{}, late_turning{}; ///< LatePart
+    Enclosure late_least{}, late_most{}, late_turning{}; ///< TailWindow
 };
 
 /// Whether two rods so far apart can follow each other.

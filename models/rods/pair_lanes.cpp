@@ -99,7 +99,7 @@ void PairQueue::load(std::size_t lane, const PairProblem& pair) {
     l.forced[lane] = 0.0;
     const double contact = pair.contact_distance;
     l.contact_square[lane] = contact > 0.0 ? contact * contact : -1.0;
-    l.late_from[lane] = (1.0 - options_.criteria.steady_fraction) * pair.t_end;
+    l.tail_start[lane] = (1.0 - options_.criteria.steady_fraction) * pair.t_end;
     for (std::size_t k = 0; k < 6; ++k) {
         const Pose& rod = pair.rods[k / 3];
         l.state[k][lane] = l.start[k][lane] = k % 3 == 0 ? rod.x : k % 3 == 1 ? rod.y : rod.heading;

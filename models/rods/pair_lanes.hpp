@@ -22,7 +22,7 @@ struct alignas(64) LaneNumbers {
 /// States as in model.hpp: x_0, y_0, theta_0, x_1, y_1, theta_1; rates are their derivatives.
 struct PairLanes {
     LaneNumbers active; ///< 1, or 0 for a lane without a pair
-    LaneNumbers time, step, t_end, late_from;
+    LaneNumbers time, step, t_end, tail_start;
     LaneNumbers forced;         ///< length of the next step, to land on a meeting; 0: as error control says
     LaneNumbers contact_square; ///< of the contact distance; negative: never
     LaneNumbers state[6], rate[6];                ///< where the lane is
@@ -31,7 +31,7 @@ struct PairLanes {
     LaneNumbers kappa, gamma1, gamma2; ///< with the units of the kernels
     LaneNumbers start[6];
     LaneNumbers smallest, smallest_time;             ///< separation
-    LaneNumbers late_least, late_most, late_turning; ///< LatePart
+    LaneNumbers late_least, late_most, late_turning; ///< TailWindow
     LaneNumbers most_turned, ahead_x, ahead_y;       ///< see PairResult
     LaneNumbers attempts, steps;
 };

@@ -81,7 +81,7 @@ HWY_INLINE void Record(PairLanes& l, M taken, V time, const V (&end)[6], const R
     const M smaller = hn::And(taken, hn::Lt(r, Load(l.smallest)));
     StoreIf(smaller, r, l.smallest);
     StoreIf(smaller, time, l.smallest_time);
-    const M late = hn::And(taken, hn::Ge(time, Load(l.late_from)));
+    const M late = hn::And(taken, hn::Ge(time, Load(l.tail_start)));
     const V turning = hn::Max(hn::Abs(rate.of[2]), hn::Abs(rate.of[5]));
     StoreIf(late, hn::Min(Load(l.late_least), r), l.late_least);
     StoreIf(late, hn::Max(Load(l.late_most), r), l.late_most);
@@ -139,9 +139,9 @@ struct LaneSteps {
 };
 
 HWY_INLINE LaneSteps BoundsOf(const PairLanes& l) {
-    const V time = Load(l.time), late_from = Load(l.late_from), rest = hn::Sub(Load(l.t_end), time);
+    const V time = Load(l.time), tail_start = Load(l.tail_start), rest = hn::Sub(Load(l.t_end), time);
     const V to_late =
-        hn::IfThenElse(hn::Lt(time, late_from), hn::Sub(late_from, time), rest); // a step ends there
+        hn::IfThenElse(hn::Lt(time, tail_start), hn::Sub(tail_start, time), rest); // a step ends there
     return {time, Load(l.step), Load(l.forced), to_late, rest};
 }
 
@@ -202,7 +202,7 @@ HWY_INLINE V Advance(PairLanes& l, M taken, M active, const LaneSteps& bounds, V
     const Lanes d;
     const M to_end = hn::Ge(h, bounds.rest), cut = hn::AndNot(to_end, hn::Ge(h, bounds.to_late));
     V time = hn::IfThenElse(to_end, Load(l.t_end), hn::Add(bounds.time, h));
-    time = hn::IfThenElse(cut, Load(l.late_from), time);
+    time = hn::IfThenElse(cut, Load(l.tail_start), time);
     StoreIf(taken, time, l.time);
     // a step that only looks for a meeting tells nothing of the next one's length, one cut short little
     const V next = hn::Mul(h, StepFactor(error_square));

@@ -250,7 +250,7 @@ void add_late(SeparationRecord& record, integrate::State y, integrate::State ydo
         for (std::size_t b = a + 1; b < rods; ++b) {
             const Offset d = offset(y, a, b, box);
             const double r = std::hypot(d.x, d.y);
-            LatePart& range = record.late[a * rods + b];
+            TailWindow& range = record.late[a * rods + b];
             range = {std::min(range.min_separation, r), std::max(range.max_separation, r),
                      std::max({range.max_turning, std::abs(ydot[3 * a + 2]), std::abs(ydot[3 * b + 2])})};
         }
@@ -259,9 +259,9 @@ void add_late(SeparationRecord& record, integrate::State y, integrate::State ydo
 void add_late_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
     std::vector<double> rate(step.state.size()), other(step.state.size());
     rates(step.state, rate);
-    if (step.time_before < record.late_from && record.late_from < step.time) {
+    if (step.time_before < record.tail_start && record.tail_start < step.time) {
         rates(step.state_before, other);
-        const auto y = state_at(record.late_from, step, other, rate);
+        const auto y = state_at(record.tail_start, step, other, rate);
         rates(y, other);
         add_late(record, y, other, box);
     }
@@ -270,12 +270,12 @@ void add_late_step(SeparationRecord& record, const integrate::Step& step, const 
 
 } // namespace
 
-SeparationRecord start_record(integrate::State y, double late_from, Box box) {
+SeparationRecord start_record(integrate::State y, double tail_start, Box box) {
     const std::size_t rods = y.size() / 3;
     if (rods < 2)
-        return {{0, 0, infinity}, 0.0, late_from, {}};
+        return {{0, 0, infinity}, 0.0, tail_start, {}};
     const std::size_t followed = rods <= most_followed_rods ? rods * rods : 0;
-    return {closest_pair(y, box), 0.0, late_from, std::vector<LatePart>(followed, {infinity, 0.0, 0.0})};
+    return {closest_pair(y, box), 0.0, tail_start, std::vector<TailWindow>(followed, {infinity, 0.0, 0.0})};
 }
 
 void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box,
@@ -287,7 +287,7 @@ void add_step(SeparationRecord& record, const integrate::Step& step, const State
         add_body_step(record, step, rates, box, bodies);
     else if (const auto approach = closest_approach(step, box, record.smallest.distance))
         keep_smaller(record, approach->pair, approach->time);
-    if (step.time >= record.late_from && !record.late.empty())
+    if (step.time >= record.tail_start && !record.late.empty())
         add_late_step(record, step, rates, box);
 }
 

@@ -146,13 +146,13 @@ double first_step(const integrate::OdeOptions& options) {
 
 RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
                         const EndingCriteria& criteria) {
-    const double late_from = (1.0 - criteria.steady_fraction) * problem.t_end;
+    const double tail_start = (1.0 - criteria.steady_fraction) * problem.t_end;
     RodCheckpoint start;
     start.time = ode.start_time;
     start.state = ode.initial_state;
     for (const Pose& rod : problem.rods)
         start.headings.push_back(rod.heading);
-    start.record = start_record(to_state(problem.rods), late_from, problem.box,
+    start.record = start_record(to_state(problem.rods), tail_start, problem.box,
                                 BodyForces(problem.bodies, problem.rods.size(), problem.box), problem.t_end);
     return start;
 }
@@ -294,8 +294,8 @@ std::optional<RodCheckpoint> carried_over(RodCheckpoint from, const RodProblem& 
     SeparationRecord record =
         start_record(poses, (1.0 - criteria.steady_fraction) * problem.t_end, problem.box,
                      BodyForces(problem.bodies, problem.rods.size(), problem.box), problem.t_end);
-    if (record.late_from != from.record.late_from) {
-        if (from.time > record.late_from || (problem.bodies.any() && from.time > record.bodies.late_from))
+    if (record.tail_start != from.record.tail_start) {
+        if (from.time > record.tail_start || (problem.bodies.any() && from.time > record.bodies.tail_start))
             return std::nullopt;
         record.smallest = from.record.smallest;
         record.smallest_time = from.record.smallest_time;

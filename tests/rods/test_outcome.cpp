@@ -15,7 +15,7 @@ using rodwake::Ending;
 
 namespace {
 
-Ending classify(const std::vector<rods::Pose>& pair, double turning, LatePart history) {
+Ending classify(const std::vector<rods::Pose>& pair, double turning, TailWindow history) {
     const auto y = rods::to_state(pair);
     std::vector<double> ydot;
     for (const auto& rod : pair)
@@ -23,7 +23,7 @@ Ending classify(const std::vector<rods::Pose>& pair, double turning, LatePart hi
     return rods::classify_pair(y, ydot, 0, 1, history);
 }
 
-const LatePart steady{2.9, 3.0, 0.0}, changing{1.0, 3.0, 0.0}, turned_lately{1.0, 3.0, 0.1};
+const TailWindow steady{2.9, 3.0, 0.0}, changing{1.0, 3.0, 0.0}, turned_lately{1.0, 3.0, 0.1};
 
 rods::RodProblem straight(std::vector<rods::Pose> rods, double t_end, std::optional<double> contact) {
     return {std::nullopt, {}, std::move(rods), t_end, {}, contact};

@@ -160,7 +160,7 @@ TEST_CASE("an approach within a step is seen through the boundary") {
 
 TEST_CASE("rods that part in the plane but approach each other's images have not escaped") {
     const std::vector<double> y = {4.5, 0.0, 0.0, -4.5, 0.2, std::numbers::pi}, ydot = {1, 0, 0, -1, 0, 0};
-    const LatePart late{1.0, 9.0, 0.0};
+    const TailWindow late{1.0, 9.0, 0.0};
     CHECK(rods::classify_pair(y, ydot, 0, 1, late) == Ending::escape);
     CHECK(rods::classify_pair(y, ydot, 0, 1, late, {}, 10.0) == Ending::undecided);
 }

@@ -79,7 +79,7 @@ struct EndingCriteria {
 inline constexpr EndingCriteria noisy_track{0.5, 0.70710678118654752, 0.4, 0.25, 0.5};
 
 /// What is known of a pair over the last part of a run.
-struct LatePart {
+struct TailWindow {
     double min_separation = 0.0, max_separation = 0.0;
     double max_turning = 0.0; ///< largest |theta'| of either rod
 };
@@ -90,7 +90,7 @@ struct PairEnd {
     double vx = 0.0, vy = 0.0; ///< velocity of the first relative to the second
     double heading[2] = {};    ///< rad
     double angle = 0.0;        ///< between the headings, in [0, pi]
-    LatePart late;
+    TailWindow late;
 };
 
 /// |difference| of two headings, in [0, pi].

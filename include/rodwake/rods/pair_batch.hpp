@@ -86,7 +86,7 @@ struct PairResult {
     std::array<double, 2> turn{};               ///< theta(end) - theta(0), rad
     double ahead_x = 0.0,
            ahead_y = 0.0; ///< R_0 - R_1 less its start, at the step end when the rods had turned most
-    LatePart late{};      ///< of a pair that has run to t_end
+    TailWindow late{};    ///< of a pair that has run to t_end
     Certificate certificate = Certificate::open; ///< by simulate_certified (certificate.hpp)
     long steps = 0, rhs_evaluations = 0;
 

@@ -23,23 +23,23 @@ inline constexpr std::size_t most_followed_rods = 100;
 struct BodyRecord {
     double smallest_gap = std::numeric_limits<double>::infinity();
     double smallest_gap_time = 0.0;
-    double late_from = 0.0;       ///< time at which the last quarter begins
+    double tail_start = 0.0;      ///< time at which the last quarter begins
     std::vector<double> touching; ///< time since then, of pair (a, b), a < b, at a N + b; empty for many rods
 };
 
 /// The smallest separation of all pairs at any time, and each pair's range over the last part of the run.
 /// A plain value: it can be saved and taken up again.
 struct SeparationRecord {
-    Separation smallest;        ///< infinite for a single rod
-    double smallest_time = 0.0; ///< when that was
-    double late_from = 0.0;     ///< time at which the last part begins
-    std::vector<LatePart> late; ///< of pair (a, b), a < b, at a N + b; empty for one rod, and for many
+    Separation smallest;          ///< infinite for a single rod
+    double smallest_time = 0.0;   ///< when that was
+    double tail_start = 0.0;      ///< time at which the last part begins
+    std::vector<TailWindow> late; ///< of pair (a, b), a < b, at a N + b; empty for one rod, and for many
     BodyRecord bodies = {};
 };
 
-SeparationRecord start_record(integrate::State y, double late_from, Box box = {});
+SeparationRecord start_record(integrate::State y, double tail_start, Box box = {});
 /// With bodies, of a run from 0 to t_end.
-SeparationRecord start_record(integrate::State y, double late_from, Box box, const BodyForces& bodies,
+SeparationRecord start_record(integrate::State y, double tail_start, Box box, const BodyForces& bodies,
                               double t_end);
 /// Time derivatives of a state.
 using StateRates = std::function<void(integrate::State y, std::span<double> ydot)>;
@@ -62,7 +62,7 @@ inline constexpr double bound_share = 0.9, bound_part = 0.25; ///< bound_part: t
 /// Ending of the pair (a, b) from the final state and its time derivative; never `contact`.
 /// `late` as separation_record.hpp keeps it. In a periodic box of the nearest images (separation.hpp).
 Ending classify_pair(integrate::State y, integrate::State ydot, std::size_t a, std::size_t b,
-                     const LatePart& late, const EndingCriteria& criteria = {},
+                     const TailWindow& late, const EndingCriteria& criteria = {},
                      std::optional<PeriodicBox> box = {});
 
 } // namespace rodwake::rods
