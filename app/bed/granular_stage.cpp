@@ -90,7 +90,7 @@ void warn_of_absorbing(const Session& session, const BedWork& work, std::span<co
                               1e3 * plates.gap, plates.frequency, plates.gamma);
 }
 
-StageEnd conclude(const Session& session, const BedWork& work) {
+StageEnd classify_outcome(const Session& session, const BedWork& work) {
     std::vector<GranularSummary> finished;
     StageEnd end = StageEnd::finished;
     const std::string name = work.of().suffix();
@@ -238,7 +238,7 @@ StageEnd run_granular(Session& session) {
                  });
     StageEnd end = StageEnd::finished;
     for (const BedWork& work : all)
-        end = worse(end, conclude(session, work));
+        end = worse(end, classify_outcome(session, work));
     // The cost is that of all finished runs, whichever command made them.
     RunCost sum;
     std::size_t runs = 0;

@@ -2,7 +2,7 @@
 
 #include "explicit_run.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/dormand_prince.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 
 #include <fmt/format.h>
 
@@ -70,8 +70,8 @@ public:
         solution.final_state = y_;
         if (contact_)
             solution.status.termination = integrate::Termination::stopped_at_event;
-        return rods::conclude(problem_, model_.interacting(), state_rates(), solution, record_, {},
-                              rods::TurnedBy::steady_wakes);
+        return rods::classify_outcome(problem_, model_.interacting(), state_rates(), solution, record_, {},
+                                      rods::TurnedBy::steady_wakes);
     }
 
 private:

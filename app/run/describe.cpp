@@ -2,7 +2,7 @@
 #include "rodwake/medium/film.hpp"
 
 #include "rodwake/core/box_sides.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/scene/read.hpp"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "critical_encounters.hpp"
 
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 #include "rodwake/rods/settled_orbit.hpp"
 #include "scan_parts.hpp"

@@ -3,7 +3,7 @@
 #include "rodwake/app/scan_problem.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/certificate.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/pair_batch.hpp"
 #include "rodwake/scan/lattice.hpp"
 #include "scan_values.hpp"

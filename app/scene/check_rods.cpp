@@ -3,7 +3,7 @@
 #include "rodwake/core/box_sides.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/simulate.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include "rods/interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/medium/turning_wake.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 
 #include <algorithm>
 #include <cmath>

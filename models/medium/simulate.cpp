@@ -6,7 +6,7 @@
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/medium/modal_field.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "step_control.hpp"
 
 #include <fmt/format.h>
@@ -121,7 +121,7 @@ public:
             options_.on_end(checkpoint());
         conclude_solution();
         MediumResult result;
-        result.outcome = rods::conclude(
+        result.outcome = rods::classify_outcome(
             problem_, problem_.couplings.any(),
             [&](State, std::span<double> ydot) { std::ranges::copy(final_rates_, ydot.begin()); }, solution_,
             record_, options_.criteria);

@@ -1,7 +1,7 @@
 #include "rodwake/rods/certificate.hpp"
 
 #include "pair_proof.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "straight_walkers.hpp"
 
 #include <fmt/format.h>

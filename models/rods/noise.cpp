@@ -3,7 +3,7 @@
 #include "interaction.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/integrate/additive_noise.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "within_step.hpp"
 
 #include <fmt/format.h>
@@ -307,7 +307,7 @@ RodResult Walk::run() {
     result.solution = std::move(solution_);
     const StateRates rates = [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); };
     result.outcome =
-        conclude(problem_, model_.interacting(), rates, result.solution, record_, options_.criteria);
+        classify_outcome(problem_, model_.interacting(), rates, result.solution, record_, options_.criteria);
     return result;
 }
 

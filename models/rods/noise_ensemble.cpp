@@ -1,7 +1,7 @@
 #include "rodwake/rods/noise_ensemble.hpp"
 
 #include "rodwake/core/parallel.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 
 #include <algorithm>
 #include <cmath>

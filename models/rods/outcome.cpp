@@ -2,7 +2,7 @@
 
 #include "outcome_text.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/separation.hpp"
 #include "within_step.hpp"
 
@@ -213,7 +213,7 @@ RodOutcome outcome_of(const RodTrack& track, std::optional<double> contact_dista
     at = &rows.back();
     solution.final_time = rows.back().time;
     solution.final_state = rows.back().y;
-    return conclude(problem, interacting, rates, solution, record, criteria);
+    return classify_outcome(problem, interacting, rates, solution, record, criteria);
 }
 
 } // namespace rodwake::rods

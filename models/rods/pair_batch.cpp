@@ -3,7 +3,7 @@
 #include "outcome_text.hpp"
 #include "pair_lanes.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/settled_orbit.hpp"
 
 #include <fmt/format.h>

@@ -26,7 +26,7 @@ using Feels = std::function<bool(double distance)>;
 std::optional<Ending> certain_ending(const EncounterBounds& bounds, const EndingCriteria& criteria,
                                      const Feels& feels);
 
-/// The ending of all pairs together, as conclude decides it; nothing: it may be another.
+/// The ending of all pairs together, as classify_outcome decides it; nothing: it may be another.
 std::optional<Ending> together(std::span<const std::optional<Ending>> pairs);
 
 } // namespace rodwake::rods

@@ -2,7 +2,7 @@
 
 #include "elastic/wake_kernel.hpp"
 #include "rodwake/integrate/tsitouras_famelis.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/settled_orbit.hpp"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "pose_track.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/rods/certificate.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "straight_walkers.hpp"
 
 #include <fmt/format.h>
@@ -259,8 +259,8 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
         explain_collision(result.solution, problem.box);
         refuse_passing(result.solution, record, problem, solver.rtol + solver.atol); // relative_cap is 1
     }
-    result.outcome = conclude(problem, equations.interacting, rates, result.solution, record,
-                              options.criteria, TurnedBy::steady_wakes);
+    result.outcome = classify_outcome(problem, equations.interacting, rates, result.solution, record,
+                                      options.criteria, TurnedBy::steady_wakes);
     result.record = std::move(record);
     return result;
 }

@@ -9,7 +9,7 @@
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/elastic/wake_field.hpp"
 #include "rodwake/elastic/wake_kernel.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "signals.hpp"
 
 #include <algorithm>

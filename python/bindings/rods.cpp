@@ -5,7 +5,7 @@
 #include "bind.hpp"
 #include "rod_problem.hpp"
 #include "rodwake/rods/certificate.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "signals.hpp"
 
 #include <pybind11/stl.h>

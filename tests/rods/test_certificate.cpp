@@ -5,7 +5,7 @@
 
 #include "rods/pair_decision.hpp"
 #include "rodwake/rods/certificate.hpp"
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>

@@ -29,9 +29,9 @@ enum class TurnedBy { steady_wakes, other };
 
 /// The outcome of a solution by poses. `rates`: of the final state; `interacting`: rods that do not cannot
 /// pursue each other.
-RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
-                    const integrate::Solution& solution, const SeparationRecord& record,
-                    const EndingCriteria& criteria, TurnedBy turned_by = TurnedBy::other);
+RodOutcome classify_outcome(const RodProblem& problem, bool interacting, const StateRates& rates,
+                            const integrate::Solution& solution, const SeparationRecord& record,
+                            const EndingCriteria& criteria, TurnedBy turned_by = TurnedBy::other);
 
 /// Longest step from a state in which a touch of bodies is seen (BodyForces::step_limit); unseen ones shift
 /// few rods by less than any tolerance, and a crowd by little. Infinite without bodies.

@@ -1,4 +1,4 @@
-#include "rodwake/rods/conclude.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/core/box_sides.hpp"
 
 #include "outcome_text.hpp"
@@ -131,7 +131,7 @@ std::optional<RodResult> contact_at_start(const RodProblem& problem) {
     solution.hits.push_back({0, 0.0, solution.final_state});
     solution.status.termination = integrate::Termination::stopped_at_event;
     solution.status.wanted = problem.t_end;
-    result.outcome = conclude(problem, false, nullptr, solution, {}, {});
+    result.outcome = classify_outcome(problem, false, nullptr, solution, {}, {});
     return result;
 }
 
@@ -179,9 +179,9 @@ std::vector<double> output_times(const RodProblem& problem) {
     return times;
 }
 
-RodOutcome conclude(const RodProblem& problem, bool interacting, const StateRates& rates,
-                    const integrate::Solution& solution, const SeparationRecord& record,
-                    const EndingCriteria& criteria, TurnedBy turned_by) {
+RodOutcome classify_outcome(const RodProblem& problem, bool interacting, const StateRates& rates,
+                            const integrate::Solution& solution, const SeparationRecord& record,
+                            const EndingCriteria& criteria, TurnedBy turned_by) {
     const State y = solution.final_state;
     const std::size_t rods = problem.rods.size();
     RodOutcome outcome;
