@@ -53,7 +53,7 @@ struct Rates {
     double milliseconds = 0.0;
 };
 
-Rates rates(const std::vector<double>& y, const rods::WakeSums& sums, int rounds = 20) {
+Rates rates(const std::vector<double>& y, const rods::InteractionOptions& sums, int rounds = 20) {
     const rods::Couplings couplings{.kappa = 5.0};
     const rods::RodModel model(elastic::exact_field({1.0, 1.0}, {}, rods::sum_options(couplings, sums)),
                                couplings, y.size() / 3);

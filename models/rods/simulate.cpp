@@ -67,7 +67,7 @@ std::function<double(double, State)> step_limit(const RodProblem& problem) {
     };
 }
 
-elastic::MutualWakesOptions sum_options(const Couplings& c, const WakeSums& sums) {
+elastic::MutualWakesOptions sum_options(const Couplings& c, const InteractionOptions& sums) {
     const auto& [kappa, gamma1, gamma2] = c;
     const double polar = std::abs(gamma1) + std::abs(gamma2);
     const double share = (c.apolar() && c.polar() ? 0.5 : 1.0) * sums.turning_tolerance;

@@ -248,9 +248,9 @@ Array field(const char* name, Quantity quantity, const Array& x, const Array& y,
 }
 
 /// What the other rods make at each rod, and in a box its own images: lab components.
-class WakeSums {
+class InteractionOptions {
 public:
-    WakeSums(const std::vector<Source>& rods, const Medium& medium)
+    InteractionOptions(const std::vector<Source>& rods, const Medium& medium)
         : displacement_(2 * rods.size()), strain_(4 * rods.size()), gradient_(8 * rods.size()),
           laplacian_(2 * rods.size()), grad_div_(2 * rods.size()) {
         const auto field = elastic::exact_field(medium.elastic, medium.box);
@@ -306,7 +306,7 @@ private:
 py::tuple wakes(const Array& poses, const Medium& medium) {
     rods::RodProblem problem = problem_of(poses, &medium, {});
     problem.t_end = 1.0; // means nothing here
-    std::optional<WakeSums> sums;
+    std::optional<InteractionOptions> sums;
     {
         const py::gil_scoped_release release;
         validate(problem);

@@ -111,7 +111,8 @@ void check_state(const std::vector<double>& y, Box box, double h) {
         check_equal(closest_approach(step, box, below), approach_of_all(step, box, below));
 }
 
-RodProblem crowd(std::size_t rods, double side, const Couplings& couplings, const WakeSums& sums = {}) {
+RodProblem crowd(std::size_t rods, double side, const Couplings& couplings,
+                 const InteractionOptions& sums = {}) {
     RandomStream random(17);
     RodProblem problem;
     problem.medium = elastic::Medium{1.3, 0.8};

@@ -32,7 +32,7 @@
 namespace rodwake::rods {
 
 /// How the wakes of 8 rods or more are added up on the plane in the exact field (elastic/mutual_wakes.hpp).
-struct WakeSums {
+struct InteractionOptions {
     elastic::Accuracy accuracy = elastic::Accuracy::full;
     /// Far wakes are summed on meshes where that is cheaper, with errors of each theta' below this, rad mu
     /// v0/f. Errors change at random as rods move, and steps get short where such a change times a step is
@@ -52,7 +52,7 @@ struct RodProblem {
     std::optional<PeriodicBox> box = {};    ///< axes x and y; absent: infinite plane
     /// How the wakes of this medium in this domain are worked out; absent: exactly.
     std::shared_ptr<const elastic::WakeField> field = nullptr;
-    WakeSums sums = {};
+    InteractionOptions sums = {};
     Rows rows = {}; ///< of a crystal that turns each rod, with or without a medium
     RodBodies bodies = {};
     bool goes_on = false; ///< from the state of another run: then bodies may overlap at the start
@@ -66,7 +66,7 @@ struct RodProblem {
 /// (only the traceless part of eps turns a rod, and (eps_xy, (eps_yy - eps_xx)/2) is at most |eps|/sqrt(2)
 /// long), so |d eps| < sqrt(2) T/|kappa| and |d A|, |d B| < T/(|gamma1| + |gamma2|) are enough; with both
 /// kinds of coupling each gets T/2.
-elastic::MutualWakesOptions sum_options(const Couplings& couplings, const WakeSums& sums);
+elastic::MutualWakesOptions sum_options(const Couplings& couplings, const InteractionOptions& sums);
 
 /// The wakes a problem's rods move in; none without a medium. Throws InputError if problem.field is of
 /// another medium or box, or problem.sums asks for what only the exact field on the plane has.
