@@ -92,7 +92,7 @@ void add_rod_lines(const Plan& plan, Lines& lines) {
     const bool interacting = problem.medium && c.any() && (problem.rods.size() > 1 || own);
     lines.push_back({true, fmt::format("{} rods to t = {:g}, {} variants", problem.rods.size(), problem.t_end,
                                        plan.rods.size() - 1)});
-    if (const rods::Form form = plan.rods.front().options.form; form != rods::Form::angle)
+    if (const rods::Formulation form = plan.rods.front().options.form; form != rods::Formulation::angle)
         lines.push_back({true, fmt::format("form of the equations: {}", to_string(form))});
     if (!interacting)
         lines.push_back({false, problem.rods.size() < 2

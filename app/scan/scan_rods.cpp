@@ -89,9 +89,9 @@ bool next_rung(rods::RodOptions& options, int rung) {
         ode.atol *= 0.1;
         return true;
     case 2:
-        ode.method = options.form == rods::Form::dae || ode.method != Method::bdf ? Method::bdf
-                     : options.form == rods::Form::angle                          ? Method::adams
-                                                                                  : Method::erk;
+        ode.method = options.form == rods::Formulation::dae || ode.method != Method::bdf ? Method::bdf
+                     : options.form == rods::Formulation::angle                          ? Method::adams
+                                                                                         : Method::erk;
         return true;
     default:
         return false;
@@ -103,7 +103,7 @@ bool next_rung(rods::RodOptions& options, int rung) {
 bool suits_batch(const scene::RodsRun& run, const rods::RodOptions& options,
                  std::optional<double> time_limit) {
     constexpr double longest_in_batch = 0.1; // s, with a good margin
-    return !run.method && run.form == rods::Form::angle && options.ode.method == Method::erk &&
+    return !run.method && run.form == rods::Formulation::angle && options.ode.method == Method::erk &&
            time_limit.value_or(HUGE_VAL) > longest_in_batch;
 }
 

@@ -47,7 +47,7 @@ void memory(const Scene& scene, const Report& report) {
     constexpr std::size_t most = 9000; // 0.65 GB
     const RodsRun& run = *scene.rods_run;
     const std::size_t size = rods::state_size(run.form, scene.rods.size());
-    if ((run.method == integrate::Method::bdf || run.form == rods::Form::dae) && size > most)
+    if ((run.method == integrate::Method::bdf || run.form == rods::Formulation::dae) && size > most)
         report("rods_run.method",
                fmt::format(
                    "rods_run.method: \"bdf\" keeps dense matrices of {0} x {0} numbers for {1} rods in form "
@@ -65,7 +65,7 @@ void noise(const Scene& scene, const Report& report) {
             "rods_run.method",
             "rods_run.method: rods with [noise] are integrated by a method of their own (strong order 1.5, "
             "noise.time_step); bdf, adams and erk take no noise: set method to \"auto\" or leave it out");
-    if (run.form != rods::Form::angle)
+    if (run.form != rods::Formulation::angle)
         report("rods_run.form",
                fmt::format("rods_run.form = \"{}\": rods with [noise] take form \"angle\" only",
                            rods::to_string(run.form)));
@@ -184,7 +184,7 @@ void dynamic_run(const RodsRun& run, const Report& report) {
                fmt::format("rods_run.method = \"{}\": with medium.field = \"dynamic\" rods and medium "
                            "are integrated by a method of their own; leave it out, or \"auto\"",
                            integrate::to_string(*run.method)));
-    if (run.form != rods::Form::angle)
+    if (run.form != rods::Formulation::angle)
         report("rods_run.form",
                fmt::format("rods_run.form = \"{}\": medium.field = \"dynamic\" takes \"angle\"",
                            rods::to_string(run.form)));

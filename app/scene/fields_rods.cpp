@@ -117,11 +117,11 @@ void time_fields(Visitor& v, RunTimes& given) {
 
 /// Not every method can take every form.
 void check_form(Visitor& v, const RodsRun& run) {
-    if (run.form == rods::Form::director && run.method == Method::adams)
+    if (run.form == rods::Formulation::director && run.method == Method::adams)
         v.complain("form",
                    "\"director\" is put back to length 1 after each step, which method \"adams\" does not "
                    "allow: set method to \"bdf\", \"erk\" or \"auto\"");
-    if (run.form == rods::Form::dae && run.method && run.method != Method::bdf)
+    if (run.form == rods::Formulation::dae && run.method && run.method != Method::bdf)
         v.complain("form",
                    "\"dae\" is solved by backward differentiation only: set method to \"bdf\" or \"auto\"");
 }
@@ -142,8 +142,9 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .doc("form of the equations: heading angle; director, put back to length 1 after each step (bdf, "
                "erk); dae, director with a Lagrange multiplier (bdf)")
           .example("\"angle\""),
-      choice(run.form,
-             {{"angle", rods::Form::angle}, {"director", rods::Form::director}, {"dae", rods::Form::dae}}));
+      choice(run.form, {{"angle", rods::Formulation::angle},
+                        {"director", rods::Formulation::director},
+                        {"dae", rods::Formulation::dae}}));
     v(key("rtol").within(1e-13, 1e-1).doc("relative tolerance of the local error").example("1e-8"), run.rtol);
     v(key("atol")
           .above(0.0, 1.0)

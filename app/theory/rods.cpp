@@ -44,10 +44,11 @@ rods::RodProblem rod_problem(const scene::Scene& scene) {
 rods::RodOptions rod_options(const scene::RodsRun& run, const rods::RodProblem& problem) {
     rods::RodOptions options;
     options.form = run.form;
-    options.ode.method = run.method                    ? *run.method
-                         : run.form == rods::Form::dae ? integrate::Method::bdf
-                                                       : rods::suitable_method(problem);
-    options.held_wakes = !run.method && run.form == rods::Form::angle && rods::suits_held_wakes(problem);
+    options.ode.method = run.method                           ? *run.method
+                         : run.form == rods::Formulation::dae ? integrate::Method::bdf
+                                                              : rods::suitable_method(problem);
+    options.held_wakes =
+        !run.method && run.form == rods::Formulation::angle && rods::suits_held_wakes(problem);
     options.ode.rtol = run.rtol;
     options.ode.atol = run.atol;
     options.ode.max_steps = run.max_steps;

@@ -400,7 +400,7 @@ SolverReport solver_report(const rods::RodResult& result, const RodsPlan& plan, 
     solver.jacobian_evaluations = n.jacobian_evaluations;
     solver.error_test_failures = n.error_test_failures;
     solver.convergence_failures = n.convergence_failures;
-    if (plan.options.form != rods::Form::angle)
+    if (plan.options.form != rods::Formulation::angle)
         solver.director_drift = n.drift;
     if (!result.solution.status.ok())
         solver.message = result.solution.status.message();

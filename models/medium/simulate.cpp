@@ -346,7 +346,7 @@ MediumResult simulate(const MediumProblem& problem, const rods::RodOptions& opti
     if (!rods.medium)
         throw InputError("rods in a dynamic medium need its eta and xi");
     validate(*rods.medium, problem.medium, rods.rods.size());
-    if (options.form != rods::Form::angle)
+    if (options.form != rods::Formulation::angle)
         throw InputError("rods in a dynamic medium are integrated in form \"angle\"");
     validate_bodies(problem.medium, rods);
     if (rods.rows.any())

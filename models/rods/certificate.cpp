@@ -228,7 +228,7 @@ void compare_endings(const RodProblem& problem, RodOptions options, const RodRes
     if (done(tight) && tight.outcome.ending != outcome.ending) {
         outcome.reason += fmt::format("; a run at a hundredth of the tolerance ends in {}",
                                       to_string(tight.outcome.ending));
-    } else if (options.ode.method != integrate::Method::erk && options.form == Form::angle) {
+    } else if (options.ode.method != integrate::Method::erk && options.form == Formulation::angle) {
         options.ode.method = integrate::Method::erk;
         options.ode.max_steps = std::min(options.ode.max_steps, 20'000L); // it may be stiff
         options.ode.on_step = nullptr;

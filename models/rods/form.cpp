@@ -14,13 +14,13 @@ using integrate::State;
 
 constexpr double relaxation = 1.0; ///< b of the header, mu v0/f
 
-std::size_t stride_of(Form form) {
+std::size_t stride_of(Formulation form) {
     switch (form) {
-    case Form::angle:
+    case Formulation::angle:
         return 3;
-    case Form::director:
+    case Formulation::director:
         return 4;
-    case Form::dae:
+    case Formulation::dae:
         break;
     }
     return 5;
@@ -178,22 +178,22 @@ void look_at_poses(integrate::OdeProblem& ode, std::size_t stride) {
 
 } // namespace
 
-std::size_t state_size(Form form, std::size_t rods) { return rods * stride_of(form); }
+std::size_t state_size(Formulation form, std::size_t rods) { return rods * stride_of(form); }
 
-std::vector<double> to_form(Form form, State poses) {
-    if (form == Form::angle)
+std::vector<double> to_form(Formulation form, State poses) {
+    if (form == Formulation::angle)
         return {poses.begin(), poses.end()};
     std::vector<double> state;
     for (std::size_t i = 0; i < poses.size(); i += 3) {
         state.insert(state.end(), {poses[i], poses[i + 1], std::cos(poses[i + 2]), std::sin(poses[i + 2])});
-        if (form == Form::dae)
+        if (form == Formulation::dae)
             state.push_back(0.0);
     }
     return state;
 }
 
-std::vector<double> to_poses(Form form, State state, std::span<const double> near) {
-    if (form == Form::angle)
+std::vector<double> to_poses(Formulation form, State state, std::span<const double> near) {
+    if (form == Formulation::angle)
         return {state.begin(), state.end()};
     std::vector<double> poses = poses_of(state, stride_of(form));
     for (std::size_t a = 0; a < near.size(); ++a)
@@ -201,16 +201,16 @@ std::vector<double> to_poses(Form form, State state, std::span<const double> nea
     return poses;
 }
 
-integrate::OdeProblem to_ode(const RodProblem& problem, Form form) {
+integrate::OdeProblem to_ode(const RodProblem& problem, Formulation form) {
     integrate::OdeProblem ode = to_ode(problem);
-    if (form == Form::angle)
+    if (form == Formulation::angle)
         return ode;
     const std::size_t stride = stride_of(form);
     const auto rods =
         std::make_shared<const Directors>(Directors{model_of(problem), problem.couplings, stride});
     ode.initial_state = to_form(form, ode.initial_state);
     ode.jacobian = nullptr;
-    if (form == Form::director) {
+    if (form == Formulation::director) {
         ode.rhs = [rods](double, State y, std::span<double> rate) { rods->rhs(y, rate); };
         if (rods->model.has_jacobian())
             // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
@@ -229,13 +229,13 @@ integrate::OdeProblem to_ode(const RodProblem& problem, Form form) {
     return ode;
 }
 
-std::string to_string(Form form) {
+std::string to_string(Formulation form) {
     switch (form) {
-    case Form::angle:
+    case Formulation::angle:
         return "angle";
-    case Form::director:
+    case Formulation::director:
         return "director";
-    case Form::dae:
+    case Formulation::dae:
         break;
     }
     return "dae";

@@ -4,11 +4,11 @@
 
 namespace rodwake::rods {
 
-PoseTrack::PoseTrack(Form form, std::vector<double> headings, std::span<const double> output_times)
+PoseTrack::PoseTrack(Formulation form, std::vector<double> headings, std::span<const double> output_times)
     : form_(form), output_times_(output_times), headings_(std::move(headings)) {}
 
 integrate::Step PoseTrack::step(const integrate::Step& raw) {
-    if (form_ == Form::angle)
+    if (form_ == Formulation::angle)
         return raw;
     before_ = poses(raw.state_before);
     after_ = poses(raw.state);

@@ -9,7 +9,7 @@ namespace rodwake::rods {
 class PoseTrack {
 public:
     /// At `time`, with these headings (one a rod); `output_times` are those of the solve.
-    PoseTrack(Form form, std::vector<double> headings, std::span<const double> output_times);
+    PoseTrack(Formulation form, std::vector<double> headings, std::span<const double> output_times);
 
     /// The next step; the spans hold until the next call.
     integrate::Step step(const integrate::Step& raw);
@@ -20,7 +20,7 @@ public:
     const std::vector<double>& headings() const { return headings_; }
 
 private:
-    Form form_;
+    Formulation form_;
     std::span<const double> output_times_;
     std::vector<double> headings_, before_, after_;
     std::vector<std::vector<double>> at_outputs_; ///< headings at the end of each output's step

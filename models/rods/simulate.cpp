@@ -252,7 +252,7 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
     const integrate::Solution& end = result.solution;
     if (options.on_end && end.status.termination == integrate::Termination::reached_end)
         options.on_end(checkpoint({end.final_time, end.final_state, end.states, end.statistics}));
-    if (options.form != Form::angle)
+    if (options.form != Formulation::angle)
         to_poses(result.solution, track);
     prepend(result.solution, from, times);
     if (equations.singular) {
@@ -317,7 +317,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     Equations equations{std::move(ode), rates, model.interacting(), true};
     if (!options.held_wakes || !model.interacting() || !model.bodies().any())
         return solve_equations(problem, options, std::move(equations));
-    if (options.form != Form::angle)
+    if (options.form != Formulation::angle)
         throw InputError("wakes are held in form \"angle\" only");
     RodProblem points = problem;
     points.bodies = {};
@@ -331,7 +331,7 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
 
 RodResult simulate_rates(const RodProblem& problem, const StateRates& rates, double width,
                          const RodOptions& options) {
-    if (options.form != Form::angle)
+    if (options.form != Formulation::angle)
         throw InputError("rods with rates of their own are integrated in form \"angle\"");
     if (auto met = contact_at_start(problem))
         return *std::move(met);

@@ -30,8 +30,8 @@ std::optional<integrate::Method> method_of(const std::string& name) {
     return std::nullopt;
 }
 
-rods::Form form_of(const std::string& name) {
-    for (const auto form : {rods::Form::angle, rods::Form::director, rods::Form::dae})
+rods::Formulation form_of(const std::string& name) {
+    for (const auto form : {rods::Formulation::angle, rods::Formulation::director, rods::Formulation::dae})
         if (name == rods::to_string(form))
             return form;
     throw InputError("form = '" + name + "': expected 'angle', 'director' or 'dae'");

@@ -29,7 +29,7 @@ rods::RodProblem problem_of(const Array& poses, const Medium* medium, const rods
 std::optional<integrate::Method> method_of(const std::string& name);
 
 /// "angle", "director" or "dae". Throws InputError for other names.
-rods::Form form_of(const std::string& name);
+rods::Formulation form_of(const std::string& name);
 
 /// Those of a scene that says nothing of them; none for a t_end that is none, which the solver tells.
 std::vector<double> default_times(double t_end);

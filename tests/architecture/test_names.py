@@ -32,6 +32,9 @@ GONE = {
     "take_seed": "apply_seed",
     "free_x": "unwrapped_x",
     "carve": "clear_overlaps",
+    "LatePart": "TailWindow",
+    "late_from": "tail_start",
+    "WakeSums": "InteractionOptions",
 }
 # Words of prose, too: these are looked for in the code alone.
 GONE_FROM_CODE = {
@@ -47,6 +50,8 @@ GONE_FROM_CODE = {
     "Place": "a position or point",
     "Places": "positions or points",
     "Wanted": "FieldRequest",
+    "Form": "Formulation",
+    "conclude": "classify_outcome",
 }
 TYPE = re.compile(r"\b(?:struct|class|enum(?:\s+class)?)\s+((?:\w+::)*\w+)\s*(?:final\s*)?(?::[^;{()]*)?\{")
 # Types of two parts that a user of both tells apart by the namespace, and two makes of one class.

@@ -105,7 +105,7 @@ TEST_CASE("other boxes, media and forms are refused") {
             "the rods' box, 11, differs from the box of the dynamic medium, 10");
     refused([](P& p, O&) { p.rods.medium.reset(); }, "need its eta and xi");
     refused([](P& p, O&) { p.rods.medium->eta = -2.0; }, "eta");
-    refused([](P&, O& o) { o.form = rods::Form::director; }, "form \"angle\"");
+    refused([](P&, O& o) { o.form = rods::Formulation::director; }, "form \"angle\"");
     refused([](P& p, O&) { p.rods.sums.turning_tolerance = 1e-3; }, "no turning_tolerance");
     refused([](P&, O& o) { o.ode.rtol = 1.0; }, "rtol = 1");
     refused([](P& p, O&) { p.medium.closure = Closure::steady, p.medium.start = Start::rest; },

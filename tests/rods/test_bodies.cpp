@@ -139,7 +139,7 @@ RodProblem head_on(double aside) {
     return problem;
 }
 
-RodOptions options_of(integrate::Method method, double rtol, Form form = Form::angle) {
+RodOptions options_of(integrate::Method method, double rtol, Formulation form = Formulation::angle) {
     RodOptions options;
     options.ode.method = method;
     options.ode.rtol = rtol;
@@ -354,9 +354,10 @@ TEST_CASE("runs with bodies follow fixed steps, in all methods and forms") {
         const State expected = by_fixed_steps(problem, 20000);
         CHECK(RodModel(nullptr, {}, 2, {}, BodyForces(problem.bodies, 2, {})).bodies().closest(expected).gap <
               10.0);
-        const std::pair<Method, Form> ways[] = {{Method::erk, Form::angle},    {Method::bdf, Form::angle},
-                                                {Method::adams, Form::angle},  {Method::erk, Form::director},
-                                                {Method::bdf, Form::director}, {Method::bdf, Form::dae}};
+        const std::pair<Method, Formulation> ways[] = {
+            {Method::erk, Formulation::angle},    {Method::bdf, Formulation::angle},
+            {Method::adams, Formulation::angle},  {Method::erk, Formulation::director},
+            {Method::bdf, Formulation::director}, {Method::bdf, Formulation::dae}};
         for (const auto& [method, form] : ways) {
             const RodResult run = simulate(problem, options_of(method, 1e-9, form));
             REQUIRE(run.solution.status.ok());

@@ -181,7 +181,7 @@ TEST_CASE("Straight walkers that graze, near and far, are all proved, and end as
 
 TEST_CASE("A straight run stops where its rods meet, whatever the form") {
     RandomStream random(14);
-    for (const Form form : {Form::angle, Form::director, Form::dae}) {
+    for (const Formulation form : {Formulation::angle, Formulation::director, Formulation::dae}) {
         RodOptions options;
         options.form = form;
         options.ode.method = integrate::Method::bdf;

@@ -16,13 +16,13 @@ using integrate::Method;
 namespace {
 
 struct Way {
-    Form form;
+    Formulation form;
     Method method;
 };
-constexpr Way ways[] = {{Form::angle, Method::bdf},
-                        {Form::director, Method::bdf},
-                        {Form::director, Method::erk},
-                        {Form::dae, Method::bdf}};
+constexpr Way ways[] = {{Formulation::angle, Method::bdf},
+                        {Formulation::director, Method::bdf},
+                        {Formulation::director, Method::erk},
+                        {Formulation::dae, Method::bdf}};
 
 RodOptions options_of(Way way, double rtol) {
     RodOptions options;
@@ -59,14 +59,14 @@ TEST_CASE("every form follows the reference trajectories") {
             const RodResult result = simulate(one.problem, options_of(way, rtol));
             REQUIRE(result.solution.status.ok());
             CHECK(test::worst_error(one, result) < 100.0 * rtol); // as for the angle: 83 rtol
-            CHECK((result.solution.statistics.drift > 0.0) == (way.form != Form::angle));
+            CHECK((result.solution.statistics.drift > 0.0) == (way.form != Formulation::angle));
             CHECK(result.solution.statistics.drift < 100.0 * rtol);
         }
 }
 
 TEST_CASE("the director's Jacobian matches differences") {
     const RodProblem problem = pair_of({.kappa = 2.0, .gamma1 = 0.7, .gamma2 = -0.4});
-    const auto ode = to_ode(problem, Form::director);
+    const auto ode = to_ode(problem, Formulation::director);
     std::vector<double> y = ode.initial_state, up(8), down(8);
     y[2] *= 1.001; // off the unit circle too
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(8, 8);
@@ -90,8 +90,8 @@ TEST_CASE("the director's Jacobian matches differences") {
 
 TEST_CASE("the multiplier holds what would stretch the director") {
     const RodProblem problem = pair_of({.kappa = 2.0, .gamma1 = 0.7, .gamma2 = -0.4});
-    const auto dae = to_ode(problem, Form::dae);
-    const auto director = to_ode(problem, Form::director);
+    const auto dae = to_ode(problem, Formulation::dae);
+    const auto director = to_ode(problem, Formulation::director);
     std::vector<double> f(10), expected(8);
     CHECK(std::abs(dae.initial_state[4]) > 1e-3); // -n.h
     dae.rhs(0.0, dae.initial_state, f);
@@ -106,7 +106,7 @@ TEST_CASE("the multiplier holds what would stretch the director") {
 TEST_CASE("headings keep their whole turns in every form") {
     RodProblem problem = pair_of({.kappa = 0.5});
     problem.rods[0].heading += 100.0; // some sixteen turns
-    const RodResult angle = simulate(problem, options_of({Form::angle, Method::erk}, 1e-9));
+    const RodResult angle = simulate(problem, options_of({Formulation::angle, Method::erk}, 1e-9));
     REQUIRE(angle.solution.status.ok());
     for (const Way way : {ways[1], ways[2], ways[3]}) {
         const RodResult result = simulate(problem, options_of(way, 1e-9));
@@ -119,7 +119,7 @@ TEST_CASE("headings keep their whole turns in every form") {
 
 TEST_CASE("turns between two outputs are counted step by step") {
     const std::vector<double> times{0.5, 19.5, 20.0};
-    PoseTrack track(Form::director, {0.0}, times);
+    PoseTrack track(Formulation::director, {0.0}, times);
     const auto director = [](double t) { return std::vector{0.0, 0.0, std::cos(t), std::sin(t)}; };
     std::vector<std::vector<double>> raw;
     for (const double t : times)
@@ -142,12 +142,12 @@ TEST_CASE("checkpoints of a run, in any form, lead to the same end, to the bit")
     for (int k = 0; k <= 20; ++k)
         problem.output_times.push_back(0.5 * k);
     std::vector<Way> all(std::begin(ways), std::end(ways));
-    all.insert(all.end(), {{Form::angle, Method::adams}, {Form::angle, Method::erk}});
+    all.insert(all.end(), {{Formulation::angle, Method::adams}, {Formulation::angle, Method::erk}});
     for (const Way way : all) {
         CAPTURE(to_string(way.form), integrate::to_string(way.method));
         RodOptions options = options_of(way, 1e-8);
         // Far below the default: several segments even in a short run. IDAS begins each with short steps.
-        options.ode.segment_steps = way.form == Form::dae ? 400 : way.method == Method::erk ? 6 : 30;
+        options.ode.segment_steps = way.form == Formulation::dae ? 400 : way.method == Method::erk ? 6 : 30;
         RodOptions rest = options;
         std::vector<RodCheckpoint> saved;
         options.on_checkpoint = [&](const RodCheckpoint& at) { saved.push_back(at); };
@@ -217,7 +217,7 @@ TEST_CASE("forms in a periodic box agree") {
     RodProblem problem = pair_of({.kappa = 2.0});
     problem.box = 6.0;
     problem.t_end = 2.0;
-    const RodResult angle = simulate(problem, options_of({Form::angle, Method::erk}, 1e-7));
+    const RodResult angle = simulate(problem, options_of({Formulation::angle, Method::erk}, 1e-7));
     for (const Way way : {ways[1], ways[3]})
         CHECK(difference(simulate(problem, options_of(way, 1e-7)), angle) < 1e-5); // 100 rtol
 }
@@ -228,11 +228,11 @@ TEST_CASE("dae starts whatever the length of the run and the stiffness") {
         problem.rods = {{0.0, 2.5, 0.0}, {0.0, -2.5, 0.0}};
         problem.t_end = t_end;
         CAPTURE(t_end);
-        CHECK(simulate(problem, options_of({Form::dae, Method::bdf}, 1e-8)).solution.status.ok());
+        CHECK(simulate(problem, options_of({Formulation::dae, Method::bdf}, 1e-8)).solution.status.ok());
     }
     RodProblem stiff = pair_of({.kappa = 1e4});
     stiff.t_end = 0.5;
-    CHECK(simulate(stiff, options_of({Form::dae, Method::bdf}, 1e-11)).solution.status.ok());
+    CHECK(simulate(stiff, options_of({Formulation::dae, Method::bdf}, 1e-11)).solution.status.ok());
 }
 
 TEST_CASE("method auto takes BDF for stiff headings only") {

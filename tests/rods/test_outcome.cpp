@@ -216,7 +216,8 @@ TEST_CASE("rods that start within the contact distance are in contact at 0, what
             CHECK(result.solution.states == std::vector(1, rods::to_state(rods)));
             CHECK_THAT(result.outcome.reason, Catch::Matchers::Contains("within the contact distance"));
         };
-        for (const rods::Form form : {rods::Form::angle, rods::Form::director, rods::Form::dae}) {
+        for (const rods::Formulation form :
+             {rods::Formulation::angle, rods::Formulation::director, rods::Formulation::dae}) {
             rods::RodOptions options;
             options.form = form;
             options.ode.method = integrate::Method::bdf;

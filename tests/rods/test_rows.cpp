@@ -85,7 +85,7 @@ TEST_CASE("rows turn a lone rod as their equation says, in every form and in the
     const Rows rows{0.3, 0.4};
     const double heading = 0.7, time = 2.0, truth = relaxed(rows, heading, time);
     CHECK(truth < heading);
-    for (const Form form : {Form::angle, Form::director, Form::dae}) {
+    for (const Formulation form : {Formulation::angle, Formulation::director, Formulation::dae}) {
         RodOptions options;
         options.form = form;
         options.ode.method = integrate::Method::bdf;

@@ -127,5 +127,6 @@ private:
     double first_ = 0.0;                   ///< across
 };
 using PairCourse [[deprecated("it is PairFrame")]] = PairFrame;
+using LatePart [[deprecated("it is TailWindow")]] = TailWindow;
 
 } // namespace rodwake

@@ -20,12 +20,13 @@
 
 namespace rodwake::rods {
 
-enum class Form { angle, director, dae };
+enum class Formulation { angle, director, dae };
+using Form [[deprecated("it is Formulation")]] = Formulation;
 
 /// Components of a state in this form.
-std::size_t state_size(Form form, std::size_t rods);
+std::size_t state_size(Formulation form, std::size_t rods);
 
 /// "angle", "director", "dae"
-std::string to_string(Form form);
+std::string to_string(Formulation form);
 
 } // namespace rodwake::rods

@@ -40,6 +40,7 @@ struct InteractionOptions {
     double turning_tolerance = 0.0;
     std::size_t threads = 1; ///< the bits do not depend on it
 };
+using WakeSums [[deprecated("they are InteractionOptions")]] = InteractionOptions;
 
 /// Reduced units: lengths f/mu, times f/(mu v0).
 struct RodProblem {
@@ -88,7 +89,7 @@ struct RodCheckpoint {
 struct RodOptions {
     integrate::OdeOptions
         ode; ///< atol counts up to rtol/10: coordinates matter on the scale of f/mu and a radian
-    Form form = Form::angle; ///< director: not with adams; dae: with bdf only
+    Formulation form = Formulation::angle; ///< director: not with adams; dae: with bdf only
     EndingCriteria criteria;
     /// Of rods with bodies, in form angle: wakes are held over steps longer than those of the contacts
     /// (suits_held_wakes).
@@ -148,14 +149,14 @@ std::function<double(double t, integrate::State y)> step_limit(const RodProblem&
 integrate::OdeProblem to_ode(const RodProblem& problem);
 /// In another form. Director: with Jacobian and projection, for bdf and erk; dae: for bdf (IDAS), Jacobian by
 /// difference quotients.
-integrate::OdeProblem to_ode(const RodProblem& problem, Form form);
+integrate::OdeProblem to_ode(const RodProblem& problem, Formulation form);
 
 /// The state of rods with these poses (layout of model.hpp). lambda is 0; to_ode sets the one that belongs to
 /// it.
-std::vector<double> to_form(Form form, integrate::State poses);
+std::vector<double> to_form(Formulation form, integrate::State poses);
 /// The poses of a state; each heading the one nearest to that in `near` (one a rod), of which it may be any
 /// number of turns. A director need not have length 1.
-std::vector<double> to_poses(Form form, integrate::State state, std::span<const double> near);
+std::vector<double> to_poses(Formulation form, integrate::State state, std::span<const double> near);
 
 // Which integrator suits a problem, for method = "auto".
 

@@ -157,7 +157,7 @@ struct RodsRun {
     std::vector<double> output_times;        ///< increasing, within (0, t_end]; ends with t_end (resolved)
     std::optional<double> contact_distance;  ///< stop there; absent: no stop
     std::optional<integrate::Method> method; ///< absent: the one that suits the problem
-    rods::Form form = rods::Form::angle;
+    rods::Formulation form = rods::Formulation::angle;
     double rtol = 1e-8, atol = 1e-10; ///< atol: rtol / 100 if not given
     double turning_tolerance = 0.0;   ///< errors by far wakes on meshes, mu v0/f; 0: pair by pair
     elastic::Accuracy precision = elastic::Accuracy::full; ///< of the sums over many rods
