@@ -1,16 +1,15 @@
 #pragma once
-// What a measure found, as plain data: values, tables, grids, its part of series.csv. Units are those of the
-// files: lengths in bead radii a, times in s, the rest SI. Whoever writes the files knows no single measure.
+// What a measure found, as plain data: values, tables, grids. Units are those of the files: lengths in bead
+// radii a, times in s, the rest SI. Whoever writes the files knows no single measure.
 
-#include "rodwake/core/estimate.hpp"
-#include "rodwake/core/record.hpp"
 #include "rodwake/measure/rod_grid.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,21 +17,9 @@ namespace rodwake::app {
 
 using Column = std::vector<double>;
 
-/// std::monostate: there is none (null in JSON). An Estimate is {"value", "error", "samples"}.
-using Value = std::variant<std::monostate, bool, std::int64_t, double, std::string, Estimate, Column>;
-
-/// A dot in a name opens a table: "chi2.algebraic" is {"chi2": {"algebraic": ...}}.
-struct NamedValue {
-    std::string name;
-    Value value;
-};
-using Values = std::vector<NamedValue>;
-
-/// A CSV file: columns of equal length. NaN is an empty field.
-struct MeasureTable {
-    std::string file, comment;         ///< what it is, for measure.json
-    std::span<const ColumnInfo> heads; ///< static
-    std::vector<Column> columns;
+struct CsvFile {
+    std::string name, comment; ///< of measure.json: what the file is
+    std::string text;
 };
 
 /// One field [row y][column x] of a grid.
@@ -47,7 +34,7 @@ struct MeasureGrid {
     std::string group; ///< "/flow"
     measure::RodGrid grid;
     std::vector<GridLayer> layers;
-    Values attributes = {}; ///< numbers and texts
+    std::vector<std::pair<std::string, std::variant<double, std::int64_t, std::string>>> attributes = {};
 };
 
 /// A scalar (1 component) or a vector (3) at each point.
@@ -65,8 +52,8 @@ struct MeasureImage {
 };
 
 struct MeasureReport {
-    Values values; ///< its part of measure.json
-    std::vector<MeasureTable> tables = {};
+    nlohmann::ordered_json values; ///< its part of measure.json
+    std::vector<CsvFile> tables = {};
     std::vector<MeasureGrid> grids = {};
     std::vector<MeasureImage> images = {};
     std::string line = {}; ///< for the terminal
