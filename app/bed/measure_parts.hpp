@@ -1,7 +1,7 @@
 #pragma once
 // What the measures' source files share.
 
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/measure/heading_track.hpp"
 #include "run/record_json.hpp"
 #include "run/record_table.hpp"

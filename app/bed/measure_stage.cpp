@@ -5,7 +5,7 @@
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "measured_tracks.hpp"
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 // The measure stage: what the runs of a folder recorded on their way, or their trajectories, put together.
 
-#include "rodwake/app/measure_kind.hpp"
-#include "rodwake/app/measure_report.hpp"
+#include "bed/measure_kind.hpp"
+#include "bed/measure_report.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 #include "run/session.hpp"
 #include "series_row.hpp"

@@ -1,7 +1,7 @@
 // The list of measures, and those that are made from the runs' own tables.
 
 #include "bed/series_row.hpp"
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
@@ -70,7 +70,8 @@ Estimate estimate_of(const ordered_json& value) {
 
 store::Table table_of(const app::CsvFile& file) {
     const Scratch scratch;
-    return store::read_csv(scratch.file(file.name, file.text), {});
+    const std::filesystem::path path = scratch.file(file.name, file.text);
+    return store::read_csv(path, store::csv_names(path));
 }
 
 app::SeriesRow row(std::optional<double> speed, double force, double error) {

@@ -2,7 +2,7 @@
 
 #include "bed/measure_stage.hpp"
 #include "bed/run_tables.hpp"
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"

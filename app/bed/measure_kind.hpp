@@ -4,7 +4,7 @@
 // files, and what those mean. Plans, checkpoints, result files, catalogue, schema and report go by this list.
 
 #include "rodwake/app/measure.hpp"
-#include "rodwake/app/measure_report.hpp"
+#include "bed/measure_report.hpp"
 #include "rodwake/core/record.hpp"
 
 #include <functional>
