@@ -3,8 +3,8 @@
 // the scene and the results: when it is wanted, what is summed over frames, how the sums become values and
 // files, and what those mean. Plans, checkpoints, result files, catalogue, schema and report go by this list.
 
-#include "rodwake/app/measure.hpp"
 #include "bed/measure_report.hpp"
+#include "rodwake/app/measure.hpp"
 #include "rodwake/core/record.hpp"
 
 #include <functional>

@@ -1,11 +1,11 @@
 #include "measure_stage.hpp"
 
+#include "bed/measure_kind.hpp"
 #include "film_rods.hpp"
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "measured_tracks.hpp"
-#include "bed/measure_kind.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"

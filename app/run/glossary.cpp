@@ -1,7 +1,7 @@
 #include "rodwake/app/run.hpp"
 
-#include "catalogue.hpp"
 #include "bed/measure_kind.hpp"
+#include "catalogue.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/document.hpp"
 #include "stage_kind.hpp"

@@ -1,7 +1,7 @@
 #include "rodwake/app/describe.hpp"
 
-#include "catalogue.hpp"
 #include "bed/measure_kind.hpp"
+#include "catalogue.hpp"
 #include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
 

@@ -1,7 +1,7 @@
 // The list of measures, and those that are made from the runs' own tables.
 
-#include "bed/series_row.hpp"
 #include "bed/measure_kind.hpp"
+#include "bed/series_row.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"

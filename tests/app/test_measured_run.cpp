@@ -1,8 +1,8 @@
 // The files of a measured run: written of plain data, and told of by the kinds of measures.
 
+#include "bed/measure_kind.hpp"
 #include "bed/measure_stage.hpp"
 #include "bed/run_tables.hpp"
-#include "bed/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"

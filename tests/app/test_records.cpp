@@ -1,7 +1,7 @@
 // Described results: what follows from a description, and that a wrong one is seen.
 
-#include "rodwake/app/describe.hpp"
 #include "bed/measure_kind.hpp"
+#include "rodwake/app/describe.hpp"
 #include "rodwake/scene/document.hpp"
 #include "run/catalogue.hpp"
 #include "run/record_json.hpp"
