@@ -71,7 +71,7 @@ Estimate estimate_of(const ordered_json& value) {
 store::Table table_of(const app::CsvFile& file) {
     const Scratch scratch;
     const std::filesystem::path path = scratch.file(file.name, file.text);
-    return store::read_csv(path, store::csv_names(path));
+    return store::read_csv(path, {}, store::csv_names(path));
 }
 
 app::SeriesRow row(std::optional<double> speed, double force, double error) {
