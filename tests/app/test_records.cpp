@@ -174,7 +174,7 @@ TEST_CASE("Described rows are blocks of columns, NaN is an empty field", "[recor
     REQUIRE(columns.size() == 2);
     CHECK(columns[1].name == "width<k>");
     CHECK(columns[1].unit == "m");
-    CHECK(csv_of(std::vector<Speed>{{1.0}, {0.0, {2.0, 0.5, 3}}}) ==
+    CHECK(csv_of(std::vector<Speed>{{1.0, {}}, {0.0, {2.0, 0.5, 3}}}) ==
           "double,mean,mean_error\n2,,\n0,2,0.5\n");
     CHECK(columns_of<Speed>()[2].meaning == "standard error");
     CHECK(csv_of(Lengths{{1.0, 2.0}}) == "length,half\n1,0.5\n2,1\n");
