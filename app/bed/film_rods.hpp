@@ -1,7 +1,7 @@
 #pragma once
 // Rods of a film: what measures take of them, and rod_tracks.csv.
 
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/core/record.hpp"
 #include "rodwake/measure/tracks.hpp"
 

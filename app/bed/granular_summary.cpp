@@ -94,7 +94,7 @@ ordered_json means_json(std::span<const Record> runs) {
     ordered_json out;
     for_each_field<Record>([&](const auto& field) {
         const std::string name(field.name);
-        const auto values = members(runs, field.member);
+        const auto values = members(runs, field.get);
         using Member = typename std::remove_cvref_t<decltype(values)>::value_type;
         if constexpr (Described<Member>) {
             out[name] = means_json(std::span(values));
@@ -115,9 +115,9 @@ ordered_json means_json(std::span<const Record> runs) {
 template<Described Record>
 void put_largest(ordered_json& out, std::span<const Record> runs) {
     for_each_field<Record>([&](const auto& field) {
-        if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
+        if constexpr (std::is_same_v<decltype(field.get), double Record::*>)
             if (field.info.over_runs == OverRuns::largest)
-                out[std::string(field.name)] = std::ranges::max(members(runs, field.member));
+                out[std::string(field.name)] = std::ranges::max(members(runs, field.get));
     });
 }
 
@@ -131,11 +131,11 @@ void add_numbers(std::vector<SummaryNumber>& all, const Get& part, const std::st
         const auto described = [&](std::string_view column) {
             return column.empty() ? std::string() : std::string(column) + behind;
         };
-        if constexpr (std::is_same_v<decltype(field.member), double Record::*>)
+        if constexpr (std::is_same_v<decltype(field.get), double Record::*>)
             if ((field.info.over_runs == OverRuns::largest) == largest)
                 all.push_back({before + std::string(field.name), described(field.column()),
                                described(field.scan_column()), field.info.unit, field.info.meaning,
-                               field.info.over_runs, [part, member = field.member](const GranularSummary& s) {
+                               field.info.over_runs, [part, member = field.get](const GranularSummary& s) {
                                    return part(s).*member;
                                }});
     });

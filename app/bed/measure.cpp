@@ -1,7 +1,7 @@
 #include "rodwake/app/measure.hpp"
 
+#include "bed/measure_kind.hpp"
 #include "rodwake/app/granular.hpp"
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/describe_parts.hpp"

@@ -1,17 +1,18 @@
 #include "measure_stage.hpp"
 
+#include "bed/measure_kind.hpp"
 #include "film_rods.hpp"
 #include "granular_jobs.hpp"
 #include "granular_summary.hpp"
 #include "measure_frames.hpp"
 #include "measured_tracks.hpp"
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/log.hpp"
+#include "run/record_table.hpp"
 #include "run/stage_kind.hpp"
 #include "run_tables.hpp"
 
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace rodwake::app {
 
@@ -126,17 +128,17 @@ CaseResults facts_of(const BedPlan& plan) {
     const Case& case_ = plan.of;
     const scene::Granular& bed = *case_.scene.granular;
     CaseResults r;
-    r.name = case_.name;
+    r.row.name = case_.name;
     r.label = case_.label;
     r.folder = case_.folder;
-    r.bead_radius = bed.bead_radius;
-    r.phi_b = phi_b(plan);
+    r.row.bead_radius = bed.bead_radius;
+    r.row.phi_b = phi_b(plan);
     if (bed.rods.size() == 2) {
         const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
-        r.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
+        r.row.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
     }
     if (!bed.rods.empty())
-        r.imposed_speed = bed.rods[static_cast<std::size_t>(case_.scene.measure->rod)].imposed_speed;
+        r.row.imposed_speed = bed.rods[static_cast<std::size_t>(case_.scene.measure->rod)].imposed_speed;
     return r;
 }
 
@@ -147,7 +149,7 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
     const std::vector<RunFiles> runs = finished_runs(case_, folder, log);
     const scene::Measure& m = *case_.scene.measure;
     CaseResults results = facts_of(bed);
-    results.runs = runs.size();
+    results.row.runs = runs.size();
     std::vector<measure::Measures> sums;
     if (bed.measures) {
         auto found = sums_of(runs, *bed.measures, context);
@@ -159,25 +161,23 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
     for (const RunFiles& run : runs)
         if (run.own)
             tables.push_back(run_tables(run.folder));
-    MeasuredCase data{case_.scene, sums, tables};
+    const MeasuredCase data{case_.scene, sums, tables, results.row};
     const auto lacks_tables = [&](const MeasureKind& kind) {
         return kind.wanted(m) && !kind.include && data.tables.empty();
     };
     if (const std::string lacking = names_where(lacks_tables); !lacking.empty())
         log->warn("measure: made from a run's own tables, and so left out with measure.trajectory: {}",
                   lacking);
-    report_measures(std::move(data), results);
+    report_measures(data, results);
     return results;
 }
 
 } // namespace
 
-void report_measures(MeasuredCase data, CaseResults& results) {
+void report_measures(const MeasuredCase& data, CaseResults& results) {
     for (const MeasureKind& kind : measure_kinds())
-        if (kind.wanted(*data.scene.measure) && (kind.include || !data.tables.empty())) {
-            data.earlier = results.reports;
+        if (kind.wanted(*data.scene.measure) && (kind.include || !data.tables.empty()))
             report(kind, data, results);
-        }
 }
 
 std::vector<RunFiles> finished_runs(const Case& case_, const fs::path& folder, const Logger& log) {
@@ -266,52 +266,33 @@ StageEnd measure_folder(const Plan& plan, const RunContext& context, const fs::p
 
 namespace {
 
-/// With a column of standard errors behind each that has one.
-std::vector<ColumnInfo> columns_of_series() {
-    std::vector<ColumnInfo> columns;
-    for (const SeriesInfo& info : series_columns()) {
-        columns.push_back(info.column);
-        if (info.with_error)
-            columns.push_back(
-                column_info(std::string(info.column.name) + "_error", info.column.unit, "standard error"));
-    }
-    return columns;
-}
-
-/// ValueInfo has the unit of the report, which may have a prefix.
-std::string_view unit_in_file(const ValueInfo& value) {
-    if (value.factor == 1.0)
-        return value.unit.empty() ? "1" : value.unit;
-    return value.unit.substr(value.unit.starts_with("\u00b5") ? 2 : 1); // micro has two bytes, milli one
-}
-
-std::vector<ColumnInfo> measured_values() {
-    std::vector<ColumnInfo> values = {
+std::vector<ColumnInfo> measured_numbers() {
+    std::vector<ColumnInfo> numbers = {
         {"units.a", "m", "the bead radius"},
-        {"phi_b", "1", "area fraction requested in the scene: of beads, and of rods where they count"},
-        {"order.at_border", "1",
-         "of tracks in an open window, or a bed with a wall: share of the beads so near its border that psi6 "
-         "leaves them out"},
-        {"microrheology.localisation", "a",
-         "of tracks: standard error of a coordinate, as the first lags of the displacement have it"},
-        {"microrheology.taken_off", "a^2",
-         "of tracks: taken off the mean-square displacement at every lag, for that error"}};
+        {"phi_b", "1", "area fraction requested in the scene: of beads, and of rods where they count"}};
+    const auto add = [&](const MeasureKind& kind, std::span<const ColumnInfo> values) {
+        for (const ColumnInfo& value : values)
+            if (!value.unit.empty())
+                numbers.push_back(
+                    column_info(fmt::format("{}.{}", kind.name, value.name), value.unit, value.meaning));
+    };
     for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values)
-            if (!value.is_text)
-                values.push_back(column_info(std::string(kind.name) + "." + std::string(value.key),
-                                             unit_in_file(value), value.meaning));
-    return values;
+        if (kind.film_numbers)
+            add(kind, kind.film_numbers());
+    for (const MeasureKind& kind : measure_kinds())
+        add(kind, kind.values());
+    return numbers;
 }
 
 std::vector<FileKind> measure_result_files() {
-    static const std::vector<ColumnInfo> series = columns_of_series(), measured = measured_values();
+    static const std::vector<ColumnInfo> measured = measured_numbers();
     std::vector<FileKind> files = {
         {"measure.h5", Lifetime::result, "fields on grids in the rod's frame"},
         {"series.json", Lifetime::result, "fits over the rows of series.csv"},
         {"measure.json", Lifetime::result,
          "every measured number with its error; lengths in a, speeds in a/s", measured},
-        {"series.csv", Lifetime::result, "one row for the scene and one for each variant", series},
+        {"series.csv", Lifetime::result, "one row for the scene and one for each variant",
+         columns_of<SeriesRow>()},
         {"rod_tracks.csv", Lifetime::result, "poses of the rods of a film in every frame",
          film_rod_columns()},
         {"film_frame.csv", Lifetime::result, "beads of the frame of a film that has most of them",
@@ -319,8 +300,8 @@ std::vector<FileKind> measure_result_files() {
         {"tracks.json", Lifetime::result, "contents of the file of tracks, and what was left out",
          tracks_values()}};
     for (const MeasureKind& kind : measure_kinds())
-        for (const FileInfo& file : kind.files)
-            files.push_back({file.pattern, Lifetime::result, file.what, file.columns});
+        if (kind.files)
+            std::ranges::move(kind.files(), std::back_inserter(files));
     return files;
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 // The measure stage: what the runs of a folder recorded on their way, or their trajectories, put together.
 
-#include "rodwake/app/measure_kind.hpp"
-#include "rodwake/app/measure_report.hpp"
+#include "bed/measure_kind.hpp"
+#include "bed/measure_report.hpp"
 #include "rodwake/store/hdf5_writer.hpp"
 #include "run/session.hpp"
+#include "series_row.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -18,11 +19,8 @@ namespace rodwake::app {
 // What was measured of one case (the scene as written, or a variant), all its runs together, and its files.
 
 struct CaseResults {
-    std::string name, label, folder;       ///< Case
-    double bead_radius = 0.0, phi_b = 0.0; ///< m, 1
-    std::optional<double> separation;      ///< two rods: of their centres at the start, m
-    std::optional<double> imposed_speed;   ///< of the rod, m/s
-    std::size_t runs = 0;
+    SeriesRow row;
+    std::string label, folder;                                     ///< Case
     std::vector<std::pair<std::string, MeasureReport>> reports;    ///< of each measure that could be had
     std::vector<std::pair<std::string, std::string>> not_measured; ///< what was wanted and why it is missing
 };
@@ -42,16 +40,13 @@ void write_measures(const std::filesystem::path& folder, const CaseResults& resu
 void write_series(const std::filesystem::path& folder, const std::vector<CaseResults>& cases);
 
 /// Of each measure that is wanted and can be made of these data: its report, or why it cannot be had.
-void report_measures(MeasuredCase data, CaseResults& results);
+void report_measures(const MeasuredCase& data, CaseResults& results);
 
 /// A few lines for the terminal.
 std::vector<std::string> describe(const CaseResults& results);
 
 /// A group of measure.h5; `a`: the bead radius, m. Throws RunError.
 void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a);
-
-/// Of series.csv, in its order: those of the case, and of every measure, whether it was made or not.
-std::span<const SeriesInfo> series_columns();
 
 /// The files of one run of a bed; of a trajectory from elsewhere only that.
 struct RunFiles {

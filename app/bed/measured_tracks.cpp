@@ -402,7 +402,8 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
         log->warn("{}: {} links to spots that are not in the file: tracks end there", scene.tracks->file,
                   tracks->counts.dangling);
     require_rods(scene, *tracks, scene.tracks->file);
-    MeasuredCase data{scene, {}, {}, tracks->time.back() - tracks->time.front()};
+    CaseResults results;
+    MeasuredCase data{scene, {}, {}, results.row, tracks->time.back() - tracks->time.front()};
     auto sums = sums_of(scene, *tracks, progress, context);
     if (!sums)
         return std::nullopt;
@@ -433,13 +434,12 @@ std::optional<CaseResults> measure_tracks(const Case& case_, const RunContext& c
         store::write_atomically(folder / "rod_tracks.csv", rods.csv());
         data.tables.push_back(rods.tables());
     }
-    CaseResults results;
-    results.name = case_.name;
-    results.bead_radius = tracks->bead_radius;
-    results.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) *
-                    tracks->mean_square_radius() / seen_area(sums->layout());
-    results.runs = 1;
-    report_measures(std::move(data), results);
+    results.row.name = case_.name;
+    results.row.bead_radius = tracks->bead_radius;
+    results.row.phi_b = tracks->beads_per_frame() * std::numbers::pi * std::pow(tracks->bead_radius, 2) *
+                        tracks->mean_square_radius() / seen_area(sums->layout());
+    results.row.runs = 1;
+    report_measures(data, results);
     return results;
 }
 

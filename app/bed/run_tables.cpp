@@ -2,11 +2,11 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/csv.hpp"
-#include "run/record_json.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
 
 namespace rodwake::app {
@@ -22,7 +22,9 @@ RunTables run_tables(const fs::path& folder) {
                 std::ifstream in(file);
                 try {
                     const nlohmann::json summary = nlohmann::json::parse(in, nullptr, false);
-                    const nlohmann::json& found = summary.at(nlohmann::json::json_pointer(pointer_to(name)));
+                    std::string pointer = "/" + name;
+                    std::ranges::replace(pointer, '.', '/');
+                    const nlohmann::json& found = summary.at(nlohmann::json::json_pointer(pointer));
                     return found.is_boolean() ? double(found.get<bool>()) : found.get<double>();
                 } catch (const nlohmann::json::exception&) {
                     throw InputError(

@@ -1,7 +1,7 @@
 #pragma once
 // What a granular run wrote beside its frames, for the measures that are made from it.
 
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/core/record.hpp"
 

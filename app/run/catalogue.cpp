@@ -72,9 +72,17 @@ std::vector<FileKind> all_kinds() {
 
 } // namespace
 
-ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning) {
+ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning, ReportRow row) {
     static std::set<std::string> names;
-    return {*names.insert(std::move(name)).first, unit, meaning};
+    return {*names.insert(std::move(name)).first, unit, meaning, row};
+}
+
+std::string_view unit_in_report(const ColumnInfo& value) {
+    return !value.row.unit.empty() ? value.row.unit : value.unit == "1" ? "" : value.unit;
+}
+
+double factor_in_report(const ColumnInfo& value) {
+    return value.row.unit.empty() ? 1.0 : value.row.unit.starts_with('m') ? 1e3 : 1e6; // milli, micro
 }
 
 bool fits(std::string_view name, std::string_view pattern) {

@@ -3,8 +3,8 @@
 // from it, and a run knows by it what of an earlier one to remove. Each stage lists its files
 // (stage_kind.hpp).
 
-#include "rodwake/app/measure_report.hpp"
 #include "rodwake/app/plan.hpp"
+#include "rodwake/core/record.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -33,7 +33,12 @@ struct FileKind {
 std::span<const FileKind> file_kinds();
 
 /// With a name that is made: it lasts as long as the program. Not for several threads at once.
-ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning);
+ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning, ReportRow row = {});
+
+/// Of the row of a value in the report; "" for "1".
+std::string_view unit_in_report(const ColumnInfo& value);
+/// From the file to that unit.
+double factor_in_report(const ColumnInfo& value);
 
 /// Where files of a run are besides its folder. Below it may also lie shares of a scan, what a tradeoff tried
 /// and runs of the user's own.

@@ -1,7 +1,7 @@
 #include "rodwake/app/run.hpp"
 
+#include "bed/measure_kind.hpp"
 #include "catalogue.hpp"
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/core/spelling.hpp"
 #include "rodwake/scene/document.hpp"
 #include "stage_kind.hpp"
@@ -194,8 +194,8 @@ std::vector<std::pair<std::string, std::string>> all_names() {
             names.emplace_back(column.name, column.meaning);
     }
     for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values)
-            names.emplace_back(value.key, value.meaning);
+        for (const ColumnInfo& value : kind.values())
+            names.emplace_back(value.name, value.meaning);
     return names;
 }
 
@@ -212,8 +212,9 @@ std::optional<std::string> explain(const std::string& name) {
                     fmt::format("    {:<22} {:<8} {}\n", column.name, unit_text(column.unit), column.meaning);
             if (kind.pattern == "measure.json")
                 for (const MeasureKind& measure : measure_kinds())
-                    for (const ValueInfo& value : measure.values)
-                        text += fmt::format("    {:<22} {:<8} {}\n", value.key, value.unit, value.meaning);
+                    for (const ColumnInfo& value : measure.values())
+                        text += fmt::format("    {:<22} {:<8} {}\n", value.name, unit_in_report(value),
+                                            value.meaning);
         }
     for (const FileKind& kind : file_kinds())
         for (const ColumnInfo& column : kind.columns)
@@ -223,15 +224,15 @@ std::optional<std::string> explain(const std::string& name) {
                                     maker(kind)) +
                         line("meaning", std::string(column.meaning)) + line("unit", unit_text(column.unit));
     for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values)
-            if (name == value.key || value.key.ends_with("." + name))
-                text += fmt::format("{}: value of measure.json, with [measure] {}\n", value.key, kind.name) +
-                        line("meaning", fmt::format("{}{}{}", value.title, value.title.empty() ? "" : ": ",
-                                                    value.meaning)) +
-                        line("unit", std::string(value.unit)) +
-                        line("in file", value.factor == 1.0
-                                            ? ""
-                                            : fmt::format("times {:g} it is in that unit", value.factor));
+        for (const ColumnInfo& value : kind.values())
+            if (name == value.name || value.name.ends_with("." + name))
+                text += fmt::format("{}: value of measure.json, with [measure] {}\n", value.name, kind.name) +
+                        line("meaning", fmt::format("{}{}{}", value.row.title,
+                                                    value.row.title.empty() ? "" : ": ", value.meaning)) +
+                        line("unit", std::string(unit_in_report(value))) +
+                        line("in file", value.row.unit.empty() ? ""
+                                                               : fmt::format("times {:g} it is in that unit",
+                                                                             factor_in_report(value)));
     return text.empty() ? std::nullopt : std::optional(text);
 }
 

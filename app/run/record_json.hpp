@@ -2,7 +2,7 @@
 // Described results (core/record.hpp) as JSON, both ways. NaN is null. Included by one source a result, for
 // it brings JSON and a visit of each field.
 
-#include "rodwake/app/measure_report.hpp"
+#include "rodwake/core/record.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -15,8 +15,6 @@
 
 namespace rodwake::app {
 
-// Named values as JSON.
-
 /// JSON has no infinity and no NaN; null stands for them.
 inline nlohmann::ordered_json finite_or_null(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -25,15 +23,6 @@ inline nlohmann::ordered_json finite_or_null(double value) {
 inline nlohmann::ordered_json finite_or_null(const std::optional<double>& value) {
     return value ? finite_or_null(*value) : nlohmann::ordered_json(nullptr);
 }
-
-/// {"value", "error", "samples"}.
-nlohmann::ordered_json estimate_json(const Estimate& estimate);
-
-/// Where "rods.0.force" stands in a document: the text of a JSON pointer.
-std::string pointer_to(const std::string& name);
-
-/// What is not there or not known is null.
-nlohmann::ordered_json values_json(const Values& values);
 
 template<Described Record>
 nlohmann::ordered_json record_json(const Record& record);
@@ -47,7 +36,11 @@ nlohmann::ordered_json member_json(const T& value) {
         return value;
 }
 
-inline nlohmann::ordered_json member_json(const Estimate& estimate) { return estimate_json(estimate); }
+inline nlohmann::ordered_json member_json(const Estimate& e) {
+    return {{"value", e.count > 0 ? finite_or_null(e.value) : nlohmann::ordered_json(nullptr)},
+            {"error", finite_or_null(e.error)},
+            {"samples", e.count}};
+}
 
 template<Described T>
 nlohmann::ordered_json member_json(const T& value) {
@@ -80,7 +73,7 @@ template<Described Record>
 nlohmann::ordered_json record_json(const Record& record) {
     nlohmann::ordered_json out = nlohmann::ordered_json::object();
     for_each_field<Record>([&](const auto& field) {
-        const auto& value = record.*field.member;
+        const auto& value = field.of(record);
         if constexpr (requires { value.has_value(); }) {
             if (value)
                 out[std::string(field.name)] = member_json(*value);
@@ -121,7 +114,7 @@ void read_member(const nlohmann::json& json, std::optional<T>& value) {
 template<Described Record>
 void read_record(const nlohmann::json& json, Record& record) {
     for_each_field<Record>([&](const auto& field) {
-        auto& value = record.*field.member;
+        auto& value = record.*field.get;
         constexpr bool may_be_missing = Described<std::remove_cvref_t<decltype(value)>> || requires {
             value.has_value();
         };

@@ -4,23 +4,50 @@
 #include "catalogue.hpp"
 #include "rodwake/store/csv.hpp"
 
+#include <cmath>
+#include <iterator>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace rodwake::app {
 
-/// Blocks of columns side by side: of each kind of rows as many.
+template<Described Record, class Get>
+using ValueIn = std::remove_cvref_t<decltype(std::declval<Field<Get>>().of(std::declval<Record>()))>;
+
+/// Blocks of columns side by side: of each kind of rows as many. An Estimate has two columns, the second of
+/// its errors.
 class RecordTable {
 public:
     /// Their names end with `behind`: the number of a rod.
     template<Described Row>
     void add(const std::vector<Row>& rows, const std::string& behind = "") {
-        for_each_field<Row>([&](const auto& field) {
-            names_.push_back(std::string(field.name) + behind);
-            std::vector<double>& column = columns_.emplace_back();
-            column.reserve(rows.size());
-            for (const Row& row : rows)
-                column.push_back(static_cast<double>(row.*field.member));
+        for_each_field<Row>([&]<class Get>(const Field<Get>& field) {
+            const auto add_column = [&](const std::string& name, const auto& number) {
+                names_.push_back(name + behind);
+                std::ranges::transform(rows, std::back_inserter(columns_.emplace_back()), number);
+            };
+            const std::string name(field.name);
+            if constexpr (std::is_same_v<ValueIn<Row, Get>, Estimate>) {
+                const auto known = [&](const Row& row, double Estimate::*part) {
+                    const Estimate& e = field.of(row);
+                    return e.count > 0 ? e.*part : std::nan("");
+                };
+                add_column(name, [&](const Row& row) { return known(row, &Estimate::value); });
+                add_column(name + "_error", [&](const Row& row) { return known(row, &Estimate::error); });
+            } else {
+                add_column(name, [&](const Row& row) { return static_cast<double>(field.of(row)); });
+            }
+        });
+    }
+
+    /// A record of whole columns.
+    template<Described Columns>
+    void add(const Columns& columns) {
+        for_each_field<Columns>([&](const auto& field) {
+            names_.emplace_back(field.name);
+            columns_.push_back(field.of(columns));
         });
     }
 
@@ -31,8 +58,9 @@ private:
     std::vector<std::vector<double>> columns_;
 };
 
-template<Described Row>
-std::string csv_of(const std::vector<Row>& rows) {
+/// Of a list of described rows, or of a record of columns.
+template<class Rows>
+std::string csv_of(const Rows& rows) {
     RecordTable table;
     table.add(rows);
     return table.csv();
@@ -41,10 +69,13 @@ std::string csv_of(const std::vector<Row>& rows) {
 /// Appends what the catalogue tells of such rows, but for names that are there.
 template<Described Row>
 void add_columns(std::vector<ColumnInfo>& columns, const std::string& behind = "") {
-    for_each_field<Row>([&](const auto& field) {
+    for_each_field<Row>([&]<class Get>(const Field<Get>& field) {
         const std::string name = std::string(field.name) + behind;
         if (std::ranges::find(columns, name, &ColumnInfo::name) == columns.end())
             columns.push_back(column_info(name, field.info.unit, field.info.meaning));
+        if (std::is_same_v<ValueIn<Row, Get>, Estimate>)
+            columns.push_back(
+                column_info(std::string(field.name) + "_error" + behind, field.info.unit, "standard error"));
     });
 }
 
@@ -57,25 +88,25 @@ inline std::string numbered(std::string_view name, int suffix) {
 template<Described Record>
 void add_number_columns(std::vector<ColumnInfo>& columns) {
     for_each_field<Record>([&](const auto& field) {
-        constexpr bool list = requires(const Record& record) { (record.*field.member).size(); };
+        constexpr bool list = requires(const Record& record) { field.of(record).size(); };
         columns.push_back(
             column_info(std::string(field.name) + (list ? "<k>" : ""), field.info.unit, field.info.meaning));
     });
 }
 
-/// Appends the numbers of a JSON file, "rods.<k>.force"; what is in it without a unit is no number.
-template<Described Record>
+/// Appends the numbers of a JSON file, "rods.<k>.force", or all its values: those without a unit are texts.
+template<Described Record, bool all = false>
 void add_values(std::vector<ColumnInfo>& values, const std::string& before = "") {
-    for_each_field<Record>([&](const auto& field) {
-        using Member = std::remove_cvref_t<decltype(std::declval<Record>().*field.member)>;
+    for_each_field<Record>([&]<class Get>(const Field<Get>& field) {
+        using Member = ValueIn<Record, Get>;
         const std::string name = before + std::string(field.name);
         if constexpr (Described<Member>)
-            add_values<Member>(values, name + ".");
+            add_values<Member, all>(values, name + ".");
         else if constexpr (requires { requires Described<typename Member::value_type>; })
-            add_values<typename Member::value_type>(
+            add_values<typename Member::value_type, all>(
                 values, name + (requires(Member m) { m.size(); } ? ".<k>." : "."));
-        else if (!field.info.unit.empty())
-            values.push_back(column_info(name, field.info.unit, field.info.meaning));
+        else if (all || !field.info.unit.empty())
+            values.push_back(column_info(name, field.info.unit, field.info.meaning, field.info.row));
     });
 }
 
@@ -103,13 +134,13 @@ std::span<const ColumnInfo> columns_of() {
     return columns;
 }
 
-/// The numbers of a JSON file.
-template<Described Record>
+/// The numbers of a JSON file, or all its values.
+template<Described Record, bool all = false>
 std::span<const ColumnInfo> values_of() {
     static const std::vector<ColumnInfo> values = [] {
-        std::vector<ColumnInfo> all;
-        add_values<Record>(all);
-        return all;
+        std::vector<ColumnInfo> listed;
+        add_values<Record, all>(listed);
+        return listed;
     }();
     return values;
 }

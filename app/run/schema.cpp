@@ -1,6 +1,7 @@
 #include "rodwake/app/describe.hpp"
 
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
+#include "catalogue.hpp"
 #include "rodwake/core/json_text.hpp"
 #include "rodwake/scene/document.hpp"
 
@@ -11,13 +12,13 @@ namespace rodwake::app {
 std::string schema_json() {
     scene::SchemaList measures{"measures", {}};
     for (const MeasureKind& kind : measure_kinds())
-        for (const ValueInfo& value : kind.values) {
-            nlohmann::ordered_json out = {{"measure", kind.name}, {"key", value.key}};
-            if (!value.title.empty())
-                out["title"] = value.title;
-            if (!value.is_text) {
-                out["unit"] = value.unit;
-                out["factor"] = value.factor;
+        for (const ColumnInfo& value : kind.values()) {
+            nlohmann::ordered_json out = {{"measure", kind.name}, {"key", value.name}};
+            if (!value.row.title.empty())
+                out["title"] = value.row.title;
+            if (!value.unit.empty()) {
+                out["unit"] = unit_in_report(value);
+                out["factor"] = factor_in_report(value);
             }
             out["meaning"] = value.meaning;
             measures.entries.push_back(json_text(out));

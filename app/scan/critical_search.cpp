@@ -87,7 +87,7 @@ std::vector<PredictionChain> chains_of(const ScanPlan& plan, std::size_t places)
 CriticalValue value_of(const scan::Result& result) {
     CriticalValue value;
     std::size_t next = 0;
-    std::apply([&](const auto&... field) { ((value.*field.member = result.values[next++]), ...); },
+    std::apply([&](const auto&... field) { ((value.*field.get = result.values[next++]), ...); },
                CriticalValue::fields());
     return value;
 }

@@ -1,7 +1,6 @@
 #pragma once
 // What a point of rods yields: how the encounter ended, and the numbers of its row.
 
-#include "rodwake/app/measure_report.hpp"
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/scan.hpp"
 #include "rodwake/core/record.hpp"

@@ -60,7 +60,7 @@ std::string series_csv(const std::vector<RodOrderSeries>& runs) {
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const OrderRow row = row_of(shortest.times[i], run.orders[i]);
             for_each_field<OrderRow>([&](const auto& field) {
-                rows[i].*field.member += row.*field.member / static_cast<double>(runs.size());
+                rows[i].*field.get += row.*field.get / static_cast<double>(runs.size());
             });
             rows[i].t = row.t; // the same in all
         }

@@ -170,7 +170,7 @@ void store_trajectory(Session& session, const std::string& group, const Trajecto
     for_each_field<TimeRow>([&](const auto& field) {
         std::vector<double> values;
         for (const TimeRow& row : path.times)
-            values.push_back(row.*field.member);
+            values.push_back(field.of(row));
         put(field, values, {times});
     });
     for_each_field<PoseRow>([&](const auto& field) {
@@ -178,7 +178,7 @@ void store_trajectory(Session& session, const std::string& group, const Trajecto
         values.reserve(times * rods);
         for (std::size_t t = 0; t < times; ++t)
             for (const std::vector<PoseRow>& rod : path.rods)
-                values.push_back(rod[t].*field.member);
+                values.push_back(field.of(rod[t]));
         put(field, values, {times, rods});
     });
 }

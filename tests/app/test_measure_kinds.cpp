@@ -1,18 +1,24 @@
 // The list of measures, and those that are made from the runs' own tables.
 
-#include "rodwake/app/measure_kind.hpp"
+#include "bed/measure_kind.hpp"
+#include "bed/series_row.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
+#include "rodwake/store/csv.hpp"
+#include "run_files.hpp"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <set>
 
 using namespace rodwake;
 using app::Column, app::MeasureKind;
+using nlohmann::ordered_json;
+using store_test::Scratch;
 
 namespace {
 
@@ -51,16 +57,28 @@ std::vector<app::RunTables> made_up(const std::vector<double>& numbers,
 
 app::MeasureReport report_of(std::string_view name, std::vector<app::RunTables> runs) {
     const scene::Scene scene = bed(std::string(name) + " = true");
-    return kind_of(name).report({scene, {}, std::move(runs)});
+    app::SeriesRow row;
+    return kind_of(name).report({scene, {}, std::move(runs), row});
 }
 
-template<class T>
-T value_of(const app::Values& values, std::string_view name) {
-    return std::get<T>(std::ranges::find(values, name, &app::NamedValue::name)->value);
+Estimate estimate_of(const ordered_json& value) {
+    const auto number = [&](const char* part) {
+        return value.at(part).is_null() ? std::nan("") : value.at(part).get<double>();
+    };
+    return {number("value"), number("error"), value.at("samples").get<std::size_t>()};
+}
+
+store::Table table_of(const app::CsvFile& file) {
+    const Scratch scratch;
+    const std::filesystem::path path = scratch.file(file.name, file.text);
+    return store::read_csv(path, {}, store::csv_names(path));
 }
 
 app::SeriesRow row(std::optional<double> speed, double force, double error) {
-    return {speed, {{"force", {force, error, 5}}}};
+    app::SeriesRow row;
+    row.imposed_speed = speed;
+    row.force = {force, error, 5};
+    return row;
 }
 
 } // namespace
@@ -76,12 +94,8 @@ TEST_CASE("A measure has a file of its name, a place of its own, and all that is
         CHECK(places.insert(kind.order).second);
         CHECK((kind.wanted && kind.describe && kind.report));
         std::set<std::string_view> keys;
-        for (const app::ValueInfo& value : kind.values) {
-            INFO(value.key);
-            CHECK(keys.insert(value.key).second);
-            CHECK((!value.title.empty() || !value.meaning.empty()));
-            CHECK((!value.is_text || (value.unit.empty() && value.factor == 1.0)));
-        }
+        for (const ColumnInfo& value : kind.values())
+            CHECK(keys.insert(value.name).second);
         CHECK_FALSE(keys.empty());
     }
     CHECK(names == files);
@@ -143,14 +157,14 @@ TEST_CASE("A measure without frames does not ask for new ones") {
 
 TEST_CASE("Force and speed are means over the runs") {
     const auto report = report_of("force", made_up({1e-6, 3e-6}));
-    const auto force = value_of<Estimate>(report.values, "force");
+    const auto force = estimate_of(report.values["force"]);
     CHECK(force.value == Approx(2e-6));
     CHECK(force.error == Approx(1e-6)); // s/sqrt(2), s = 1.414e-6
     CHECK(force.count == 2);
     const double a = bed("force = true").granular->bead_radius;
-    CHECK(value_of<Estimate>(report.values, "thrust").value == Approx(2e-6));
-    CHECK(value_of<Estimate>(report.values, "speed").value == Approx(2e-6 / a)); // a/s
-    CHECK_FALSE(value_of<Estimate>(report_of("force", made_up({1e-6})).values, "force").known());
+    CHECK(estimate_of(report.values["thrust"]).value == Approx(2e-6));
+    CHECK(estimate_of(report.values["speed"]).value == Approx(2e-6 / a)); // a/s
+    CHECK_FALSE(estimate_of(report_of("force", made_up({1e-6})).values["force"]).known());
 }
 
 TEST_CASE("A run without its tables is an error of that measure") {
@@ -167,11 +181,10 @@ TEST_CASE("Force against imposed speed: lines through three speeds or more") {
     rows.push_back(row(5e-3, 9e-6, unknown_error)); // a single run
     CHECK(compare(rows).empty());
     rows.push_back(row(3e-3, 7e-6, 1e-8));
-    const auto told = compare(rows);
-    const std::string line = "force_against_imposed_speed.line.";
-    CHECK(value_of<double>(told, line + "intercept_N.value") == Approx(1e-6));
-    CHECK(value_of<double>(told, line + "slope_N_s_per_m.value") == Approx(2e-3));
-    CHECK(value_of<std::int64_t>(told, line + "dof") == 1);
+    const auto line = compare(rows)["force_against_imposed_speed"]["line"];
+    CHECK(line["intercept_N"]["value"].get<double>() == Approx(1e-6));
+    CHECK(line["slope_N_s_per_m"]["value"].get<double>() == Approx(2e-3));
+    CHECK(line["dof"] == 1);
 }
 
 TEST_CASE("A pair is followed from t = 0 on") {
@@ -186,14 +199,11 @@ TEST_CASE("A pair is followed from t = 0 on") {
     }
     const auto report = report_of("pairs", made_up({0.0, 0.0}, tracks));
     REQUIRE(report.tables.size() == 1);
-    const app::MeasureTable& table = report.tables[0];
-    REQUIRE(table.columns.size() == table.heads.size());
-    CHECK(table.columns[0] == Column{1.0, 2.0});
-    CHECK(table.heads[1].name == "separation");
-    CHECK(table.columns[1][0] == Approx(10.0)); // 6 if the rows before were taken along
-    CHECK(table.heads[3].name == "last_change");
-    CHECK(table.columns[3][0] == Approx(4.0));
-    CHECK(value_of<std::int64_t>(report.values, "not_there") == 2); // 8 a of 15 a
+    const store::Table table = table_of(report.tables[0]);
+    CHECK(*table.find("run") == Column{1.0, 2.0});
+    CHECK(table.find("separation")->at(0) == Approx(10.0)); // 6 if the rows before were taken along
+    CHECK(table.find("last_change")->at(0) == Approx(4.0));
+    CHECK(report.values["not_there"] == 2); // 8 a of 15 a
 }
 
 TEST_CASE("Heading diffusion becomes the noise of the theory in its units, with f/mu of [scales]") {
@@ -214,21 +224,23 @@ TEST_CASE("Heading diffusion becomes the noise of the theory in its units, with 
     const auto of = [&](const std::string& scales) {
         const scene::Scene scene =
             scene::parse_scene(bed_text + "heading_diffusion = true\nblock = 0.8\n" + scales, "scene.toml");
-        return kind_of("heading_diffusion").report({scene, {}, made_up({0.0}, tracks)});
+        app::SeriesRow row;
+        return kind_of("heading_diffusion").report({scene, {}, made_up({0.0}, tracks), row});
     };
     const auto papers = of(""), scaled = of("[scales]\nf_over_mu = \"4.4 a\"\nv0 = \"2 mm/s\"\n");
-    const auto D = value_of<Estimate>(papers.values, "D_r");
+    const auto D = estimate_of(papers.values["D_r"]);
     CHECK(D.value == Approx(0.25).epsilon(0.5)); // 20 s hold 100 times the longest lag
-    const auto reduced = value_of<Estimate>(papers.values, "rotational_diffusion");
-    const auto walked = value_of<Estimate>(papers.values, "speed");
+    const auto reduced = estimate_of(papers.values["rotational_diffusion"]);
+    const auto walked = estimate_of(papers.values["speed"]);
     CHECK(walked.value == Approx(5.0));
     CHECK(reduced.value == Approx(2.2 * D.value / walked.value));
-    CHECK(value_of<Estimate>(scaled.values, "rotational_diffusion").value == Approx(2.0 * reduced.value));
-    CHECK(value_of<double>(scaled.values, "f_over_mu") == Approx(4.4));
+    CHECK(estimate_of(scaled.values["rotational_diffusion"]).value == Approx(2.0 * reduced.value));
+    CHECK(scaled.values["f_over_mu"].get<double>() == Approx(4.4));
     CHECK_THAT(papers.line, Catch::Contains("[noise] rotational_diffusion = "));
     REQUIRE(papers.tables.size() == 1);
-    CHECK(papers.tables[0].columns[0].back() == Approx(0.2));
-    CHECK(papers.tables[0].columns[1][0] == Approx(0.01)); // one row: a jump of 0.1
+    const store::Table changes = table_of(papers.tables[0]);
+    CHECK(changes.find("lag")->back() == Approx(0.2));
+    CHECK(changes.find("square")->at(0) == Approx(0.01)); // one row: a jump of 0.1
 }
 
 TEST_CASE(
@@ -255,38 +267,34 @@ TEST_CASE(
         frame.unwrapped_x.assign(layout.beads, 5.0 * a + drift * frame.time);
         sums[0].add(frame);
     }
-    const auto report_on = [&](const scene::Scene& of, std::vector<app::RunTables> runs,
-                               std::span<const std::pair<std::string, app::MeasureReport>> earlier) {
+    const auto report_on = [&](const scene::Scene& of, std::vector<app::RunTables> runs, app::SeriesRow row) {
         std::vector<measure::Measures> own = sums; // a report takes them out
-        return kind_of("mechanics").report({of, own, std::move(runs), {}, earlier});
+        return kind_of("mechanics").report({of, own, std::move(runs), row});
     };
     const auto report = report_on(scene, made_up({0.0}, tracks), {});
-    CHECK(value_of<Estimate>(report.values, "drag_rate").value == Approx(gamma));
-    CHECK(value_of<Estimate>(report.values, "speed").value == Approx(9.5));
-    CHECK(value_of<Estimate>(report.values, "screening_length").value == Approx(1e4 / (gamma * 9.5)));
-    CHECK(value_of<std::string>(report.values, "verdict").find("exceeds the box of 30 a") !=
-          std::string::npos);
-    CHECK_FALSE(value_of<bool>(report.values, "steady")); // 10 a
-    CHECK(value_of<Estimate>(report.values, "used_inertia").count == 0);
-    CHECK(value_of<std::string>(report.values, "inertia_source").find("bare mass") != std::string::npos);
-    CHECK(value_of<std::string>(report.values, "decay_absence").find("0.1 s apart") != std::string::npos);
+    CHECK(estimate_of(report.values["drag_rate"]).value == Approx(gamma));
+    CHECK(estimate_of(report.values["speed"]).value == Approx(9.5));
+    CHECK(estimate_of(report.values["screening_length"]).value == Approx(1e4 / (gamma * 9.5)));
+    CHECK(report.values["verdict"].get<std::string>().find("exceeds the box of 30 a") != std::string::npos);
+    CHECK_FALSE(report.values["steady"].get<bool>()); // 10 a
+    CHECK(estimate_of(report.values["used_inertia"]).count == 0);
+    CHECK(report.values["inertia_source"].get<std::string>().find("bare mass") != std::string::npos);
+    CHECK(report.values["decay_absence"].get<std::string>().find("0.1 s apart") != std::string::npos);
     CHECK_THAT(report.line, Catch::Contains("too short for a steady wake"));
 
     const scene::Scene heavier = bed("mechanics = true\nrod = 1\nblock = 0.5\nshear_speed = \"100 a/s\"\n"
                                      "inertia_factor = 1.25\ninertia_error = 0.05\n");
     const auto with_inertia = report_on(heavier, made_up({0.0}, tracks), {});
-    CHECK(value_of<Estimate>(with_inertia.values, "screening_length").value ==
-          Approx(1.25e4 / (gamma * 9.5)));
-    CHECK(value_of<Estimate>(with_inertia.values, "screening_length").error ==
+    CHECK(estimate_of(with_inertia.values["screening_length"]).value == Approx(1.25e4 / (gamma * 9.5)));
+    CHECK(estimate_of(with_inertia.values["screening_length"]).error ==
           Approx(0.04 * 1.25e4 / (gamma * 9.5))); // nothing else has an error
 
     const scene::Scene without = bed("mechanics = true\nblock = 0.5\n");
     const auto drag_alone = report_on(without, made_up({0.0}, tracks), {});
-    CHECK(value_of<Estimate>(drag_alone.values, "screening_length").count == 0);
-    std::vector<std::pair<std::string, app::MeasureReport>> earlier(1);
-    earlier[0].first = "phonons";
-    earlier[0].second.values = {{"c_T", Estimate{100.0, 1.0, 8}}};
+    CHECK(estimate_of(drag_alone.values["screening_length"]).count == 0);
+    app::SeriesRow earlier;
+    earlier.c_T = {100.0, 1.0, 8};
     const auto with_phonons = report_on(without, made_up({0.0}, tracks), earlier);
-    CHECK(value_of<Estimate>(with_phonons.values, "screening_length").value == Approx(1e4 / (gamma * 9.5)));
+    CHECK(estimate_of(with_phonons.values["screening_length"]).value == Approx(1e4 / (gamma * 9.5)));
     CHECK_THROWS_WITH(report_on(without, {}, {}), Catch::Matchers::Contains("tracks.csv"));
 }

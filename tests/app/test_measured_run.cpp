@@ -1,20 +1,19 @@
 // The files of a measured run: written of plain data, and told of by the kinds of measures.
 
+#include "bed/measure_kind.hpp"
 #include "bed/measure_stage.hpp"
 #include "bed/run_tables.hpp"
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/scene/read.hpp"
 #include "run/catalogue.hpp"
-#include "run/record_json.hpp"
 #include "run_files.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace rodwake;
 using namespace store_test;
-using app::Stage, app::Values;
+using app::Stage;
 using app_test::json_of, app_test::untold;
 
 namespace {
@@ -45,8 +44,8 @@ std::set<std::string> unequal(const nlohmann::json& measured) {
     for (const app::MeasureKind& kind : app::measure_kinds()) {
         std::set<std::string> names, told;
         add_names(measured.value(std::string(kind.name), nlohmann::json::object()), "", names);
-        for (const app::ValueInfo& value : kind.values)
-            told.emplace(value.key);
+        for (const ColumnInfo& value : kind.values())
+            told.emplace(value.name);
         std::vector<std::string> different;
         std::ranges::set_symmetric_difference(names, told, std::back_inserter(different));
         for (const std::string& name : different)
@@ -63,10 +62,10 @@ const std::string series_header =
 
 app::CaseResults case_of(const std::string& name) {
     app::CaseResults one;
-    one.name = name;
-    one.bead_radius = 0.5;
-    one.phi_b = 0.75;
-    one.runs = 3;
+    one.row.name = name;
+    one.row.bead_radius = 0.5;
+    one.row.phi_b = 0.75;
+    one.row.runs = 3;
     return one;
 }
 
@@ -93,10 +92,8 @@ TEST_CASE("The kinds of measures tell of every file, column and value of a measu
 TEST_CASE("series.csv has the columns of all measures where none was made", "[measured]") {
     const Scratch scratch;
     app::CaseResults forced = case_of("forced");
-    forced.imposed_speed = 1.0;
-    app::MeasureReport report;
-    report.values = {{"force", Estimate{2.0, unknown_error, 1}}}; // no speed, no thrust
-    forced.reports.emplace_back("force", report);
+    forced.row.imposed_speed = 1.0;
+    forced.row.force = {2.0, unknown_error, 1}; // no speed, no thrust
     app::write_series(scratch.path(), {case_of("bare"), forced});
     const std::string text = content(scratch / "series.csv");
     CHECK_THAT(text, Catch::Contains(series_header));
@@ -117,23 +114,6 @@ TEST_CASE("The catalogue has the columns of the measures with their units", "[me
     CHECK(app::column_of(*profile, "value")->unit == "a");
 }
 
-TEST_CASE("Values become JSON in their order, tables where names have dots", "[measured]") {
-    const Values values = {{"z", 1.5},
-                           {"fit.b", std::int64_t{2}},
-                           {"fit.a.value", "text"},
-                           {"none", {}},
-                           {"flag", true},
-                           {"list", app::Column{1.0, 2.0}},
-                           {"known", Estimate{3.0, 0.25, 4}},
-                           {"lone", Estimate{3.0, unknown_error, 1}},
-                           {"nothing", Estimate{}}};
-    CHECK(app::values_json(values).dump() ==
-          R"({"z":1.5,"fit":{"b":2,"a":{"value":"text"}},"none":null,"flag":true,"list":[1.0,2.0],)"
-          R"("known":{"value":3.0,"error":0.25,"samples":4},"lone":{"value":3.0,"error":null,"samples":1},)"
-          R"("nothing":{"value":null,"error":null,"samples":0}})");
-    CHECK(app::values_json({}).dump() == "{}");
-}
-
 TEST_CASE("The tables of a run are read when they are asked for", "[measured]") {
     const Scratch scratch;
     const app::RunTables tables = app::run_tables(scratch.path());
@@ -146,13 +126,4 @@ TEST_CASE("The tables of a run are read when they are asked for", "[measured]") 
     CHECK_THROWS_AS(tables.summary("rods.2.force", "force"), InputError);
     CHECK(tables.tracks({"y0", "t"}) == std::vector<app::Column>{{2.0, 4.0}, {0.0, 0.5}});
     CHECK_THROWS_AS(tables.tracks({"theta0"}), InputError);
-}
-
-TEST_CASE("An attribute of a grid is a number or a text", "[measured]") {
-    const Scratch scratch;
-    store::Hdf5Writer out(scratch / "measure.h5");
-    app::MeasureGrid grid{"/field", measure::RodGrid(8.0, 2.0), {}, {{"method", "phase"}, {"blocks", 3.0}}};
-    CHECK_NOTHROW(app::put_grid(out, grid, 1.0));
-    grid = {"/other", grid.grid, {}, {{"offset", app::Column{1.0, 2.0}}}};
-    CHECK_THROWS_WITH(app::put_grid(out, grid, 1.0), "/other: attribute offset is neither number nor text");
 }

@@ -1,7 +1,7 @@
 // Described results: what follows from a description, and that a wrong one is seen.
 
+#include "bed/measure_kind.hpp"
 #include "rodwake/app/describe.hpp"
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/scene/document.hpp"
 #include "run/catalogue.hpp"
 #include "run/record_json.hpp"
@@ -51,6 +51,33 @@ struct Whole {
                           field("more", &R::more, {"", "a part that may be absent"}),
                           field("other", &R::other, {"s", "null where there is none"}),
                           field("mean", &R::mean, {"1", "a mean"})};
+    }
+};
+
+/// With a function in place of a member, and an error.
+struct Speed {
+    double value = 0.0;
+    Estimate mean;
+
+    static constexpr auto fields() {
+        return std::tuple{
+            field("double", {"m/s", "twice the value"}, [](const Speed& s) { return 2.0 * s.value; }),
+            field("mean", &Speed::mean, {"m/s", "a mean"})};
+    }
+};
+
+/// Whole columns.
+struct Lengths {
+    std::vector<double> length;
+
+    static constexpr auto fields() {
+        return std::tuple{field("length", &Lengths::length, {"m", "of each"}),
+                          field("half", {"m", "half of it"}, [](const Lengths& l) {
+                              std::vector<double> half = l.length;
+                              for (double& value : half)
+                                  value *= 0.5;
+                              return half;
+                          })};
     }
 };
 
@@ -147,13 +174,15 @@ TEST_CASE("Described rows are blocks of columns, NaN is an empty field", "[recor
     REQUIRE(columns.size() == 2);
     CHECK(columns[1].name == "width<k>");
     CHECK(columns[1].unit == "m");
+    CHECK(csv_of(std::vector<Speed>{{1.0, {}}, {0.0, {2.0, 0.5, 3}}}) ==
+          "double,mean,mean_error\n2,,\n0,2,0.5\n");
+    CHECK(columns_of<Speed>()[2].meaning == "standard error");
+    CHECK(csv_of(Lengths{{1.0, 2.0}}) == "length,half\n1,0.5\n2,1\n");
 }
 
 TEST_CASE("Numbers of a described result have their place in the file", "[record]") {
-    std::vector<ColumnInfo> values;
-    add_values<Whole>(values);
     std::vector<std::string_view> names;
-    for (const ColumnInfo& value : values)
+    for (const ColumnInfo& value : values_of<Whole>())
         names.push_back(value.name);
     CHECK(names == std::vector<std::string_view>{"length", "depth", "count", "part.width", "parts.<k>.width",
                                                  "more.width", "other", "mean"});
@@ -202,14 +231,14 @@ TEST_CASE("The schema is that of scenes and a line for each value that is measur
     const std::string end = "\n}\n";
     CHECK(all.starts_with(of_scenes.substr(0, of_scenes.size() - end.size()) + ",\n \"measures\": [\n"));
     for (const app::MeasureKind& kind : app::measure_kinds())
-        for (const app::ValueInfo& value : kind.values) {
+        for (const ColumnInfo& value : kind.values()) {
             const std::string entry = "\n  {\"measure\":\"" + std::string(kind.name) + "\",\"key\":\"" +
-                                      std::string(value.key) + "\",";
+                                      std::string(value.name) + "\",";
             INFO(entry);
             const auto at = all.find(entry);
             REQUIRE(at != std::string::npos);
             const std::string line = all.substr(at, all.find('\n', at + 1) - at);
-            CHECK((line.find("\"title\":") == std::string::npos) == value.title.empty());
-            CHECK((line.find("\"factor\":") == std::string::npos) == value.is_text);
+            CHECK((line.find("\"title\":") == std::string::npos) == value.row.title.empty());
+            CHECK((line.find("\"factor\":") == std::string::npos) == value.unit.empty());
         }
 }

@@ -20,23 +20,16 @@ struct R {{ double speed = 0.0; static constexpr auto fields() {{ return std::tu
 inline const auto size = std::get<0>(R::fields()).name.size();
 }}
 """
-ENTRY = """namespace {name} {{
-# 1 "{name}"
-struct Found {{ double speed = 0.0; }};
-constexpr rodwake::app::{text}, [](const Found& f) {{ return f.speed; }}}}}};
-inline const auto size = std::size(entries);
-}}
-"""
 KEPT = """namespace {name} {{ struct R {{ double x, y; }}; }}
 # 1 "{name}"
 template<> inline constexpr auto rodwake::store::parts<{name}::R> = rodwake::store::parts_of({text});
 inline const auto {name}_size = rodwake::store::Kept<{name}::R>::layout().size();
 """
 # Words that files of several kinds have in common.
-GENERAL = set("bias blocks contact contacts cpu data error errors escape failed failure high low mean median message model number outcome pair particles path pressure pursuit reason rods rows run "
-              "scale scatter seconds share sigma status steps theta time times turn undecided unit used value".split())
+GENERAL = set("algebraic bead bias blocks branch contact contacts cpu cutoff data drift error errors escape exponential failed failure fit high low mean median message model noise number other outcome "
+              "pair particles path perpendicular phase points pressure pursuit reason rods rows run scale scatter seconds share sigma spring status steady steps theta time times total turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
-PAIRS = "app/bed/measures/pairs.cpp"  # columns of pairs.csv, a table of the measure
+FIGURES = "app/scene/figure_kinds.cpp"  # columns of series.csv and tables that figures draw
 QUOTED = {
     "T_xy": {"app/bed/measures/microrheology.cpp"},  # a value of the measure
     "above": {"app/scene/schema_json.cpp"},  # of ranges in the schema
@@ -46,28 +39,27 @@ QUOTED = {
     "certificate": {"app/scan/scan_stage.cpp", "app/scan/scan_values.hpp", "app/theory/rods_stage.cpp"},  # columns of scans; an attribute
     "container": {"app/scene/fields_granular.cpp", "models/granular/problem.cpp", "models/granular/start.cpp"},  # the scene's table, in messages too
     "cpu_seconds": {"app/scan/scan_results.cpp"},  # of the scan
-    "delta_y": {PAIRS, "app/bed/measure_files.cpp", "app/scan/scan_results.cpp", "app/scene/figure_kinds.cpp"},
-    "last_change": {PAIRS},
-    "leader": {PAIRS},
-    "mean_speed": {"app/bed/measures/displacement.cpp", "app/bed/measures/force.cpp", "app/run/glossary.cpp"},
-    "non_reciprocity": {PAIRS, "app/scan/scan_values.cpp", "app/scene/figure_kinds.cpp"},
+    "C11": {FIGURES}, "C22": {FIGURES}, "C66": {FIGURES}, "c_T": {FIGURES}, "diffusion_per_length": {FIGURES}, "drag_rate": {FIGURES},
+    "exponent": {FIGURES}, "msd": {FIGURES}, "screening_length": {FIGURES}, "stiffness": {FIGURES},
+    "delta_y": {"app/scan/scan_results.cpp", FIGURES},
+    "mean_speed": {"app/bed/measures/force.cpp", "app/run/glossary.cpp"},
+    "non_reciprocity": {"app/scan/scan_values.cpp", FIGURES},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
-    "psi6": {"app/bed/measures/order.cpp", "app/scene/figure_kinds.cpp", "include/rodwake/scene/scene.hpp"},
+    "psi6": {FIGURES, "include/rodwake/scene/scene.hpp"},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
-    "omega": {"app/bed/measures/phonons.cpp", "app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
+    "omega": {"app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
     "orbit": {"app/run/glossary.cpp", "models/rods/pair_equilibria.cpp", "src/core/encounter.cpp"},  # an outcome, a kind of fixed points
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
     "final_separation": {"app/scan/critical_encounters.cpp"},
-    "separation": {PAIRS, "app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
+    "separation": {"app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
     "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
-    "thrust": {"app/bed/measures/force.cpp"},
-    "turn0": {PAIRS},
+    "turn1": {"app/run/record_table.hpp"},  # an example
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
     "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
-             "include/rodwake/app/measure_report.hpp", "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
+             "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
     "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp"},
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
     "log_evidence": {"app/fit/fit_models.cpp", "app/fit/write_posterior.cpp"},  # of posterior.json
@@ -117,9 +109,11 @@ class DescribedResultsTest(unittest.TestCase):
         self.assert_refused(said, "unit", "unit", "meaning", "name")
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
-        values = [f'ResultValue<Found> entries[] = {{{{{{"speed", "Speed", {rest}}}' for rest in ('"a/s", "of the rod"', '"a/s", ""', '"a/ss", "of the rod"')]
-        said = errors_of("bed/measure_parts.hpp", ENTRY, *values, 'RowColumn<Found> entries[] = {{{"speed", "", "of the rod"}')
-        self.assert_refused(said, *["meaning and a unit"] * 3)
+        speed, force = "[](const R& r) { return r.speed; }", "[](const R&) { return rodwake::Estimate{}; }"
+        said = errors_of("rodwake/core/record.hpp", SOURCE, '"force", {"Force", "\\u00b5N"}, {"N", "of the rod"}, ' + force, '"speed", {"Speed"}, {"a/s", ""}, ' + speed,
+                         '"speed", {"a/ss", "of the rod"}, ' + speed, '"force", {"", "of the rod"}, ' + force, '"force", {"Force", "m/s"}, {"N", "of the rod"}, ' + force,
+                         '"list", {"", "of the rod"}, [](const R&) { return std::vector{1.0}; }')
+        self.assert_refused(said, "meaning", "unit", "unit", "prefix", "unit")
 
     def test_a_struct_of_a_checkpoint_with_a_part_left_out_does_not_compile(self):
         said = errors_of("rodwake/store/archive.hpp", KEPT, '"x y", &{0}::x, &{0}::y'.format("case0::R"), '"x", &case1::R::x', '"x", &case2::R::x, &case2::R::y')

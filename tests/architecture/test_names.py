@@ -15,7 +15,7 @@ GONE = {
     "told": "reported, described, decided, ...",
     "TOLD": "METADATA",
     "Telling": "ProgressPrinter",
-    "Told": "ResultEntry",
+    "Told": "Field",
     "seen_from": "relative_position",
     "RodPlace": "RodPosition",
     "BedYield": "BedObservables",

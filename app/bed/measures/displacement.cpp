@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace rodwake::app::measures {
 
 namespace {
@@ -46,30 +48,29 @@ const char* reference_name(const DisplacementField& u) {
     return u.reference == measure::Reference::box ? "box" : "far";
 }
 
-struct ProfileFound {
-    const measure::Profile& p;
+struct ProfileColumns : measure::Profile {
     double a; ///< m
-};
-constexpr ResultColumn<ProfileFound> profile_columns[] = {
-    {{"x", "a", "position along the line"},
-     [](const ProfileFound& f) { return scaled(f.p.place, 1.0 / f.a); }},
-    {{"value", "a", "displacement"}, [](const ProfileFound& f) { return scaled(f.p.value, 1.0 / f.a); }},
-    {{"sigma", "a", "standard error (empty: unknown, as with one block of time)"},
-     [](const ProfileFound& f) { return scaled(f.p.sigma, 1.0 / f.a); }},
-    {{"count", "1", "samples behind the value"}, [](const ProfileFound& f) { return f.p.count; }}};
-constexpr auto profile_infos = infos_of(profile_columns);
-constexpr FileInfo files[] = {
-    {"profile_<k>_<k>.csv", "displacement along a line of the rod's frame", profile_infos},
-    {"displacement.vti", "displacement field for ParaView"}};
 
-MeasureTable profile_table(const DisplacementField& u, const char* component, const char* along, double at,
-                           double a) {
+    static constexpr auto fields() {
+        using R = ProfileColumns;
+        return std::tuple{
+            field("x", {"a", "position along the line"},
+                  [](const R& r) { return scaled(r.place, 1.0 / r.a); }),
+            field("value", {"a", "displacement"}, [](const R& r) { return scaled(r.value, 1.0 / r.a); }),
+            field("sigma", {"a", "standard error (empty: unknown, as with one block of time)"},
+                  [](const R& r) { return scaled(r.sigma, 1.0 / r.a); }),
+            field("count", &R::count, {"1", "samples behind the value"})};
+    }
+};
+
+CsvFile profile_table(const DisplacementField& u, const char* component, const char* along, double at,
+                      double a) {
     const measure::Profile p = measure::profile(u, component, along, at);
     return {fmt::format("profile_{}_{}.csv", component, along),
             fmt::format("displacement {} along {} of the rod's frame at {} = {:g} a; lengths in bead radii, "
                         "a = {:g} m; x is the position along the line",
                         component, along, *along == 'x' ? "y" : "x", p.at / a, a),
-            profile_infos, columns_of(profile_columns, ProfileFound{p, a})};
+            csv_of(ProfileColumns{p, a})};
 }
 
 MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& group = "/displacement") {
@@ -92,44 +93,44 @@ MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& 
     return grid;
 }
 
-/// Of the lattice; nothing without Bragg peaks.
-Value of_lattice(const DisplacementField& u, double value) {
-    return u.peaks.lattice_spacing() > 0.0 ? Value(value) : Value();
+/// Of the lattice; NaN without Bragg peaks.
+double of_lattice(const DisplacementField& u, double value) {
+    return u.peaks.lattice_spacing() > 0.0 ? value : std::nan("");
 }
 
-struct DisplacementValues {
-    const DisplacementField& r;
+struct DisplacementValues : DisplacementField {
     double a; ///< m
-};
-using F = const DisplacementValues&;
 
-constexpr ResultValue<DisplacementValues> values[] = {
-    {{.key = "method", .title = "Estimator", .meaning = "of the displacement", .is_text = true},
-     [](F f) { return measure::to_string(f.r.method); }},
-    {{.key = "reference",
-      .meaning = "what the displacement is relative to: its mean over the box, or the far field",
-      .is_text = true},
-     [](F f) { return reference_name(f.r); }},
-    {{"spacing", "Grid spacing", "a", "of the grid on which the displacement is given"},
-     [](F f) { return f.r.grid.width / f.a; }},
-    {{"blocks", "Blocks", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
-    {{"frames", "Frames", "", "measured for the displacement"}, [](F f) { return f.r.frames; }},
-    {{"block_correlation", "Correlation of blocks", "",
-      "of one block of time with the next; the errors allow for it"},
-     [](F f) { return f.r.block_correlation; }},
-    {{"mean_speed", "Speed of the rod", "a/s", "along its heading, while the displacement was measured"},
-     [](F f) { return f.r.mean_speed / f.a; }},
-    {{"offset", "", "a", "x and y of what was taken off to make the reference zero"},
-     [](F f) {
-         return Column{f.r.offset.x / f.a, f.r.offset.y / f.a};
-     }},
-    {{"row_angle", "Angle of the rows", "rad", "of the close-packed rows from $x$"},
-     [](F f) { return of_lattice(f.r, f.r.peaks.row_angle()); }},
-    {{"lattice_spacing", "Lattice spacing", "a", "of the beads, from the Bragg peaks"},
-     [](F f) { return of_lattice(f.r, f.r.peaks.lattice_spacing() / f.a); }},
-    {{"contrast", "Bragg contrast", "", "largest peak"}, [](F f) { return f.r.peaks.contrast(); }},
+    static constexpr auto fields() {
+        using R = DisplacementValues;
+        return std::tuple{
+            field("method", {"Estimator"}, {"", "of the displacement"},
+                  [](const R& r) { return measure::to_string(r.method); }),
+            field("reference",
+                  {"", "what the displacement is relative to: its mean over the box, or the far field"},
+                  [](const R& r) { return reference_name(r); }),
+            field("spacing", {"Grid spacing"}, {"a", "of the grid on which the displacement is given"},
+                  [](const R& r) { return r.grid.width / r.a; }),
+            field("blocks", {"Blocks"}, {"1", "of time, for the errors"}, &R::blocks),
+            field("frames", {"Frames"}, {"1", "measured for the displacement"}, &R::frames),
+            field("block_correlation", {"Correlation of blocks"},
+                  {"1", "of one block of time with the next; the errors allow for it"},
+                  &R::block_correlation),
+            field("mean_speed", {"Speed of the rod"},
+                  {"a/s", "along its heading, while the displacement was measured"},
+                  [](const R& r) { return r.mean_speed / r.a; }),
+            field("offset", {"a", "x and y of what was taken off to make the reference zero"},
+                  [](const R& r) {
+                      return Column{r.offset.x / r.a, r.offset.y / r.a};
+                  }),
+            field("row_angle", {"Angle of the rows"}, {"rad", "of the close-packed rows from $x$"},
+                  [](const R& r) { return of_lattice(r, r.peaks.row_angle()); }),
+            field("lattice_spacing", {"Lattice spacing"}, {"a", "of the beads, from the Bragg peaks"},
+                  [](const R& r) { return of_lattice(r, r.peaks.lattice_spacing() / r.a); }),
+            field("contrast", {"Bragg contrast"}, {"1", "largest peak"},
+                  [](const R& r) { return r.peaks.contrast(); })};
+    }
 };
-constexpr auto value_infos = infos_of(values);
 
 /// That of all runs, and of each by itself if it is wanted.
 std::vector<MeasureGrid> grids_of(const DisplacementField& all, std::span<const DisplacementAccumulator> runs,
@@ -146,7 +147,7 @@ MeasureReport report(const MeasuredCase& data) {
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
     const auto runs = measure::take<DisplacementAccumulator>(data.sums, "displacement");
     const DisplacementField u = measure::reduce(runs);
-    return {.values = values_of(values, DisplacementValues{u, a}),
+    return {.values = record_json(DisplacementValues{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
             .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),
@@ -161,6 +162,12 @@ MeasureReport report(const MeasuredCase& data) {
                                 of_rod(data.scene) ? "rod" : "force", u.mean_speed * to_a)};
 }
 
+std::vector<FileKind> files() {
+    return {{"profile_<k>_<k>.csv", Lifetime::result, "displacement along a line of the rod's frame",
+             columns_of<ProfileColumns>()},
+            {"displacement.vti", Lifetime::result, "displacement field for ParaView"}};
+}
+
 } // namespace
 
 MeasureKind displacement() {
@@ -171,7 +178,7 @@ MeasureKind displacement() {
             .include = include,
             .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
-            .values = value_infos,
+            .values = values_of<DisplacementValues, true>,
             .files = files};
 }
 

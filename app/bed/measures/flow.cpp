@@ -31,39 +31,39 @@ std::string describe(const Scene& scene) {
                        scene.measure->rod);
 }
 
-struct Marked {
-    const measure::MarkedBead& m;
+struct Marked : measure::MarkedBead {
     double a; ///< m
-};
-using Row = const Marked&;
-constexpr RowColumn<Marked> marked_columns[] = {
-    {{"bead", "1", "number of the bead"}, [](Row row) { return row.m.bead; }},
-    {{"x0", "a", "position in the first frame, unwrapped"}, [](Row row) { return row.m.x0 / row.a; }},
-    {{"y0", "a", "position in the first frame, unwrapped"}, [](Row row) { return row.m.y0 / row.a; }},
-    {{"x1", "a", "position in the last frame, drift removed"}, [](Row row) { return row.m.x1 / row.a; }},
-    {{"y1", "a", "position in the last frame, drift removed"}, [](Row row) { return row.m.y1 / row.a; }}};
-constexpr auto marked_infos = infos_of(marked_columns);
-constexpr FileInfo files[] = {{"marked.csv", "beads near the rod, before and after", marked_infos},
-                              {"flow.vti", "flow field for ParaView"}};
 
-struct FlowValues {
-    const FlowField& r;
+    static constexpr auto fields() {
+        using R = Marked;
+        return std::tuple{field("bead", &R::bead, {"1", "number of the bead"}),
+                          field("x0", {"a", "position in the first frame, unwrapped"},
+                                [](const R& r) { return r.x0 / r.a; }),
+                          field("y0", {"a", "position in the first frame, unwrapped"},
+                                [](const R& r) { return r.y0 / r.a; }),
+                          field("x1", {"a", "position in the last frame, drift removed"},
+                                [](const R& r) { return r.x1 / r.a; }),
+                          field("y1", {"a", "position in the last frame, drift removed"},
+                                [](const R& r) { return r.y1 / r.a; })};
+    }
+};
+
+struct FlowValues : FlowField {
     double a; ///< m
-};
-using F = const FlowValues&;
 
-constexpr ResultValue<FlowValues> values[] = {
-    {{"drag", "Beads dragged", "a", "way of the marked beads along the rod's first heading"},
-     [](F f) { return f.r.drag.scaled(1.0 / f.a); }},
-    {{"drag_share", "Share dragged", "", "the same over the rod's own way"},
-     [](F f) { return f.r.drag_share; }},
-    {{"near_speed", "Speed near the rod", "a/s", "mean of the beads' flow within 6 $a$"},
-     [](F f) { return f.r.near_speed / f.a; }},
-    {{"spacing", "", "a", "of the flow's grid"}, [](F f) { return f.r.grid.width / f.a; }},
-    {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
-    {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
+    static constexpr auto fields() {
+        using R = FlowValues;
+        return std::tuple{
+            field("drag", {"Beads dragged"}, {"a", "way of the marked beads along the rod's first heading"},
+                  [](const R& r) { return r.drag.scaled(1.0 / r.a); }),
+            field("drag_share", {"Share dragged"}, {"1", "the same over the rod's own way"}, &R::drag_share),
+            field("near_speed", {"Speed near the rod"}, {"a/s", "mean of the beads' flow within 6 $a$"},
+                  [](const R& r) { return r.near_speed / r.a; }),
+            field("spacing", {"a", "of the flow's grid"}, [](const R& r) { return r.grid.width / r.a; }),
+            field("blocks", &R::blocks, {"1", "of time, for the errors"}),
+            field("frames", &R::frames, {"1", "measured"})};
+    }
 };
-constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
@@ -71,12 +71,12 @@ MeasureReport report(const MeasuredCase& data) {
     std::vector<Marked> rows;
     for (const measure::MarkedBead& m : f.marked)
         rows.push_back({m, a});
-    return {.values = values_of(values, FlowValues{f, a}),
-            .tables = {MeasureTable{
-                "marked.csv",
-                "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
-                "drift removed; a",
-                marked_infos, columns_of(marked_columns, rows)}},
+    return {.values = record_json(FlowValues{f, a}),
+            .tables =
+                {{"marked.csv",
+                  "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
+                  "drift removed; a",
+                  csv_of(rows)}},
             .grids = {MeasureGrid{"/flow",
                                   f.grid,
                                   {{"vx", scaled(f.vx, to_a), "a/s"},
@@ -95,6 +95,11 @@ MeasureReport report(const MeasuredCase& data) {
                                 f.near_speed / a, text(f.drag_share))};
 }
 
+std::vector<FileKind> files() {
+    return {{"marked.csv", Lifetime::result, "beads near the rod, before and after", columns_of<Marked>()},
+            {"flow.vti", Lifetime::result, "flow field for ParaView"}};
+}
+
 } // namespace
 
 MeasureKind flow() {
@@ -104,7 +109,7 @@ MeasureKind flow() {
             .describe = describe,
             .include = include,
             .report = report,
-            .values = value_infos,
+            .values = values_of<FlowValues, true>,
             .files = files};
 }
 

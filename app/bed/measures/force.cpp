@@ -13,11 +13,8 @@ namespace rodwake::app::measures {
 
 namespace {
 
+using nlohmann::ordered_json;
 using scene::Measure, scene::Scene;
-
-constexpr SeriesInfo series[] = {{{"force", "N", "of the rod on the beads along its heading"}},
-                                 {{"speed", "a/s", "of the rod along its heading"}},
-                                 {{"thrust", "N", "of the plates on the rod along its heading"}}};
 
 Estimate of_rod(const MeasuredCase& data, const char* name) {
     return measure::mean_of_blocks(
@@ -26,55 +23,57 @@ Estimate of_rod(const MeasuredCase& data, const char* name) {
 
 struct ForceValues {
     Estimate force, thrust, speed;
-};
-using F = const ForceValues&;
 
-constexpr ResultValue<ForceValues> values[] = {
-    {{"force", "Force", "\u00b5N", "of the rod on the beads, along its heading", 1e6},
-     [](F f) { return f.force; }},
-    {{"thrust", "Thrust", "\u00b5N", "of the plates on the rod, along its heading", 1e6},
-     [](F f) { return f.thrust; }},
-    {{"speed", "Speed", "a/s", "of the rod along its heading"}, [](F f) { return f.speed; }},
+    static constexpr auto fields() {
+        using R = ForceValues;
+        return std::tuple{field("force", {"Force", "\u00b5N"},
+                                {"N", "of the rod on the beads, along its heading"}, &R::force),
+                          field("thrust", {"Thrust", "\u00b5N"},
+                                {"N", "of the plates on the rod, along its heading"}, &R::thrust),
+                          field("speed", {"Speed"}, {"a/s", "of the rod along its heading"}, &R::speed)};
+    }
 };
-constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const ForceValues f = {of_rod(data, "force"), of_rod(data, "thrust"),
                            of_rod(data, "mean_speed").scaled(1.0 / data.bead_radius())};
-    return {.values = values_of(values, f),
+    data.row.force = f.force;
+    data.row.thrust = f.thrust;
+    data.row.speed = f.speed;
+    return {.values = record_json(f),
             .line = fmt::format("force on the beads {} uN, thrust {} uN, at {} a/s",
                                 text(f.force.scaled(1e6)), text(f.thrust.scaled(1e6)), text(f.speed))};
 }
 
 // Force against the imposed speeds of several cases.
 
-void add_line(Values& out, const std::string& name, const measure::LineFit& fit) {
-    const std::string table = "force_against_imposed_speed." + name + ".";
-    out.push_back({table + "intercept_N.value", fit.intercept.value});
-    out.push_back({table + "intercept_N.error", fit.intercept.error});
-    out.push_back({table + "slope_N_s_per_m.value", fit.slope.value});
-    out.push_back({table + "slope_N_s_per_m.error", fit.slope.error});
-    out.push_back({table + "chi2", fit.chi2});
-    out.push_back({table + "dof", fit.dof});
-    out.push_back({table + "probability", measure::chi2_probability(fit.chi2, fit.dof)});
+ordered_json line_json(const measure::LineFit& fit) {
+    const auto number = [](const Estimate& e) -> ordered_json {
+        return {{"value", e.value}, {"error", e.error}};
+    };
+    return {{"intercept_N", number(fit.intercept)},
+            {"slope_N_s_per_m", number(fit.slope)},
+            {"chi2", fit.chi2},
+            {"dof", fit.dof},
+            {"probability", measure::chi2_probability(fit.chi2, fit.dof)}};
 }
 
 /// f = f0 + c v and f = c v; nothing without three imposed speeds with errors.
-Values force_lines(std::span<const SeriesRow> rows) {
+ordered_json force_lines(std::span<const SeriesRow> rows) {
+    ordered_json out = ordered_json::object();
     std::vector<double> v, f, error;
     for (const SeriesRow& row : rows) {
-        const auto force = std::ranges::find(row.values, "force", &SeriesValue::name);
-        if (!row.imposed_speed || force == row.values.end() || !(force->value.error > 0.0))
+        if (!row.imposed_speed || !(row.force.error > 0.0))
             continue;
         v.push_back(*row.imposed_speed);
-        f.push_back(force->value.value);
-        error.push_back(force->value.error);
+        f.push_back(row.force.value);
+        error.push_back(row.force.error);
     }
-    Values out;
     if (v.size() < 3 || std::ranges::count(v, v[0]) == static_cast<long>(v.size()))
         return out;
-    add_line(out, "line", measure::fit_line(v, f, error));
-    add_line(out, "proportional", measure::fit_proportional(v, f, error));
+    out["force_against_imposed_speed"] = {
+        {"line", line_json(measure::fit_line(v, f, error))},
+        {"proportional", line_json(measure::fit_proportional(v, f, error))}};
     return out;
 }
 
@@ -91,8 +90,7 @@ MeasureKind force() {
             .reset_postprocessing_keys = [](Measure& m) { m.force = false; },
             .report = report,
             .compare = force_lines,
-            .values = value_infos,
-            .series = series};
+            .values = values_of<ForceValues, true>};
 }
 
 } // namespace rodwake::app::measures

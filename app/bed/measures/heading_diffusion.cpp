@@ -19,9 +19,6 @@ using scene::Measure, scene::Scene;
 
 constexpr double papers_f_over_mu = 2.2; // a; arXiv 2007.04860, its fit of the wake
 
-constexpr SeriesInfo series[] = {{{"D_r", "rad^2/s", "heading diffusion of the rod"}},
-                                 {{"diffusion_per_length", "rad^2/a", "heading diffusion over the speed"}}};
-
 void reset_postprocessing_keys(Measure& m) {
     m.heading_diffusion = false;
     m.heading_lag_low = m.heading_lag_high = std::nullopt;
@@ -66,59 +63,58 @@ std::string line_of(const HeadingDiffusion& r, double a, double unit) {
                        noise.empty() ? "" : "; [noise] " + noise);
 }
 
-struct HeadingDiffusionValues {
-    const HeadingDiffusion& r;
-    double a;                                               ///< m
-    double unit;                                            ///< f/mu, a
-    Estimate per_length = r.diffusion_per_length.scaled(a); ///< rad^2/a
-};
-using F = const HeadingDiffusionValues&;
+struct HeadingDiffusionValues : HeadingDiffusion {
+    double a;                                             ///< m
+    double unit;                                          ///< f/mu, a
+    Estimate per_length = diffusion_per_length.scaled(a); ///< rad^2/a
 
-constexpr ResultValue<HeadingDiffusionValues> values[] = {
-    {{"D_r", "Heading diffusion $D_r$", "rad^2/s", "half the slope of the mean-square heading change"},
-     [](F f) { return f.r.diffusion; }},
-    {{"D_r_low", "", "rad^2/s", "lower end of the 95 % interval of D_r"}, [](F f) { return f.r.low; }},
-    {{"D_r_high", "", "rad^2/s", "upper end of it"}, [](F f) { return f.r.high; }},
-    {{"D_r_cosine", "$D_r$ from $\\langle\\cos\\Delta\\theta\\rangle$", "rad^2/s",
-      "decay rate of the mean cosine"},
-     [](F f) { return f.r.diffusion_cosine; }},
-    {{"D_r_early", "$D_r$, short lags", "rad^2/s", "from the lower half of the window alone"},
-     [](F f) { return f.r.early; }},
-    {{"D_r_late", "$D_r$, long lags", "rad^2/s", "from the upper half; diffusion if both agree"},
-     [](F f) { return f.r.late; }},
-    {{"jitter", "Rattling of the heading", "rad", "rms, forgotten within the shortest lag of the window"},
-     [](F f) { return f.r.jitter; }},
-    {{"turn_rate", "Turning rate", "rad/s", "mean; a steady one adds to the mean-square heading change"},
-     [](F f) { return f.r.turn_rate; }},
-    {{"speed", "Speed of the rod", "a/s", "along its heading"},
-     [](F f) { return f.r.speed.scaled(1.0 / f.a); }},
-    {{"diffusion_per_length", "$D_r/v_0$", "rad^2/a", "heading diffusion on the way of one bead radius"},
-     [](F f) { return f.per_length; }},
-    {{"f_over_mu", "Unit of length $f/\\mu$", "a",
-      "of the next value: from [scales], else 2.2 a as in the paper"},
-     [](F f) { return f.unit; }},
-    {{"rotational_diffusion", "$D_r f/(\\mu v_0)$", "", "the same in the units of the theory"},
-     [](F f) { return f.per_length.scaled(f.unit); }},
-    {{"noise", "The theory's [noise]", "", "with the same heading diffusion", 1.0, true},
-     [](F f) { return noise_of(f.r, f.a, f.unit); }},
-    {{"lag_low", "", "s", "shortest lag of the fits"}, [](F f) { return f.r.lag_low; }},
-    {{"lag_high", "", "s", "longest lag of the fits"}, [](F f) { return f.r.lag_high; }},
-    {{"cosine_amplitude", "", "", "of the fitted exponential at lag 0"},
-     [](F f) { return f.r.cosine_amplitude; }},
-    {{"blocks", "", "", "of time, within which changes are taken"}, [](F f) { return f.r.blocks; }},
-    {{"parts", "", "", "runs or blocks whose scatter gives the errors"}, [](F f) { return f.r.parts; }},
+    static constexpr auto fields() {
+        using R = HeadingDiffusionValues;
+        return std::tuple{
+            field("D_r", {"Heading diffusion $D_r$"},
+                  {"rad^2/s", "half the slope of the mean-square heading change"}, &R::diffusion),
+            field("D_r_low", &R::low, {"rad^2/s", "lower end of the 95 % interval of D_r"}),
+            field("D_r_high", &R::high, {"rad^2/s", "upper end of it"}),
+            field("D_r_cosine", {"$D_r$ from $\\langle\\cos\\Delta\\theta\\rangle$"},
+                  {"rad^2/s", "decay rate of the mean cosine"}, &R::diffusion_cosine),
+            field("D_r_early", {"$D_r$, short lags"}, {"rad^2/s", "from the lower half of the window alone"},
+                  &R::early),
+            field("D_r_late", {"$D_r$, long lags"},
+                  {"rad^2/s", "from the upper half; diffusion if both agree"}, &R::late),
+            field("jitter", {"Rattling of the heading"},
+                  {"rad", "rms, forgotten within the shortest lag of the window"}, &R::jitter),
+            field("turn_rate", {"Turning rate"},
+                  {"rad/s", "mean; a steady one adds to the mean-square heading change"}, &R::turn_rate),
+            field("speed", {"Speed of the rod"}, {"a/s", "along its heading"},
+                  [](const R& r) { return r.speed.scaled(1.0 / r.a); }),
+            field("diffusion_per_length", {"$D_r/v_0$"},
+                  {"rad^2/a", "heading diffusion on the way of one bead radius"}, &R::per_length),
+            field("f_over_mu", {"Unit of length $f/\\mu$"},
+                  {"a", "of the next value: from [scales], else 2.2 a as in the paper"}, &R::unit),
+            field("rotational_diffusion", {"$D_r f/(\\mu v_0)$"},
+                  {"1", "the same in the units of the theory"},
+                  [](const R& r) { return r.per_length.scaled(r.unit); }),
+            field("noise", {"The theory's [noise]"}, {"", "with the same heading diffusion"},
+                  [](const R& r) { return noise_of(r, r.a, r.unit); }),
+            field("lag_low", &R::lag_low, {"s", "shortest lag of the fits"}),
+            field("lag_high", &R::lag_high, {"s", "longest lag of the fits"}),
+            field("cosine_amplitude", &R::cosine_amplitude, {"1", "of the fitted exponential at lag 0"}),
+            field("blocks", &R::blocks, {"1", "of time, within which changes are taken"}),
+            field("parts", &R::parts, {"1", "runs or blocks whose scatter gives the errors"})};
+    }
 };
-constexpr auto value_infos = infos_of(values);
-
-constexpr ResultColumn<HeadingDiffusionValues> columns[] = {
-    {{"lag", "s", "time between two headings"}, [](F f) { return f.r.lag; }},
-    {{"square", "rad^2", "mean-square heading change"}, [](F f) { return f.r.square; }},
-    {{"square_error", "rad^2", "standard error (empty: unknown)"}, [](F f) { return f.r.square_error; }},
-    {{"cosine", "1", "mean cosine of the heading change"}, [](F f) { return f.r.cosine; }},
-    {{"cosine_error", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.cosine_error; }},
-    {{"origins", "1", "starting times behind them"}, [](F f) { return f.r.origins; }}};
-constexpr auto column_infos = infos_of(columns);
-constexpr FileInfo files[] = {{"heading.csv", "heading change of the rod against the lag", column_infos}};
+struct HeadingColumns : HeadingDiffusion {
+    static constexpr auto fields() {
+        using R = HeadingColumns;
+        return std::tuple{
+            field("lag", &R::lag, {"s", "time between two headings"}),
+            field("square", &R::square, {"rad^2", "mean-square heading change"}),
+            field("square_error", &R::square_error, {"rad^2", "standard error (empty: unknown)"}),
+            field("cosine", &R::cosine, {"1", "mean cosine of the heading change"}),
+            field("cosine_error", &R::cosine_error, {"1", "standard error (empty: unknown)"}),
+            field("origins", &R::origins, {"1", "starting times behind them"})};
+    }
+};
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), unit = f_over_mu(data.scene, a);
@@ -127,10 +123,12 @@ MeasureReport report(const MeasuredCase& data) {
         tracks.push_back(track_of(*data.scene.measure, run));
     const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene, data.film));
     const HeadingDiffusionValues f = {r, a, unit};
-    return {.values = values_of(values, f),
+    data.row.D_r = r.diffusion;
+    data.row.diffusion_per_length = f.per_length;
+    return {.values = record_json(f),
             .tables = {{"heading.csv",
                         "mean-square heading change in rad^2 and mean cosine of it against the lag in s",
-                        column_infos, columns_of(columns, f)}},
+                        csv_of(HeadingColumns{r})}},
             .line = line_of(r, a, unit)};
 }
 
@@ -138,6 +136,11 @@ std::string describe(const Scene& scene) {
     const measure::HeadingOptions o = options_of(scene);
     return fmt::format("heading diffusion of rod {} over lags from {:.3g} to {:.3g} s", scene.measure->rod,
                        o.lag_low, o.lag_high);
+}
+
+std::vector<FileKind> files() {
+    return {{"heading.csv", Lifetime::result, "heading change of the rod against the lag",
+             columns_of<HeadingColumns>()}};
 }
 
 } // namespace
@@ -149,9 +152,8 @@ MeasureKind heading_diffusion() {
             .describe = describe,
             .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+            .values = values_of<HeadingDiffusionValues, true>,
+            .files = files};
 }
 
 } // namespace rodwake::app::measures

@@ -17,11 +17,6 @@ namespace {
 using measure::MechanicsAccumulator, measure::MechanicsResult, measure::RodPushes;
 using scene::Measure, scene::Scene;
 
-constexpr SeriesInfo series[] = {{{"drag_rate", "1/s", "drag rate of the bed on the plates"}},
-                                 {{"screening_length", "a", "m* c_T^2/(drag rate v)"}},
-                                 {{"decay_rate", "1/s", "decay rate of the bed's drift"}},
-                                 {{"inertia", "1", "inertia of the drift over mass, m*"}}};
-
 /// Every frame that is measured, those of currents too: a drift decays fast.
 void include(const Scene& scene, MeasurePlan& plan) {
     plan.sums.include("mechanics", measure::Accumulator(MechanicsAccumulator(
@@ -118,12 +113,7 @@ Inertia inertia_by(const measure::DriftDecay& decay) {
 Estimate shear_speed_of(const MeasuredCase& data) {
     if (data.scene.measure->shear_speed)
         return {*data.scene.measure->shear_speed, 0.0, 1};
-    for (const auto& [name, report] : data.earlier)
-        if (name == "phonons")
-            for (const NamedValue& value : report.values)
-                if (value.name == "c_T")
-                    return std::get<Estimate>(value.value).scaled(data.bead_radius());
-    return {};
+    return data.row.c_T.scaled(data.bead_radius());
 }
 
 /// What makes a run too short; nothing if it is long enough.
@@ -156,66 +146,67 @@ std::string verdict_of(const MechanicsResult& r, double box, double a) {
                        box / a);
 }
 
-struct MechanicsValues {
-    const MechanicsResult& r;
-    const Estimate& shear_speed;
-    const Inertia& used;
+double only_if(bool known, double value) { return known ? value : std::nan(""); }
+
+struct MechanicsValues : MechanicsResult {
+    Estimate shear_speed;
+    Inertia used;
     double box, a; ///< m
     double to_a = 1.0 / a;
-    const measure::DriftDecay& decay = r.decay;
+
+    /// Null without a rod.
+    double of_rod(double value) const { return only_if(speed.count > 0, value); }
+
+    static constexpr auto fields() {
+        using R = MechanicsValues;
+        return std::tuple{
+            field("force", {"Force on the bed", "\u00b5N"},
+                  {"N", "momentum handed over by all rods or the body force, a second"}, &R::force),
+            field("drift", {"Drift of the bed"}, {"a/s", "of the beads' centre of mass along that force"},
+                  [](const R& r) { return r.drift.scaled(r.to_a); }),
+            field("drag_rate", {"Drag rate $\\zeta/nm$"}, {"1/s", "force over mass of the beads and drift"},
+                  &R::drag_rate),
+            field("speed", {"Speed through the bed"},
+                  {"a/s", "of the rod along its heading, the drift taken off"},
+                  [](const R& r) { return r.speed.scaled(r.to_a); }),
+            field("shear_speed", {"Transverse sound $c_T$"}, {"a/s", "used for the screening length"},
+                  [](const R& r) { return r.shear_speed.scaled(r.to_a); }),
+            field("screening_length", {"Screening length $\\xi$"}, {"a", "$m^* c_T^2/(\\gamma v)$"},
+                  [](const R& r) { return r.screening.scaled(r.to_a); }),
+            field("box", {"Shorter side of the box"}, {"a", "the screening length is to be seen beside it"},
+                  [](const R& r) { return r.box * r.to_a; }),
+            field("peclet", {"Peclet number"}, {"1", "shorter side of the box over $\\xi$"}, &R::peclet),
+            field("verdict", {"Wake in this box"}, {"", "what the box can hold of it"},
+                  [](const R& r) { return verdict_of(r, r.box, r.a) + shortness(r, r.a); }),
+            field("travelled_before", {"Way before measuring"}, {"a", "of the rod; the least of the runs"},
+                  [](const R& r) { return r.of_rod(r.before * r.to_a); }),
+            field("travelled", {"Way while measured"}, {"a", "of the rod; the least of the runs"},
+                  [](const R& r) { return r.of_rod(r.along * r.to_a); }),
+            field("wanted_travel", {"Way to a steady wake"},
+                  {"a", "the lesser of $\\xi$ and half the box; required before and while measuring"},
+                  [](const R& r) { return r.of_rod(r.wanted * r.to_a); }),
+            field("steady", &R::steady, {"1", "whether both ways are long enough"}),
+            field("blocks", &R::blocks, {"1", "of time, for the errors"}),
+            field("decay_rate", {"Decay rate of the drift"},
+                  {"1/s", "of its own fluctuations; $\\zeta/(m^* nm)$"},
+                  [](const R& r) { return r.decay.rate; }),
+            field("decay_absence", {"", "why there is no decay rate"},
+                  [](const R& r) { return r.decay.absence; }),
+            field("decay_lag_low", {"s", "first lag of the balance that the decay rate is from"},
+                  [](const R& r) { return only_if(r.decay.rate.count > 0, r.decay.lag_low); }),
+            field("decay_lag_high", {"s", "last lag of it"},
+                  [](const R& r) { return only_if(r.decay.rate.count > 0, r.decay.lag_high); }),
+            field("force_coupling", {"1", "part of the drag in that balance that the rods' force makes up"},
+                  [](const R& r) { return only_if(r.decay.inertia.count > 0, r.decay.coupling); }),
+            field("inertia", {"Inertia over mass $m^*$"},
+                  {"1", "drag rate by the push over decay rate of the drift"},
+                  [](const R& r) { return r.decay.inertia; }),
+            field("used_inertia", {"$m^*$ that is used"},
+                  {"1", "in the screening length (null: none, the mass of the beads)"},
+                  [](const R& r) { return r.used.factor; }),
+            field("inertia_source", {"", "where that comes from"}, [](const R& r) { return r.used.source; })};
+    }
 };
-using F = const MechanicsValues&;
-
-Value only_if(bool known, double value) { return known ? Value(value) : Value(); }
-
-/// Null without a rod.
-Value of_rod(F f, double value) { return only_if(f.r.speed.count > 0, value); }
-
-constexpr ResultValue<MechanicsValues> values[] = {
-    {{"force", "Force on the bed", "\u00b5N", "momentum handed over by all rods or the body force, a second",
-      1e6},
-     [](F f) { return f.r.force; }},
-    {{"drift", "Drift of the bed", "a/s", "of the beads' centre of mass along that force"},
-     [](F f) { return f.r.drift.scaled(f.to_a); }},
-    {{"drag_rate", "Drag rate $\\zeta/nm$", "1/s", "force over mass of the beads and drift"},
-     [](F f) { return f.r.drag_rate; }},
-    {{"speed", "Speed through the bed", "a/s", "of the rod along its heading, the drift taken off"},
-     [](F f) { return f.r.speed.scaled(f.to_a); }},
-    {{"shear_speed", "Transverse sound $c_T$", "a/s", "used for the screening length"},
-     [](F f) { return f.shear_speed.scaled(f.to_a); }},
-    {{"screening_length", "Screening length $\\xi$", "a", "$m^* c_T^2/(\\gamma v)$"},
-     [](F f) { return f.r.screening.scaled(f.to_a); }},
-    {{"box", "Shorter side of the box", "a", "the screening length is to be seen beside it"},
-     [](F f) { return f.box * f.to_a; }},
-    {{"peclet", "Peclet number", "", "shorter side of the box over $\\xi$"}, [](F f) { return f.r.peclet; }},
-    {{"verdict", "Wake in this box", "", "what the box can hold of it", 1.0, true},
-     [](F f) { return verdict_of(f.r, f.box, f.a) + shortness(f.r, f.a); }},
-    {{"travelled_before", "Way before measuring", "a", "of the rod; the least of the runs"},
-     [](F f) { return of_rod(f, f.r.before * f.to_a); }},
-    {{"travelled", "Way while measured", "a", "of the rod; the least of the runs"},
-     [](F f) { return of_rod(f, f.r.along * f.to_a); }},
-    {{"wanted_travel", "Way to a steady wake", "a",
-      "the lesser of $\\xi$ and half the box; required before and while measuring"},
-     [](F f) { return of_rod(f, f.r.wanted * f.to_a); }},
-    {{"steady", "", "", "whether both ways are long enough"}, [](F f) { return f.r.steady; }},
-    {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
-    {{"decay_rate", "Decay rate of the drift", "1/s", "of its own fluctuations; $\\zeta/(m^* nm)$"},
-     [](F f) { return f.decay.rate; }},
-    {{"decay_absence", "", "", "why there is no decay rate", 1.0, true}, [](F f) { return f.decay.absence; }},
-    {{"decay_lag_low", "", "s", "first lag of the balance that the decay rate is from"},
-     [](F f) { return only_if(f.decay.rate.count > 0, f.decay.lag_low); }},
-    {{"decay_lag_high", "", "s", "last lag of it"},
-     [](F f) { return only_if(f.decay.rate.count > 0, f.decay.lag_high); }},
-    {{"force_coupling", "", "", "part of the drag in that balance that the rods' force makes up"},
-     [](F f) { return only_if(f.decay.inertia.count > 0, f.decay.coupling); }},
-    {{"inertia", "Inertia over mass $m^*$", "", "drag rate by the push over decay rate of the drift"},
-     [](F f) { return f.decay.inertia; }},
-    {{"used_inertia", "$m^*$ that is used", "",
-      "in the screening length (null: none, the mass of the beads)"},
-     [](F f) { return f.used.factor; }},
-    {{"inertia_source", "", "", "where that comes from", 1.0, true}, [](F f) { return f.used.source; }},
-};
-constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const Inertia used = inertia_of(data); // before the sums are taken
@@ -225,7 +216,12 @@ MeasureReport report(const MeasuredCase& data) {
     const MechanicsResult r = measure::reduce(runs, pushes_of(data, runs.front().layout()), shear_speed,
                                               given_inertia(*data.scene.measure));
     const std::string inertia = r.decay.inertia.count > 0 ? ", m* " + text(r.decay.inertia) : "";
-    return {.values = values_of(values, MechanicsValues{r, shear_speed, used, box, a}),
+    const MechanicsValues f = {r, shear_speed, used, box, a};
+    data.row.drag_rate = r.drag_rate;
+    data.row.screening_length = r.screening.scaled(f.to_a);
+    data.row.decay_rate = r.decay.rate;
+    data.row.inertia = r.decay.inertia;
+    return {.values = record_json(f),
             .line =
                 fmt::format("drift {} a/s, drag rate {} /s{}, screening length {} a in a box of {:.4g} a{}",
                             text(r.drift.scaled(1.0 / a)), text(r.drag_rate), inertia,
@@ -245,8 +241,7 @@ MeasureKind mechanics() {
             .reset_postprocessing_keys =
                 [](Measure& m) { m.shear_speed = m.inertia_factor = m.inertia_error = std::nullopt; },
             .report = report,
-            .values = value_infos,
-            .series = series};
+            .values = values_of<MechanicsValues, true>};
 }
 
 } // namespace rodwake::app::measures

@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
-#include <utility>
+#include <variant>
 
 namespace rodwake::app::measures {
 
@@ -19,8 +20,6 @@ namespace {
 using measure::MemoryKernel, measure::MicrorheologyAccumulator, measure::MicrorheologyResult,
     measure::StiffnessSpectrum;
 using scene::Measure, scene::Scene;
-
-constexpr SeriesInfo series[] = {{{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}}};
 
 void reset_postprocessing_keys(Measure& m) {
     m.s_low = m.s_high = std::nullopt;
@@ -47,9 +46,9 @@ std::optional<Estimate> drag_of(const Measure& m) {
 }
 
 /// Of all that resists at the upper end of the range, how much is the inertia that is taken off.
-Value inertia_share(const StiffnessSpectrum& spectrum, const MemoryKernel& kernel) {
+double inertia_share(const StiffnessSpectrum& spectrum, const MemoryKernel& kernel) {
     if (!spectrum.high || kernel.s.empty())
-        return {};
+        return std::nan("");
     const auto at = std::ranges::find(kernel.s, *spectrum.high) - kernel.s.begin();
     return 1.0 - kernel.with_drag[at] / kernel.total[at];
 }
@@ -71,101 +70,134 @@ MicrorheologyResult reduced(const MeasuredCase& data, std::span<const Microrheol
     return r;
 }
 
-struct MicrorheologyValues {
-    const MicrorheologyResult& r;
-    const MemoryKernel& kernel;
+struct ScaledMicrorheology : MicrorheologyResult {
+    MemoryKernel memory;
     std::optional<Estimate> drag;
     double a; ///< m
     double area = 1.0 / (a * a);
 };
-using F = const MicrorheologyValues&;
 
-constexpr ResultValue<MicrorheologyValues> values[] = {
-    {{"stiffness", "Stiffness", "a^-2", R"($1/(s \tilde{\Delta}(s))$ for $s \to 0$)"},
-     [](F f) { return f.r.stiffness_zero.scaled(f.a * f.a); }},
-    {{"scatter", "", "a^-2", "part of the error of the stiffness: from noise"},
-     [](F f) { return f.r.scatter * f.a * f.a; }},
-    {{"bend", "", "a^-2", "part of the error of the stiffness: from the bend of the curve in the window"},
-     [](F f) { return f.r.bend * f.a * f.a; }},
-    {{"spring", "Spring constant", "\u00b5N/m", "of what holds a bead: $4mT_{xy}$ times the stiffness", 1e6},
-     [](F f) { return f.r.spring; }},
-    {{"s_low", "Extrapolated from", "1/s", "lowest $s$ used"}, [](F f) { return f.r.s_low; }},
-    {{"s_high", "Extrapolated to", "1/s", "highest $s$ used"}, [](F f) { return f.r.s_high; }},
-    {{"window_narrowed", "", "", "whether there were too few lags for the wanted window"},
-     [](F f) { return f.r.window_narrowed; }},
-    {{"temperature", "$T_{xy}$", "m^2/s^2", "of the measured frames"},
-     [](F f) { return f.r.spring.count > 0 ? Value(f.r.temperature) : Value(); }},
-    {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
-    {{"kernel_low", "Memory kernel from", "1/s", "lowest $s$ at which the run is long enough for 2 %"},
-     [](F f) { return f.r.spectrum.low; }},
-    {{"kernel_high", "Memory kernel to", "1/s", "highest $s$ at which frames are close enough for 2 %"},
-     [](F f) { return f.r.spectrum.high; }},
-    {{"inertia_share", "Inertia at that $s$", "", "$ms^2$ over $4mT_{xy}/(s\\tilde{\\Delta})$"},
-     [](F f) { return inertia_share(f.r.spectrum, f.kernel); }},
-    {{"bead_drag", "Drag on a bead", "1/s", "$\\Gamma/m$ as given, which the kernel is without"},
-     [](F f) { return f.drag; }},
+struct MicrorheologyValues : ScaledMicrorheology {
+    static constexpr auto fields() {
+        using R = MicrorheologyValues;
+        return std::tuple{
+            field("stiffness", {"Stiffness"}, {"a^-2", R"($1/(s \tilde{\Delta}(s))$ for $s \to 0$)"},
+                  [](const R& r) { return r.stiffness_zero.scaled(r.a * r.a); }),
+            field("scatter", {"a^-2", "part of the error of the stiffness: from noise"},
+                  [](const R& r) { return r.scatter * r.a * r.a; }),
+            field("bend",
+                  {"a^-2", "part of the error of the stiffness: from the bend of the curve in the window"},
+                  [](const R& r) { return r.bend * r.a * r.a; }),
+            field("spring", {"Spring constant", "\u00b5N/m"},
+                  {"N/m", "of what holds a bead: $4mT_{xy}$ times the stiffness"}, &R::spring),
+            field("s_low", {"Extrapolated from"}, {"1/s", "lowest $s$ used"}, &R::s_low),
+            field("s_high", {"Extrapolated to"}, {"1/s", "highest $s$ used"}, &R::s_high),
+            field("window_narrowed", &R::window_narrowed,
+                  {"1", "whether there were too few lags for the wanted window"}),
+            field("temperature", {"$T_{xy}$"}, {"m^2/s^2", "of the measured frames"},
+                  [](const R& r) { return r.spring.count > 0 ? r.temperature : std::nan(""); }),
+            field("frames", &R::frames, {"1", "measured"}),
+            field("kernel_low", {"Memory kernel from"},
+                  {"1/s", "lowest $s$ at which the run is long enough for 2 %"},
+                  [](const R& r) { return r.spectrum.low.value_or(std::nan("")); }),
+            field("kernel_high", {"Memory kernel to"},
+                  {"1/s", "highest $s$ at which frames are close enough for 2 %"},
+                  [](const R& r) { return r.spectrum.high.value_or(std::nan("")); }),
+            field("inertia_share", {"Inertia at that $s$"},
+                  {"1", "$ms^2$ over $4mT_{xy}/(s\\tilde{\\Delta})$"},
+                  [](const R& r) { return inertia_share(r.spectrum, r.memory); }),
+            field("bead_drag", {"Drag on a bead"},
+                  {"1/s", "$\\Gamma/m$ as given, which the kernel is without"},
+                  [](const R& r) -> std::variant<std::monostate, Estimate> {
+                      if (r.drag)
+                          return *r.drag;
+                      return {};
+                  })};
+    }
 };
-constexpr auto value_infos = infos_of(values);
 
-constexpr ResultColumn<MicrorheologyValues> msd_columns[] = {
-    {{"lag", "s", "time between two positions of a bead"}, [](F f) { return f.r.lag; }},
-    {{"msd", "a^2", "mean-square displacement, drift removed"}, [](F f) { return scaled(f.r.msd, f.area); }},
-    {{"sigma", "a^2", "standard error (empty: unknown)"}, [](F f) { return scaled(f.r.msd_error, f.area); }},
-    {{"origins", "1", "starting times behind the value"}, [](F f) { return f.r.origins; }}};
-constexpr ResultColumn<MicrorheologyValues> stiffness_columns[] = {
-    {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.r.s; }},
-    {{"value", "1/a^2", "1/(s MSD~(s))"}, [](F f) { return scaled(f.r.stiffness, f.a * f.a); }},
-    {{"sigma", "1/a^2", "standard error (empty: unknown)"},
-     [](F f) { return scaled(f.r.stiffness_error, f.a * f.a); }}};
-constexpr ResultColumn<MicrorheologyValues> kernel_columns[] = {
-    {{"s", "1/s", "Laplace frequency"}, [](F f) { return f.kernel.s; }},
-    {{"total", "N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}, [](F f) { return f.kernel.total; }},
-    {{"total_error", "N/m", "standard error, also of with_drag (empty: unknown)"},
-     [](F f) { return f.kernel.total_error; }},
-    {{"bias", "N/m", "how far the length of the run and the frames may put these values off"},
-     [](F f) { return f.kernel.bias; }},
-    {{"with_drag", "N/m", "k~(s) + Gamma s: total less m s^2"}, [](F f) { return f.kernel.with_drag; }},
-    {{"kernel", "N/m", "memory kernel k~(s), less measure.bead_drag (empty: no drag was given)"},
-     [](F f) { return f.kernel.kernel; }},
-    {{"kernel_error", "N/m", "standard error (empty: unknown)"}, [](F f) { return f.kernel.kernel_error; }}};
-/// A row of msd_kinds.csv; of stiffness_kinds.csv without the lag.
-struct KindRow {
+struct MeanSquareDisplacement : ScaledMicrorheology {
+    static constexpr auto fields() {
+        using R = MeanSquareDisplacement;
+        return std::tuple{field("lag", &R::lag, {"s", "time between two positions of a bead"}),
+                          field("msd", {"a^2", "mean-square displacement, drift removed"},
+                                [](const R& r) { return scaled(r.msd, r.area); }),
+                          field("sigma", {"a^2", "standard error (empty: unknown)"},
+                                [](const R& r) { return scaled(r.msd_error, r.area); }),
+                          field("origins", &R::origins, {"1", "starting times behind the value"})};
+    }
+};
+
+struct StiffnessColumns : ScaledMicrorheology {
+    static constexpr auto fields() {
+        using R = StiffnessColumns;
+        return std::tuple{field("s", &R::s, {"1/s", "Laplace frequency"}),
+                          field("value", {"1/a^2", "1/(s MSD~(s))"},
+                                [](const R& r) { return scaled(r.stiffness, r.a * r.a); }),
+                          field("sigma", {"1/a^2", "standard error (empty: unknown)"},
+                                [](const R& r) { return scaled(r.stiffness_error, r.a * r.a); })};
+    }
+};
+
+/// A row of msd_kinds.csv.
+struct KindDisplacement {
     std::size_t kind;
-    double radius, value, error, lag; ///< lengths in a
+    double lag, msd, error; ///< s, a^2
+
+    static constexpr auto fields() {
+        using R = KindDisplacement;
+        return std::tuple{
+            field("kind", &R::kind, {"1", "number in bead_kinds, from 0"}),
+            field("lag", &R::lag, {"s", "time between two positions of a bead"}),
+            field("msd", &R::msd, {"a^2", "mean-square displacement, drift of all beads removed"}),
+            field("sigma", &R::error, {"a^2", "standard error (empty: unknown)"})};
+    }
 };
-constexpr RowColumn<KindRow> kind_columns[] = {
-    {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
-    {{"radius", "a", "of its beads, mean"}, [](const KindRow& r) { return r.radius; }},
-    {{"stiffness", "1/a^2", "1/(s MSD~(s)) at s -> 0"}, [](const KindRow& r) { return r.value; }},
-    {{"sigma", "1/a^2", "standard error (empty: unknown)"}, [](const KindRow& r) { return r.error; }}};
-constexpr RowColumn<KindRow> kind_msd_columns[] = {
-    {{"kind", "1", "number in bead_kinds, from 0"}, [](const KindRow& r) { return r.kind; }},
-    {{"lag", "s", "time between two positions of a bead"}, [](const KindRow& r) { return r.lag; }},
-    {{"msd", "a^2", "mean-square displacement, drift of all beads removed"},
-     [](const KindRow& r) { return r.value; }},
-    {{"sigma", "a^2", "standard error (empty: unknown)"}, [](const KindRow& r) { return r.error; }}};
-constexpr auto kind_infos = infos_of(kind_columns);
-constexpr auto kind_msd_infos = infos_of(kind_msd_columns);
-constexpr auto msd_infos = infos_of(msd_columns);
-constexpr auto stiffness_infos = infos_of(stiffness_columns);
-constexpr auto kernel_infos = infos_of(kernel_columns);
-constexpr FileInfo files[] = {
-    {"msd.csv", "mean-square displacement of the beads", msd_infos},
-    {"stiffness.csv", "stiffness from microrheology", stiffness_infos},
-    {"memory_kernel.csv", "memory kernel from microrheology", kernel_infos},
-    {"msd_kinds.csv", "mean-square displacement of beads of several sizes, by their kinds", kind_msd_infos},
-    {"stiffness_kinds.csv", "stiffness of beads of several sizes, by their kinds", kind_infos}};
+
+/// A row of stiffness_kinds.csv.
+struct KindStiffness {
+    std::size_t kind;
+    double radius, stiffness, error; ///< a, 1/a^2
+
+    static constexpr auto fields() {
+        using R = KindStiffness;
+        return std::tuple{field("kind", &R::kind, {"1", "number in bead_kinds, from 0"}),
+                          field("radius", &R::radius, {"a", "of its beads, mean"}),
+                          field("stiffness", &R::stiffness, {"1/a^2", "1/(s MSD~(s)) at s -> 0"}),
+                          field("sigma", &R::error, {"1/a^2", "standard error (empty: unknown)"})};
+    }
+};
 
 /// Only tracks have these; the stage logs them.
+struct LocalisationValues {
+    std::variant<std::monostate, Estimate> localisation;
+    double taken_off;
+    std::optional<std::string> no_stiffness;
+
+    static constexpr auto fields() {
+        using R = LocalisationValues;
+        return std::tuple{
+            field(
+                "localisation", &R::localisation,
+                {"a",
+                 "of tracks: standard error of a coordinate, as the first lags of the displacement have it"}),
+            field("taken_off", &R::taken_off,
+                  {"a^2", "of tracks: taken off the mean-square displacement at every lag, for that error"}),
+            field("no_stiffness", &R::no_stiffness, {"", "why there is none"})};
+    }
+};
+
 void add_camera(const MicrorheologyResult& r, const Localisation& asked, double a, MeasureReport& report) {
     const bool is_known = r.localisation.has_value();
     const Estimate found = r.localisation.value_or(Estimate{}).scaled(1.0 / a);
-    report.values.push_back({"localisation", is_known ? Value(found) : Value()});
-    report.values.push_back({"taken_off", r.taken_off / (a * a)});
+    LocalisationValues values = {{}, r.taken_off / (a * a), {}};
+    if (is_known)
+        values.localisation = found;
     if (!r.no_stiffness.empty()) {
-        report.values.push_back({"no_stiffness", r.no_stiffness});
+        values.no_stiffness = r.no_stiffness;
         report.line = "mean-square displacement; no stiffness: " + r.no_stiffness;
     }
+    report.values.update(record_json(values));
     if (r.taken_off != 0.0)
         report.line +=
             fmt::format("; localisation {:.3g} a taken off", 0.5 * std::sqrt(std::abs(r.taken_off)) / a);
@@ -182,27 +214,27 @@ void add_camera(const MicrorheologyResult& r, const Localisation& asked, double 
 
 /// Adds the stiffness of each kind of beads; a kind without one has the reason in its line.
 void add_kinds(const MeasuredCase& data, const std::vector<double>& radii, double a, MeasureReport& report) {
-    std::vector<KindRow> stiffness, msd;
+    std::vector<KindStiffness> stiffness;
+    std::vector<KindDisplacement> msd;
     for (std::size_t k = 0; k < radii.size(); ++k) {
         const auto runs = measure::take<MicrorheologyAccumulator>(data.sums, kind_name(k));
         try {
             const MicrorheologyResult r = measure::reduce(runs);
             const Estimate of_kind = r.stiffness_zero.scaled(a * a);
             for (std::size_t i = 0; i < r.lag.size(); ++i)
-                msd.push_back({k, 0.0, r.msd[i] / (a * a), r.msd_error[i] / (a * a), r.lag[i]});
+                msd.push_back({k, r.lag[i], r.msd[i] / (a * a), r.msd_error[i] / (a * a)});
             if (!r.no_stiffness.empty())
                 throw InputError(r.no_stiffness);
-            stiffness.push_back({k, radii[k] / a, of_kind.value, of_kind.error, 0.0});
+            stiffness.push_back({k, radii[k] / a, of_kind.value, of_kind.error});
             report.line += fmt::format("; of kind {} {} /a^2", k, text(of_kind));
         } catch (const InputError& error) {
             report.line += fmt::format("; of kind {} no stiffness: {}", k, error.what());
         }
     }
-    report.tables.push_back({"msd_kinds.csv",
-                             "mean-square displacement by kinds of beads; lag in s, msd in a^2",
-                             kind_msd_infos, columns_of(kind_msd_columns, msd)});
-    report.tables.push_back({"stiffness_kinds.csv", "1/(s MSD~(s)) at s -> 0 by kinds of beads, in 1/a^2",
-                             kind_infos, columns_of(kind_columns, stiffness)});
+    report.tables.push_back(
+        {"msd_kinds.csv", "mean-square displacement by kinds of beads; lag in s, msd in a^2", csv_of(msd)});
+    report.tables.push_back(
+        {"stiffness_kinds.csv", "1/(s MSD~(s)) at s -> 0 by kinds of beads, in 1/a^2", csv_of(stiffness)});
 }
 
 MeasureReport report(const MeasuredCase& data) {
@@ -215,15 +247,15 @@ MeasureReport report(const MeasuredCase& data) {
     const bool warm = layout.velocities && layout.kind_radii.empty(); // else nothing is known of forces
     const MemoryKernel kernel =
         warm ? measure::memory_kernel(r.spectrum, layout.bead_mass, r.temperature, drag) : MemoryKernel{};
-    const MicrorheologyValues f = {r, kernel, drag, a};
+    const ScaledMicrorheology f = {r, kernel, drag, a};
+    data.row.stiffness = stiffness;
     MeasureReport report = {
-        .values = values_of(values, f),
-        .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2", msd_infos,
-                    columns_of(msd_columns, f)},
-                   {"stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", stiffness_infos,
-                    columns_of(stiffness_columns, f)},
+        .values = record_json(MicrorheologyValues{f}),
+        .tables = {{"msd.csv", "mean-square displacement, drift removed; lag in s, msd in a^2",
+                    csv_of(MeanSquareDisplacement{f})},
+                   {"stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", csv_of(StiffnessColumns{f})},
                    {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
-                    kernel_infos, columns_of(kernel_columns, f)}},
+                    csv_of(kernel)}},
         .line = line_of(r, stiffness, drag.has_value())};
     if (!warm)
         report.tables.pop_back();
@@ -232,6 +264,20 @@ MeasureReport report(const MeasuredCase& data) {
     if (!layout.kind_radii.empty())
         add_kinds(data, layout.kind_radii, a, report);
     return report;
+}
+
+std::vector<FileKind> files() {
+    return {
+        {"msd.csv", Lifetime::result, "mean-square displacement of the beads",
+         columns_of<MeanSquareDisplacement>()},
+        {"stiffness.csv", Lifetime::result, "stiffness from microrheology", columns_of<StiffnessColumns>()},
+        {"memory_kernel.csv", Lifetime::result, "memory kernel from microrheology",
+         columns_of<MemoryKernel>()},
+        {"msd_kinds.csv", Lifetime::result,
+         "mean-square displacement of beads of several sizes, by their kinds",
+         columns_of<KindDisplacement>()},
+        {"stiffness_kinds.csv", Lifetime::result, "stiffness of beads of several sizes, by their kinds",
+         columns_of<KindStiffness>()}};
 }
 
 } // namespace
@@ -246,9 +292,9 @@ MeasureKind microrheology() {
             .include = include,
             .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+            .values = values_of<MicrorheologyValues, true>,
+            .film_numbers = values_of<LocalisationValues>,
+            .files = files};
 }
 
 } // namespace rodwake::app::measures

@@ -15,6 +15,7 @@ namespace rodwake::app::measures {
 namespace {
 
 using measure::OrderAccumulator, measure::OrderResult;
+using nlohmann::ordered_json;
 using scene::Measure, scene::Scene;
 
 measure::OrderOptions options_of(const Scene& scene, double a) {
@@ -53,107 +54,109 @@ std::string describe(const Scene& scene) {
     return fmt::format("g(r), psi6 and g_B(r), {}, every {:g} s", rule, every);
 }
 
-struct OrderValues {
-    const OrderResult& r;
+struct DecayFits : measure::DecayClass {
+    static constexpr auto fields() {
+        using R = DecayFits;
+        return std::tuple{
+            field("exponential", &R::chi2_exponential, {"1", "of the exponential fitted to $g_B$"}),
+            field("algebraic", &R::chi2_algebraic, {"1", "of the power law fitted to $g_B$"}),
+            field("constant", &R::chi2_constant, {"1", "of the constant fitted to $g_B$"})};
+    }
+};
+
+struct ScaledOrder : OrderResult {
     double a; ///< m
 };
-using F = const OrderValues&;
 
-constexpr ResultValue<OrderValues> values[] = {
-    {{"psi6", R"($\psi_6$, measured frames)", "",
-      R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
-     [](F f) { return f.r.psi6; }},
-    {{"local_psi6", R"($\langle|\psi_{6,i}|\rangle$)", "",
-      "mean over beads of the size of the local bond order"},
-     [](F f) { return f.r.local_psi6; }},
-    {{"neighbours", "Neighbours", "", "of a bead, mean"}, [](F f) { return f.r.neighbours; }},
-    {{"cutoff", "Cut-off", "a", "beads nearer than this are neighbours"},
-     [](F f) { return f.r.cutoff / f.a; }},
-    {{"cutoffs_by_spacing", "", "runs", "whose $g(r)$ had no minimum to take the cut-off from"},
-     [](F f) { return f.r.cutoffs_by_spacing; }},
-    {{"g_minimum", "First minimum of $g(r)$", "a", "distance at which $g(r)$ of the beads has it"},
-     [](F f) { return f.r.g_minimum ? Value(*f.r.g_minimum / f.a) : Value(); }},
-    {{.key = "class",
-      .meaning = "of the decay of $g_B$: exponential, algebraic, long-range",
-      .is_text = true},
-     [](F f) { return to_string(f.r.decay.decay); }},
-    {{.key = "phase", .title = "Phase", .meaning = "of the beads, by the decay of $g_B$", .is_text = true},
-     [](F f) { return phase_of(f.r.decay.decay); }},
-    {{"exponent", R"($\eta_6$)", "", R"(of $g_B \propto r^{-\eta_6}$, fitted)"},
-     [](F f) { return f.r.decay.exponent; }},
-    {{"length", R"($\xi_6$)", "a", R"(of $g_B \propto \mathrm{exp}(-r/\xi_6)$, fitted)"},
-     [](F f) { return f.r.decay.length.scaled(1.0 / f.a); }},
-    {{"plateau", "", "", "$g_B$ far away: mean over the farther half of the points"},
-     [](F f) { return f.r.decay.plateau; }},
-    {{"chi2.exponential", "", "", "of the exponential fitted to $g_B$"},
-     [](F f) { return f.r.decay.chi2_exponential; }},
-    {{"chi2.algebraic", "", "", "of the power law fitted to $g_B$"},
-     [](F f) { return f.r.decay.chi2_algebraic; }},
-    {{"chi2.constant", "", "", "of the constant fitted to $g_B$"},
-     [](F f) { return f.r.decay.chi2_constant; }},
-    {{"points", "", "", "of $g_B$ that were fitted"}, [](F f) { return f.r.decay.points; }},
-    {{.key = "reason", .meaning = "which numbers decided the class", .is_text = true},
-     [](F f) { return f.r.decay.reason; }},
-    {{"frames", "", "", "measured"}, [](F f) { return f.r.frames; }},
-    {{"blocks", "", "", "of time, for the errors"}, [](F f) { return f.r.blocks; }},
-};
-constexpr auto value_infos = infos_of(values);
-
-constexpr ResultColumn<OrderValues> gr_columns[] = {
-    {{"r", "a", "distance"}, [](F f) { return scaled(f.r.r, 1.0 / f.a); }},
-    {{"g", "1", "pair correlation g(r)"}, [](F f) { return f.r.g; }},
-    {{"sigma", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.g_error; }}};
-constexpr ResultColumn<OrderValues> gB_columns[] = {
-    {{"r", "a", "distance"}, [](F f) { return scaled(f.r.order_r, 1.0 / f.a); }},
-    {{"gB", "1", "bond-orientational correlation g_B(r)"}, [](F f) { return f.r.g_B; }},
-    {{"sigma", "1", "standard error (empty: unknown)"}, [](F f) { return f.r.g_B_error; }},
-    {{"pairs", "1", "pairs behind the value"}, [](F f) { return f.r.order_pairs; }}};
-/// One pair of kinds after the other.
-constexpr auto for_kinds = [](F f, auto of_bin) {
-    Column column;
-    for (const measure::KindCorrelation& pair : f.r.kinds)
-        for (std::size_t k = 0; k < f.r.r.size(); ++k)
-            column.push_back(static_cast<double>(of_bin(pair, k)));
-    return column;
-};
-constexpr ResultColumn<OrderValues> kinds_columns[] = {
-    {{"kind", "1", "number of a kind in bead_kinds, from 0"},
-     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t) { return pair.kind; }); }},
-    {{"other", "1", "number of the kind of the beads around it"},
-     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t) { return pair.other; }); }},
-    {{"r", "a", "distance"},
-     [](F f) { return for_kinds(f, [&](const auto&, std::size_t k) { return f.r.r[k] / f.a; }); }},
-    {{"g", "1", "pair correlation g(r) of the two kinds"},
-     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g[k]; }); }},
-    {{"sigma", "1", "standard error (empty: unknown)"},
-     [](F f) { return for_kinds(f, [](const auto& pair, std::size_t k) { return pair.g_error[k]; }); }}};
-constexpr auto gr_infos = infos_of(gr_columns);
-constexpr auto gB_infos = infos_of(gB_columns);
-constexpr auto kinds_infos = infos_of(kinds_columns);
-constexpr FileInfo files[] = {
-    {"gr.csv", "pair correlation", gr_infos},
-    {"gr_kinds.csv", "pair correlation of beads of several sizes, by their kinds", kinds_infos},
-    {"gB.csv", "bond-orientational correlation", gB_infos}};
-
-/// The class as a number; not measured if undetermined.
-Estimate class_number(const Value& text) {
-    using measure::Decay;
-    constexpr Decay numbered[] = {Decay::exponential, Decay::algebraic, Decay::long_range};
-    for (double number = 0.0; const Decay decay : numbered) {
-        if (std::get<std::string>(text) == to_string(decay))
-            return {number, unknown_error, 1};
-        number += 1.0;
+struct OrderValues : ScaledOrder {
+    static constexpr auto fields() {
+        using R = OrderValues;
+        return std::tuple{
+            field(
+                "psi6", {R"($\psi_6$, measured frames)"},
+                {"1",
+                 R"($|\langle\psi_{6,i}\rangle|$ over the beads; neighbours by the cut-off below, or Delaunay)"},
+                &R::psi6),
+            field("local_psi6", {R"($\langle|\psi_{6,i}|\rangle$)"},
+                  {"1", "mean over beads of the size of the local bond order"}, &R::local_psi6),
+            field("neighbours", {"Neighbours"}, {"1", "of a bead, mean"}, &R::neighbours),
+            field("cutoff", {"Cut-off"}, {"a", "beads nearer than this are neighbours"},
+                  [](const R& r) { return r.cutoff / r.a; }),
+            field("cutoffs_by_spacing", &R::cutoffs_by_spacing,
+                  {"runs", "whose $g(r)$ had no minimum to take the cut-off from"}),
+            field("g_minimum", {"First minimum of $g(r)$"},
+                  {"a", "distance at which $g(r)$ of the beads has it"},
+                  [](const R& r) { return r.g_minimum ? *r.g_minimum / r.a : std::nan(""); }),
+            field("class", {"", "of the decay of $g_B$: exponential, algebraic, long-range"},
+                  [](const R& r) { return to_string(r.decay.decay); }),
+            field("phase", {"Phase"}, {"", "of the beads, by the decay of $g_B$"},
+                  [](const R& r) { return phase_of(r.decay.decay); }),
+            field("exponent", {R"($\eta_6$)"}, {"1", R"(of $g_B \propto r^{-\eta_6}$, fitted)"},
+                  [](const R& r) { return r.decay.exponent; }),
+            field("length", {R"($\xi_6$)"}, {"a", R"(of $g_B \propto \mathrm{exp}(-r/\xi_6)$, fitted)"},
+                  [](const R& r) { return r.decay.length.scaled(1.0 / r.a); }),
+            field("plateau", {"1", "$g_B$ far away: mean over the farther half of the points"},
+                  [](const R& r) { return r.decay.plateau; }),
+            field("chi2", {"1", "of what was fitted to $g_B$"},
+                  [](const R& r) { return DecayFits{r.decay}; }),
+            field("points", {"1", "of $g_B$ that were fitted"}, [](const R& r) { return r.decay.points; }),
+            field("reason", {"", "which numbers decided the class"},
+                  [](const R& r) { return r.decay.reason; }),
+            field("frames", &R::frames, {"1", "measured"}),
+            field("blocks", &R::blocks, {"1", "of time, for the errors"})};
     }
-    return {};
-}
+};
 
-constexpr SeriesInfo series[] = {
-    {{"psi6", "1", "|mean over the beads of psi6|, neighbours as measure.order has them"}},
-    {{"exponent", "1", "of an algebraic decay of g_B"}},
-    {{"class", "1", "of the decay of g_B: 0 exponential, 1 algebraic, 2 long-range"},
-     false,
-     "class",
-     class_number}};
+/// Of tracks in an open window, or a bed with a wall.
+struct BorderShare {
+    double at_border;
+
+    static constexpr auto fields() {
+        return std::tuple{field("at_border", &BorderShare::at_border,
+                                {"1", "of tracks in an open window, or a bed with a wall: share of the beads "
+                                      "so near its border that psi6 leaves them out"})};
+    }
+};
+
+struct PairCorrelation : ScaledOrder {
+    static constexpr auto fields() {
+        using R = PairCorrelation;
+        return std::tuple{field("r", {"a", "distance"}, [](const R& r) { return scaled(r.r, 1.0 / r.a); }),
+                          field("g", &R::g, {"1", "pair correlation g(r)"}),
+                          field("sigma", &R::g_error, {"1", "standard error (empty: unknown)"})};
+    }
+};
+
+struct BondCorrelation : ScaledOrder {
+    static constexpr auto fields() {
+        using R = BondCorrelation;
+        return std::tuple{
+            field("r", {"a", "distance"}, [](const R& r) { return scaled(r.order_r, 1.0 / r.a); }),
+            field("gB", &R::g_B, {"1", "bond-orientational correlation g_B(r)"}),
+            field("sigma", &R::g_B_error, {"1", "standard error (empty: unknown)"}),
+            field("pairs", &R::order_pairs, {"1", "pairs behind the value"})};
+    }
+};
+
+/// One pair of kinds after the other.
+struct KindRow {
+    const measure::KindCorrelation& pair;
+    std::size_t bin;
+    double r; ///< a
+
+    static constexpr auto fields() {
+        using R = const KindRow&;
+        return std::tuple{field("kind", {"1", "number of a kind in bead_kinds, from 0"},
+                                [](R row) { return row.pair.kind; }),
+                          field("other", {"1", "number of the kind of the beads around it"},
+                                [](R row) { return row.pair.other; }),
+                          field("r", &KindRow::r, {"a", "distance"}),
+                          field("g", {"1", "pair correlation g(r) of the two kinds"},
+                                [](R row) { return row.pair.g[row.bin]; }),
+                          field("sigma", {"1", "standard error (empty: unknown)"},
+                                [](R row) { return row.pair.g_error[row.bin]; })};
+    }
+};
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
@@ -169,23 +172,39 @@ MeasureReport report(const MeasuredCase& data) {
                         still, data.tables.size());
         border = "; " + r.decay.reason;
     }
-    const OrderValues f = {r, a};
-    Values listed = values_of(values, f);
+    const ScaledOrder f = {r, a};
+    ordered_json values = record_json(OrderValues{f});
     if (r.at_border) { // only tracks have it; the stage logs it
-        listed.push_back({"at_border", *r.at_border});
+        values.update(record_json(BorderShare{*r.at_border}));
         border += fmt::format("; {:.2g} % of the beads are too near the border", 100.0 * *r.at_border);
     }
-    std::vector<MeasureTable> tables = {
-        {"gr.csv", "pair correlation g(r); r in bead radii a", gr_infos, columns_of(gr_columns, f)},
-        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value", gB_infos,
-         columns_of(gB_columns, f)}};
-    if (!r.kinds.empty())
-        tables.push_back({"gr_kinds.csv", "pair correlation g(r) by kinds of beads; r in bead radii a",
-                          kinds_infos, columns_of(kinds_columns, f)});
-    return {.values = std::move(listed),
+    std::vector<CsvFile> tables = {
+        {"gr.csv", "pair correlation g(r); r in bead radii a", csv_of(PairCorrelation{f})},
+        {"gB.csv", "bond-orientational correlation g_B(r); r in a; pairs behind each value",
+         csv_of(BondCorrelation{f})}};
+    if (!r.kinds.empty()) {
+        std::vector<KindRow> rows;
+        for (const measure::KindCorrelation& pair : r.kinds)
+            for (std::size_t k = 0; k < r.r.size(); ++k)
+                rows.push_back({pair, k, r.r[k] / a});
+        tables.push_back(
+            {"gr_kinds.csv", "pair correlation g(r) by kinds of beads; r in bead radii a", csv_of(rows)});
+    }
+    data.row.psi6 = r.psi6;
+    data.row.exponent = r.decay.exponent;
+    if (r.decay.decay != measure::Decay::undetermined)
+        data.row.decay_class = static_cast<double>(r.decay.decay) - 1.0;
+    return {.values = std::move(values),
             .tables = std::move(tables),
             .line = fmt::format("psi6 {}, g_B {} ({}); neighbours within {:.3g} a{}", text(r.psi6),
                                 to_string(r.decay.decay), phase_of(r.decay.decay), r.cutoff / a, border)};
+}
+
+std::vector<FileKind> files() {
+    return {{"gr.csv", Lifetime::result, "pair correlation", columns_of<PairCorrelation>()},
+            {"gr_kinds.csv", Lifetime::result, "pair correlation of beads of several sizes, by their kinds",
+             columns_of<KindRow>()},
+            {"gB.csv", Lifetime::result, "bond-orientational correlation", columns_of<BondCorrelation>()}};
 }
 
 } // namespace
@@ -197,9 +216,9 @@ MeasureKind order() {
             .describe = describe,
             .include = include,
             .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+            .values = values_of<OrderValues, true>,
+            .film_numbers = values_of<BorderShare>,
+            .files = files};
 }
 
 } // namespace rodwake::app::measures

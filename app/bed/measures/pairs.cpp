@@ -19,10 +19,6 @@ namespace {
 using measure::PairResult;
 using scene::Measure, scene::Scene;
 
-constexpr SeriesInfo series[] = {
-    {{"delta_y", "a", "change of the separation over half a box"}, true, "half_box_change"},
-    {{"non_reciprocity", "1", "mean over the runs"}}};
-
 void reset_postprocessing_keys(Measure& m) {
     m.pairs = false;
     m.contact_distance = std::nullopt;
@@ -71,55 +67,61 @@ struct PairRow {
     PairNumbers p;
     std::size_t number = 0; ///< of the run, from 1
     bool perpendicular = false;
-};
-using R = const PairRow&;
-constexpr RowColumn<PairRow> pairs_columns[] = {
-    {{"run", "1", "number of the run, from 1"}, [](R r) { return r.number; }},
-    {{"separation", "a", "at the start, across the mean first heading"}, [](R r) { return r.p.separation; }},
-    {{"half_box_change", "a", "of the separation when the rods had come half a box (empty: they have not)"},
-     [](R r) { return r.p.half_box_change; }},
-    {{"last_change", "a", "of the separation at the end, outwards positive"},
-     [](R r) { return r.p.last_change; }},
-    {{"turn0", "rad", "net turn of rod 0 towards the other's first position"},
-     [](R r) { return r.p.turn[0]; }},
-    {{"turn1", "rad", "net turn of rod 1 towards the other's first position"},
-     [](R r) { return r.p.turn[1]; }},
-    {{"leader", "1", "rod that was ahead when the pair had turned most"}, [](R r) { return r.p.leader; }},
-    {{"non_reciprocity", "1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
-     [](R r) { return r.p.non_reciprocity; }},
-    {{"min_separation", "a", "smallest distance of nearest images"}, [](R r) { return r.p.min_separation; }},
-    {{"outcome", "1", "0 contact, 1 pursuit, 2 escape, 3 undecided"}, [](R r) { return r.p.outcome; }},
-    {{"outcome_time", "s", "of the contact, of the lock of headings, or the end of the track"},
-     [](R r) { return r.p.outcome_time; }},
-    {{"perpendicular", "1", "1: first headings 60 to 120 degrees apart"},
-     [](R r) { return r.perpendicular; }}};
-constexpr auto pairs_infos = infos_of(pairs_columns);
-constexpr FileInfo files[] = {{"pairs.csv", "how the rods of each run ended", pairs_infos}};
 
-struct PairValues {
-    const PairResult& r;
+    static constexpr auto fields() {
+        using R = const PairRow&;
+        return std::tuple{
+            field("run", {"1", "number of the run, from 1"}, [](R r) { return r.number; }),
+            field("separation", {"a", "at the start, across the mean first heading"},
+                  [](R r) { return r.p.separation; }),
+            field("half_box_change",
+                  {"a", "of the separation when the rods had come half a box (empty: they have not)"},
+                  [](R r) { return r.p.half_box_change; }),
+            field("last_change", {"a", "of the separation at the end, outwards positive"},
+                  [](R r) { return r.p.last_change; }),
+            field("turn0", {"rad", "net turn of rod 0 towards the other's first position"},
+                  [](R r) { return r.p.turn[0]; }),
+            field("turn1", {"rad", "net turn of rod 1 towards the other's first position"},
+                  [](R r) { return r.p.turn[1]; }),
+            field("leader", {"1", "rod that was ahead when the pair had turned most"},
+                  [](R r) { return r.p.leader; }),
+            field("non_reciprocity", {"1", "(|turn of the rear| - |turn of the front|)/(their sum)"},
+                  [](R r) { return r.p.non_reciprocity; }),
+            field("min_separation", {"a", "smallest distance of nearest images"},
+                  [](R r) { return r.p.min_separation; }),
+            field("outcome", {"1", "0 contact, 1 pursuit, 2 escape, 3 undecided"},
+                  [](R r) { return r.p.outcome; }),
+            field("outcome_time", {"s", "of the contact, of the lock of headings, or the end of the track"},
+                  [](R r) { return r.p.outcome_time; }),
+            field("perpendicular", {"1", "1: first headings 60 to 120 degrees apart"},
+                  [](R r) { return r.perpendicular; })};
+    }
+};
+
+struct PairValues : PairResult {
     double a; ///< m
     double to_a = 1.0 / a;
-};
-using F = const PairValues&;
 
-constexpr ResultValue<PairValues> values[] = {
-    {{"half_box_change", R"($\Delta y$)", "a", "change of the separation while the pair goes half the box"},
-     [](F f) { return f.r.half_box_change.scaled(f.to_a); }},
-    {{"not_there", "Runs short of half the box", "", R"(left out of $\Delta y$)"},
-     [](F f) { return f.r.not_there; }},
-    {{"non_reciprocity", "Non-reciprocity", "", "1: the rear rod alone turns, $-1$: the front rod alone"},
-     [](F f) { return f.r.non_reciprocity; }},
-    {{"turn_rear", "Turn of the rear rod", "rad", "towards the other's first position"},
-     [](F f) { return f.r.turn_rear; }},
-    {{"turn_front", "Turn of the front rod", "rad", "towards the other's first position"},
-     [](F f) { return f.r.turn_front; }},
-    {{"contact", "Contact", "runs", "how runs ended"}, [](F f) { return f.r.contact; }},
-    {{"pursuit", "Pursuit", "runs", "how runs ended"}, [](F f) { return f.r.pursuit; }},
-    {{"escape", "Escape", "runs", "how runs ended"}, [](F f) { return f.r.escape; }},
-    {{"undecided", "", "runs", "how runs ended"}, [](F f) { return f.r.undecided; }},
+    static constexpr auto fields() {
+        using R = PairValues;
+        return std::tuple{field("half_box_change", {R"($\Delta y$)"},
+                                {"a", "change of the separation while the pair goes half the box"},
+                                [](const R& r) { return r.half_box_change.scaled(r.to_a); }),
+                          field("not_there", {"Runs short of half the box"},
+                                {"1", R"(left out of $\Delta y$)"}, &R::not_there),
+                          field("non_reciprocity", {"Non-reciprocity"},
+                                {"1", "1: the rear rod alone turns, $-1$: the front rod alone"},
+                                &R::non_reciprocity),
+                          field("turn_rear", {"Turn of the rear rod"},
+                                {"rad", "towards the other's first position"}, &R::turn_rear),
+                          field("turn_front", {"Turn of the front rod"},
+                                {"rad", "towards the other's first position"}, &R::turn_front),
+                          field("contact", {"Contact"}, {"runs", "how runs ended"}, &R::contact),
+                          field("pursuit", {"Pursuit"}, {"runs", "how runs ended"}, &R::pursuit),
+                          field("escape", {"Escape"}, {"runs", "how runs ended"}, &R::escape),
+                          field("undecided", &R::undecided, {"runs", "how runs ended"})};
+    }
 };
-constexpr auto value_infos = infos_of(values);
 
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
@@ -140,18 +142,24 @@ MeasureReport report(const MeasuredCase& data) {
     std::vector<PairRow> pair_rows;
     for (const measure::PairRun& run : p.runs)
         pair_rows.push_back({numbers_of(run, a), pair_rows.size() + 1, run.perpendicular});
+    data.row.half_box_change = change;
+    data.row.non_reciprocity = p.non_reciprocity;
     return {
-        .values = values_of(values, PairValues{p, a}),
-        .tables = {MeasureTable{
-            "pairs.csv",
-            "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
-            "half_box_change empty: the rods did not come half a box",
-            pairs_infos, columns_of(pairs_columns, pair_rows)}},
+        .values = record_json(PairValues{p, a}),
+        .tables =
+            {{"pairs.csv",
+              "lengths in a, angles in rad, times in s; outcome 0 contact, 1 pursuit, 2 escape, 3 undecided; "
+              "half_box_change empty: the rods did not come half a box",
+              csv_of(pair_rows)}},
         .line = fmt::format(
             "change of separation over half the box, in a: {} ({} of {} runs); contact {}, pursuit {}, "
             "escape {}, undecided {}; non-reciprocity {}",
             text(change), change.count, p.runs.size(), p.contact, p.pursuit, p.escape, p.undecided,
             text(p.non_reciprocity))};
+}
+
+std::vector<FileKind> files() {
+    return {{"pairs.csv", Lifetime::result, "how the rods of each run ended", columns_of<PairRow>()}};
 }
 
 } // namespace
@@ -165,9 +173,8 @@ MeasureKind pairs() {
             },
             .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
-            .values = value_infos,
-            .files = files,
-            .series = series};
+            .values = values_of<PairValues, true>,
+            .files = files};
 }
 
 } // namespace rodwake::app::measures

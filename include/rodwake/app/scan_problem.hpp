@@ -2,7 +2,6 @@
 // The problems of a scan's points, one after the other. Where all keys that vary are couplings or places of
 // rods, their values go straight into the problem, and no scene is set.
 
-#include "rodwake/app/measure_kind.hpp"
 #include "rodwake/app/plan.hpp"
 #include "rodwake/app/rods.hpp"
 #include "rodwake/app/run_context.hpp"
@@ -11,9 +10,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace rodwake::app {
+
+struct RunTables; // app/bed/measure_kind.hpp
 
 /// A thread has its own. The plan must outlive it.
 class PointProblem {

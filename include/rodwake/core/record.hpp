@@ -9,23 +9,37 @@
 //         }
 //     };
 //
-// A member without unit or meaning does not compile. A member may itself be described, or a list of such.
+// A member without unit or meaning does not compile. A member may itself be described, or a list of such. In
+// place of a member may stand a function of the record, without captures and last:
+//
+//     field("turn", {"deg", "net turn"}, [](const RodSummary& r) { return r.turn * degrees; })
+
+#include "rodwake/core/estimate.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
+#include <vector>
 
 namespace rodwake {
+
+/// The row of a value in the report.
+struct ReportRow {
+    std::string_view title = {}; ///< text with formulas as TeX between dollars; "": there is no row
+    std::string_view unit = {};  ///< the file's with a prefix, "\u00b5N"; "": the file's
+};
 
 /// A column of a table, or a number of a JSON file ("rods.<k>.force"). "<k>" in a name stands for a number or
 /// a word: x<k> is x0, x1, ...
 struct ColumnInfo {
     std::string_view name;
-    std::string_view unit; ///< one that is_unit knows
+    std::string_view unit; ///< one that is_unit knows; of values also "": a text
     std::string_view meaning;
+    ReportRow row = {};
 };
 
 /// Units of results. "1": none; "{length}", "{time}", ...: those that the file or the run names;
@@ -59,13 +73,19 @@ struct FieldInfo {
     std::string_view column = "=";     ///< in tables with a row a run; "=": its name; "": none
     std::string_view scan_column = ""; ///< in the tables of a scan; "=": its name; "": none
     std::string_view known_runs = "";  ///< of mean_of_known: key of the number of runs that have it; "": none
+    ReportRow row = {};
 };
 
-template<class Record, class Member>
+template<class Get>
 struct Field {
     std::string_view name;
-    Member Record::*member;
+    Get get; ///< pointer to a member, or function of the record
     FieldInfo info;
+
+    template<class Record>
+    constexpr decltype(auto) of(const Record& record) const {
+        return std::invoke(get, record);
+    }
 
     constexpr std::string_view column() const { return info.column == "=" ? name : info.column; }
     constexpr std::string_view scan_column() const {
@@ -73,13 +93,43 @@ struct Field {
     }
 };
 
-template<class Record, class Member>
-consteval Field<Record, Member> field(std::string_view name, Member Record::*member, FieldInfo info) {
+/// The type of a member, or of the result of a function of a record.
+template<class Get>
+struct ValueOf : ValueOf<decltype(&Get::operator())> {};
+template<class Member, class Record>
+struct ValueOf<Member Record::*> {
+    using type = Member;
+};
+template<class Result, class Function, class Record>
+struct ValueOf<Result (Function::*)(Record) const> {
+    using type = std::remove_cvref_t<Result>;
+};
+
+template<class T>
+inline constexpr bool needs_unit =
+    std::is_floating_point_v<T> || std::is_same_v<T, Estimate> || std::is_same_v<T, std::vector<double>>;
+
+template<class Get>
+consteval Field<Get> field(std::string_view name, FieldInfo info, Get get) {
     if (name.empty() || info.meaning.empty())
         throw "a described result has a name and a meaning";
-    if (std::is_floating_point_v<Member> ? !is_unit(info.unit) : !info.unit.empty() && !is_unit(info.unit))
+    if (!is_unit(info.unit) && (needs_unit<typename ValueOf<Get>::type> || !info.unit.empty()))
         throw "a described number has a unit of the list `units`";
-    return {name, member, info};
+    if (!info.row.unit.empty() && (!is_unit(info.row.unit) || !info.row.unit.ends_with(info.unit)))
+        throw "the unit of a row is that of the number with a prefix";
+    return {name, get, info};
+}
+
+template<class Record, class Member>
+consteval auto field(std::string_view name, Member Record::*member, FieldInfo info) {
+    return field(name, info, member);
+}
+
+/// With a row in the report.
+template<class Get>
+consteval auto field(std::string_view name, ReportRow row, FieldInfo info, Get get) {
+    info.row = row;
+    return field(name, info, get);
 }
 
 template<class T>
@@ -105,9 +155,7 @@ constexpr auto field_names() {
 template<Described Record>
 constexpr auto field_values(const Record& record) {
     return std::apply(
-        [&](const auto&... fields) {
-            return std::array<double, sizeof...(fields)>{record.*fields.member...};
-        },
+        [&](const auto&... fields) { return std::array<double, sizeof...(fields)>{fields.of(record)...}; },
         Record::fields());
 }
 
@@ -116,7 +164,7 @@ constexpr auto field_values(const Record& record) {
 template<Described Record, class Use>
 void for_each_number(const Record& record, int most, const Use& use) {
     for_each_field<Record>([&](const auto& field) {
-        const auto& value = record.*field.member;
+        const auto& value = field.of(record);
         if constexpr (requires { value.size(); })
             for (int k = 0; k < std::min(static_cast<int>(value.size()), most); ++k)
                 use(field, k, static_cast<double>(value[static_cast<std::size_t>(k)]));

@@ -21,6 +21,7 @@
 //            (phonons.hpp): k~ at low s is then too large by T_xy/T, an effective stiffness.
 
 #include "rodwake/core/estimate.hpp"
+#include "rodwake/core/record.hpp"
 
 #include <optional>
 #include <vector>
@@ -43,12 +44,27 @@ struct StiffnessSpectrum {
     std::optional<double> low, high;           ///< 1/s; absent: nowhere so good
 };
 
-/// All in N/m; errors are standard errors, `bias` is that of the transform and the same for all.
+/// `bias` is that of the transform and the same for all.
 struct MemoryKernel {
     std::vector<double> s;
     std::vector<double> total, total_error, bias;
-    std::vector<double> with_drag;            ///< k~ + Gamma s; error: total_error, since m and s are exact
-    std::vector<double> kernel, kernel_error; ///< k~; NaN without a drag rate
+    std::vector<double> with_drag;            ///< error: total_error, since m and s are exact
+    std::vector<double> kernel, kernel_error; ///< NaN without a drag rate
+
+    static constexpr auto fields() {
+        using R = MemoryKernel;
+        return std::tuple{
+            field("s", &R::s, {"1/s", "Laplace frequency"}),
+            field("total", &R::total, {"N/m", "4 m T_xy/(s MSD~(s)) = m s^2 + Gamma s + k~(s)"}),
+            field("total_error", &R::total_error,
+                  {"N/m", "standard error, also of with_drag (empty: unknown)"}),
+            field("bias", &R::bias,
+                  {"N/m", "how far the length of the run and the frames may put these values off"}),
+            field("with_drag", &R::with_drag, {"N/m", "k~(s) + Gamma s: total less m s^2"}),
+            field("kernel", &R::kernel,
+                  {"N/m", "memory kernel k~(s), less measure.bead_drag (empty: no drag was given)"}),
+            field("kernel_error", &R::kernel_error, {"N/m", "standard error (empty: unknown)"})};
+    }
 };
 
 /// Mass m in kg, T_xy in m^2/s^2, drag rate Gamma/m in 1/s. An unknown error of the drag rate makes those of
