@@ -16,7 +16,7 @@ import shutil
 
 import numpy as np
 
-from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, text, told, tracks
+from lab import SOURCE, columns, keep_row, kept_rows, mean, parser, run_parts, table, text, told
 from validate_mechanism import A, FIT, MEDIA, NUMBERS, RIVALS, SIGMA_HEADING, SIGMA_POSITION, TRACK, apart_yet, speed_of
 
 TRACKS, BATCH = SOURCE / "studies/verdict_tracks.csv", 5
@@ -80,10 +80,13 @@ def pairs(lab):
             for name, bed in BEDS.items():
                 if (name, start, batch) in there or batch > most // BATCH:
                     continue
-                out = lab.make(f"{name}_{start}_{batch}", scene_of(name, start, batch, BATCH), verbs=("dem",))
-                seconds = round(told(out, "summary")["cpu_seconds"] / BATCH)
-                for run, track in enumerate(tracks(out), 1):
-                    for row in rows_at_steps(track, bed["step"]):
+                out = lab.make(f"{name}_{start}_{batch}", scene_of(name, start, batch, BATCH), verbs=("dem",), good=(0, 1))
+                for run, folder in enumerate(sorted(out.glob("runs/*")), 1):
+                    if not (folder / "summary.json").is_file():  # beads overlapped by too much, and the run was stopped
+                        print(f"{name} {start}, batch {batch}: run {run} failed")
+                        continue
+                    seconds = round(told(folder, "summary")["cpu_seconds"])
+                    for row in rows_at_steps(columns(folder / "tracks.csv"), bed["step"]):
                         keep_row(TRACKS, {"bed": name, "start": start, "batch": batch, "run": run, **row, "cpu_seconds": seconds})
                 shutil.rmtree(out)
 
