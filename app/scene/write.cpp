@@ -55,7 +55,9 @@ private:
 } // namespace
 
 std::string to_toml(const Scene& scene) {
-    Scene copy = scene; // a field list may change what it visits; writing does not
+    Scene copy = scene;                         // a field list may change what it visits; writing does not
+    if (copy.granular && copy.variants.empty()) // variants may have other beads, and so another default
+        copy.granular->gap.emplace(copy.granular->plates.gap);
     Writer writer;
     fields(writer, copy);
     return writer.text();
@@ -64,7 +66,8 @@ std::string to_toml(const Scene& scene) {
 std::string to_plain_toml(const Scene& scene) {
     Scene used = scene;
     if (used.granular)
-        used.granular->gap = used.granular->plates.gap; // the same bed, whether it is given or the default
+        used.granular->gap.emplace(
+            used.granular->plates.gap); // the same bed, whether it is given or the default
     std::istringstream lines(to_toml(used));
     std::string plain;
     for (std::string line; std::getline(lines, line);)

@@ -56,7 +56,7 @@ def modelled_rows(run):
     yield ("Container", dish if bed.container == "circle" else f"{sides} <i>a</i>, with a vertical wall") if bed.container else (
         "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>")
     if isinstance(scene.get("plates"), dict):
-        yield "Plates", plates_told(scene["plates"], scene.get("gravity", 0.0))
+        yield "Plates", plates_told({"gap": bed.summary.get("gap", 0.0), **scene["plates"]}, scene.get("gravity", 0.0))
     yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
 
 

@@ -79,6 +79,7 @@ class ResumeTest(ProgramTest):
         self.assertAlmostEqual(*closest, delta=1e-6)
         self.assertIn("t_end = 8.0 there, t_end = 4.0 here", run("out", 4, *half, code=2))
         self.assertIn("holds a finished run", run("out", 8, *half))
+        self.assertNotIn("headings", self.expect(0, "info", "out").stdout)  # the state is listed, not shown
 
         # Every second row of the run is one of this: it goes on. A row that it does not have: from the beginning.
         self.assertIn("at t = 8", run("out", 16, "-s", "rods_run.output_interval=1"))

@@ -90,6 +90,11 @@ struct BedContainer {
     bool operator==(const BedContainer&) const = default;
 };
 
+/// plates.gap as the scene gives it, m. It does not tell scenes apart: the gap that is used does.
+struct GivenGap : std::optional<double> {
+    bool operator==(const GivenGap&) const { return true; }
+};
+
 /// [granular]: beads and rods between two plates, periodic in x and y or within a wall.
 struct Granular {
     std::optional<double> phi_b; ///< sum pi a_i^2/A, A the area of the bed; either this or beads
@@ -117,7 +122,7 @@ struct Granular {
     double overlap_limit = 0.1;         ///< fraction of the radius
     std::optional<double> order_cutoff; ///< m; absent: 1.4 lattice spacings
     granular::Plates plates;            ///< with the gap that is used
-    std::optional<double> gap;          ///< plates.gap, m; absent: default_gap()
+    GivenGap gap;                       ///< absent: default_gap()
     Contacts contacts;
     std::optional<BedContainer> container;
     std::optional<granular::BodyForce> body_force;
