@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
 
 namespace rodwake::scene {
@@ -55,8 +56,13 @@ private:
 } // namespace
 
 std::string to_toml(const Scene& scene) {
-    Scene copy = scene;                         // a field list may change what it visits; writing does not
-    if (copy.granular && copy.variants.empty()) // variants may have other beads, and so another default
+    Scene copy = scene; // a field list may change what it visits; writing does not
+    const bool other_beads = std::ranges::any_of(scene.variants, [](const Variant& variant) {
+        return std::ranges::any_of(variant.set, [](const std::string& line) {
+            return line.find("granular.bead_") != std::string::npos;
+        });
+    });
+    if (copy.granular && !other_beads) // a variant with other beads has another default
         copy.granular->gap.emplace(copy.granular->plates.gap);
     Writer writer;
     fields(writer, copy);
@@ -66,8 +72,7 @@ std::string to_toml(const Scene& scene) {
 std::string to_plain_toml(const Scene& scene) {
     Scene used = scene;
     if (used.granular)
-        used.granular->gap.emplace(
-            used.granular->plates.gap); // the same bed, whether it is given or the default
+        used.granular->gap.emplace(used.granular->plates.gap); // the bed is the same if this is the default
     std::istringstream lines(to_toml(used));
     std::string plain;
     for (std::string line; std::getline(lines, line);)
