@@ -15,8 +15,8 @@
 #include "run/record_table.hpp"
 #include "run/session.hpp"
 #include "run/stage_kind.hpp"
-#include "wake_fields.hpp"
 #include "theory_records.hpp"
+#include "wake_fields.hpp"
 
 #include <fmt/format.h>
 

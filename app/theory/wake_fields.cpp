@@ -210,4 +210,9 @@ void read_field_file(PlanInputs&, const scene::Scene& scene, const InputRequest&
     require_measured(scene, request.folder, request.made_later);
 }
 
+scene::FieldBackend field_of(const RodsPlan& plan) {
+    const auto& medium = plan.of.scene.medium;
+    return medium ? medium->field : scene::FieldBackend::exact;
+}
+
 } // namespace rodwake::app

@@ -10,6 +10,9 @@
 
 namespace rodwake::app {
 
+/// medium.field of these rods; exact without a medium.
+scene::FieldBackend field_of(const RodsPlan& plan);
+
 /// Whether the field comes from a fit or a map that is made anew.
 bool has_new_field(const scene::Scene& scene, const StageChanges& all);
 

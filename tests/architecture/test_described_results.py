@@ -58,9 +58,10 @@ QUOTED = {
     "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
     "turn1": {"app/run/record_table.hpp"},  # an example
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
-    "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "fitting/misfit.cpp",
-             "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test
-    "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp"},
+    "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "app/fit/fit_stage.cpp", "fitting/misfit.cpp",
+             "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test; the keys of fit.json
+    "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_stage.cpp"},
+    "square": {"app/scene/fields_rods.cpp"},  # where rods start
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
     "log_evidence": {"app/fit/fit_models.cpp", "app/fit/write_posterior.cpp"},  # of posterior.json
     "log_evidence_stderr": {"app/fit/fit_models.cpp"},

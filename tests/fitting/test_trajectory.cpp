@@ -183,7 +183,7 @@ TEST_CASE("malformed trajectories are refused with what is wrong and where") {
     refused([](auto& d, auto&) { d.contact_distance = 100.0; }, "below the smallest starting separation");
     refused([](auto& d, auto&) { d.contact_distance = 0.1, d.contact_time = -1.0; }, "after the first row");
     refused([](auto& d, auto&) { d.times.resize(1), d.states.resize(1); }, "a single row");
-    refused([](auto& d, auto&) { d.states[0] = {0, 0, 0, 0, 0, 1}; }, "same place");
+    refused([](auto& d, auto&) { d.states[0] = {0, 0, 0, 0, 0, 1}; }, "same position");
     refused([](auto&, auto& p) { p[0].name = "kapa"; }, "no parameter \"kapa\"");
     refused([](auto&, auto& p) { p[0].name = "heading.0.1"; }, "heading.0.1"); // not free
     refused([](auto&, auto& p) { p.erase(p.begin() + 3); }, "eta is missing");
