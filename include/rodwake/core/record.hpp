@@ -109,8 +109,15 @@ template<class T>
 inline constexpr bool needs_unit =
     std::is_floating_point_v<T> || std::is_same_v<T, Estimate> || std::is_same_v<T, std::vector<double>>;
 
+// Clang 14 crashes at a function object that a class hands to a consteval function of its own body.
+#if defined(__clang__) && __clang_major__ < 16
+#define RODWAKE_CONSTEVAL constexpr
+#else
+#define RODWAKE_CONSTEVAL consteval
+#endif
+
 template<class Get>
-consteval Field<Get> field(std::string_view name, FieldInfo info, Get get) {
+RODWAKE_CONSTEVAL Field<Get> field(std::string_view name, FieldInfo info, Get get) {
     if (name.empty() || info.meaning.empty())
         throw "a described result has a name and a meaning";
     if (!is_unit(info.unit) && (needs_unit<typename ValueOf<Get>::type> || !info.unit.empty()))
@@ -121,16 +128,18 @@ consteval Field<Get> field(std::string_view name, FieldInfo info, Get get) {
 }
 
 template<class Record, class Member>
-consteval auto field(std::string_view name, Member Record::*member, FieldInfo info) {
+RODWAKE_CONSTEVAL auto field(std::string_view name, Member Record::*member, FieldInfo info) {
     return field(name, info, member);
 }
 
 /// With a row in the report.
 template<class Get>
-consteval auto field(std::string_view name, ReportRow row, FieldInfo info, Get get) {
+RODWAKE_CONSTEVAL auto field(std::string_view name, ReportRow row, FieldInfo info, Get get) {
     info.row = row;
     return field(name, info, get);
 }
+
+#undef RODWAKE_CONSTEVAL
 
 template<class T>
 concept Described = requires {
