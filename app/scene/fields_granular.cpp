@@ -210,7 +210,7 @@ void plate_fields(Visitor& v, Granular& bed) {
           .absent(absent)
           .doc("from floor to lid")
           .example("\"1.2 mm\""),
-      bed.gap);
+      static_cast<std::optional<double>&>(bed.gap));
     v(key("frequency")
           .symbol("f")
           .unit(rate)
