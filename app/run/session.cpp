@@ -49,6 +49,14 @@ RunFolder begun(const std::filesystem::path& path, const RunContext& context, co
     scene::Scene written = plan.scene;
     if (folder.kept_runs()) // an ensemble that is kept has as many runs as it had
         written.granular->runs = *folder.kept_runs();
+    // scene.toml states the gap that is used, unless a variant with other beads has another default.
+    const bool other_beads = std::ranges::any_of(written.variants, [](const scene::Variant& variant) {
+        return std::ranges::any_of(variant.set, [](const std::string& line) {
+            return line.find("granular.bead_") != std::string::npos;
+        });
+    });
+    if (written.granular && !other_beads)
+        written.granular->gap.emplace(written.granular->plates.gap);
     folder.begin([&](const StageRecords& records) { return provenance(context, plan.scene, records, 0.0); },
                  scene::to_toml(written));
     return folder;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <sstream>
 
 namespace rodwake::scene {
@@ -57,13 +56,6 @@ private:
 
 std::string to_toml(const Scene& scene) {
     Scene copy = scene; // a field list may change what it visits; writing does not
-    const bool other_beads = std::ranges::any_of(scene.variants, [](const Variant& variant) {
-        return std::ranges::any_of(variant.set, [](const std::string& line) {
-            return line.find("granular.bead_") != std::string::npos;
-        });
-    });
-    if (copy.granular && !other_beads) // a variant with other beads has another default
-        copy.granular->gap.emplace(copy.granular->plates.gap);
     Writer writer;
     fields(writer, copy);
     return writer.text();
