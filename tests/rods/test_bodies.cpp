@@ -339,8 +339,7 @@ TEST_CASE("a rod that walks head on against a fixed disc stops at stall_overlap"
     ode.step_limit = [&](double, integrate::State y) { return forces.step_limit(y, 0.5); };
     integrate::OdeOptions options;
     options.method = integrate::Method::bdf;
-    options.rtol = 1e-12;
-    options.atol = 1e-12;
+    options.rtol = options.atol = 1e-12;
     const double times[] = {20.0};
     const State end = integrate::solve(ode, options, times).final_state;
     CHECK(std::abs(forces.contact(end, 0, 1).overlap - bodies.stall_overlap) < 1e-8);
@@ -354,10 +353,10 @@ TEST_CASE("runs with bodies follow fixed steps, in all methods and forms") {
         const State expected = by_fixed_steps(problem, 20000);
         CHECK(RodModel(nullptr, {}, 2, {}, BodyForces(problem.bodies, 2, {})).bodies().closest(expected).gap <
               10.0);
-        const std::pair<Method, Formulation> ways[] = {
-            {Method::erk, Formulation::angle},    {Method::bdf, Formulation::angle},
-            {Method::adams, Formulation::angle},  {Method::erk, Formulation::director},
-            {Method::bdf, Formulation::director}, {Method::bdf, Formulation::dae}};
+        using enum Formulation;
+        const std::pair<Method, Formulation> ways[] = {{Method::erk, angle},    {Method::bdf, angle},
+                                                       {Method::adams, angle},  {Method::erk, director},
+                                                       {Method::bdf, director}, {Method::bdf, dae}};
         for (const auto& [method, form] : ways) {
             const RodResult run = simulate(problem, options_of(method, 1e-9, form));
             REQUIRE(run.solution.status.ok());
