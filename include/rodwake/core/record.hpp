@@ -95,7 +95,9 @@ struct Field {
 
 /// The type of a member, or of the result of a function of a record.
 template<class Get>
-struct ValueOf : ValueOf<decltype(&Get::operator())> {};
+struct ValueOf {
+    using type = typename ValueOf<decltype(&Get::operator())>::type;
+};
 template<class Member, class Record>
 struct ValueOf<Member Record::*> {
     using type = Member;
