@@ -52,7 +52,7 @@ struct MeasureKind {
     void (*reset_postprocessing_keys)(scene::Measure&) = nullptr;
     /// Fills in its numbers of series.csv, too. Throws InputError or RunError if it cannot be had.
     MeasureReport (*report)(const MeasuredCase&) = nullptr;
-    /// What several cases together show, for series.json; null: nothing.
+    /// Compares several cases for series.json; null: there is nothing to compare.
     nlohmann::ordered_json (*compare)(std::span<const SeriesRow>) = nullptr;
     /// values_of<..., true> of the record that is its part of measure.json.
     std::span<const ColumnInfo> (*values)() = nullptr;

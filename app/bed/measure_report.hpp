@@ -1,6 +1,6 @@
 #pragma once
-// What a measure found, as plain data: values, tables, grids. Units are those of the files: lengths in bead
-// radii a, times in s, the rest SI. Whoever writes the files knows no single measure.
+// The results of a measure are plain data: values, tables, grids. Units are those of the files: lengths in
+// bead radii a, times in s, the rest SI. Whoever writes the files knows no single measure.
 
 #include "rodwake/measure/rod_grid.hpp"
 

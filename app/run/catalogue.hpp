@@ -35,7 +35,7 @@ std::span<const FileKind> file_kinds();
 /// With a name that is made: it lasts as long as the program. Not for several threads at once.
 ColumnInfo column_info(std::string name, std::string_view unit, std::string_view meaning, ReportRow row = {});
 
-/// Of the row of a value in the report; "" for "1".
+/// Returns the unit of a value's row in the report; "" for "1".
 std::string_view unit_in_report(const ColumnInfo& value);
 /// From the file to that unit.
 double factor_in_report(const ColumnInfo& value);

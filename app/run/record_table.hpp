@@ -58,7 +58,7 @@ private:
     std::vector<std::vector<double>> columns_;
 };
 
-/// Of a list of described rows, or of a record of columns.
+/// Makes the table of a list of described rows, or of a record of columns.
 template<class Rows>
 std::string csv_of(const Rows& rows) {
     RecordTable table;

@@ -1,6 +1,6 @@
 #pragma once
-// What a command does with one stage of a run folder: the answer to "what of this is done already?". The
-// rule is a function of six facts; tests/app/test_stage_action.cpp has all cases as a table.
+// stage_action decides what a command does with one stage of a run folder. It answers "what of this is done
+// already?" from six facts; tests/app/test_stage_action.cpp has all cases as a table.
 //
 //   of the folder   asked for                                       not asked for
 //   absent          start                                           leave

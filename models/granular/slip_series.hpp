@@ -275,7 +275,7 @@ private:
         const Lanes ends = !falls && !(value(w_, last) < wanted);
         if (!ends.any())
             return;
-        // As if dv_z/dp were constant; good where the step is long against what is left.
+        // Taking dv_z/dp as constant is good where the step is long against what is left.
         const Number square = v_[0] * v_[0] + 2.0 * v_[1] / impulse_ * wanted,
                      guess = 2.0 * wanted / (impulse_ * (v_[0] + square.max(0.0).sqrt()));
         const auto work = [&](const Number& u) {

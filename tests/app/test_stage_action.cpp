@@ -1,4 +1,4 @@
-// What a command does with a stage of a run folder: all cases.
+// The table has all cases of a stage in a run folder.
 
 #include "run/stage_action.hpp"
 

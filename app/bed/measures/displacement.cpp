@@ -93,7 +93,7 @@ MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& 
     return grid;
 }
 
-/// Of the lattice; NaN without Bragg peaks.
+/// These numbers describe the lattice; they are NaN without Bragg peaks.
 double of_lattice(const DisplacementField& u, double value) {
     return u.peaks.lattice_spacing() > 0.0 ? value : std::nan("");
 }
