@@ -36,7 +36,8 @@ class DeathTest(ScanRanksTest):
             self.finish_after_deaths(rank, 2)
 
     def test_a_signal_to_a_large_scan_ends_before_mpiexec_loses_patience(self):
-        """It kills ranks a second after the signal, in which large tables cannot be written."""
+        """It kills ranks a second after the signal, in which large tables cannot be written. Rank 0 ends in time wherever it is,
+        so on busy cores the record may still be the one of the beginning. Both say that the same command resumes."""
         for to_rank in (False, True):
             process = subprocess.Popen(command(2, "scan", "scan.toml", "-o", "run", "-s", "scan.resolution=8192"), cwd=self.folder,
                                        env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -47,7 +48,7 @@ class DeathTest(ScanRanksTest):
             self.assertIn("stopped by a signal; results so far are in run", told)
             self.assertEqual(process.returncode, 130 if to_rank else 1, told)  # mpiexec's own code of a job that it ended is 1
             self.assertFalse((self.folder / "run/rodwake.lock").exists())
-            self.assertEqual(self.status("run"), "interrupted")
+            self.assertIn(self.status("run"), ("interrupted", "unfinished"))
 
     def test_a_signal_to_the_job_keeps_what_is_done(self):
         with self.job(2, "scan", "scan.toml", "-o", "run", "--quiet", "-s", "scan.resolution=8192") as process:
