@@ -84,7 +84,7 @@ def lammps_command(folder, times, skin, core):
     words = ["taskset", "-c", str(core), "lmp", "-in", str(LAMMPS / "bed.in"), "-log", str(folder / "log"), "-screen", "none"]
     for name, value in settings.items():
         words += ["-var", name, str(value)]
-    # exec keeps the shell's number, so that LAMMPS can be told its own
+    # exec keeps the shell's number, so that LAMMPS gets its own
     return ["sh", "-c", 'exec "$@" -var pid $$', "sh", *words]
 
 

@@ -88,7 +88,7 @@ def edmd_rate(program, folder, edge, phi_b, core, seconds):
                     break
         run.kill()
     if len(points) < 2:
-        raise measure.Problem(f"{program}: told no times and collisions; is it EDMD's variant Single?")
+        raise measure.Problem(f"{program}: printed no times and collisions; is it EDMD's variant Single?")
     warm, last = points[min(5, len(points) // 2)], points[-1]
     if not last[0] > warm[0]:
         raise measure.Problem(f"{program}: ended after {last[0]:.2f} s of CPU, before anything could be measured")

@@ -18,7 +18,7 @@ function sliderOf(parameter, store) {
   function follow() {
     const value = store.state[name];
     slider.value = String(Math.min(Math.max(placeOf(parameter, value), 0), 1));
-    slider.setAttribute("aria-valuetext", `${told(value)} ${parameter.unit}`);
+    slider.setAttribute("aria-valuetext", `${numeral(value)} ${parameter.unit}`);
     if (document.activeElement !== number || Number(number.value) !== value) number.value = String(value);
   }
   const label = make("label", { for: id }, make("i", {}, parameter.symbol), ` ${parameter.short}`);

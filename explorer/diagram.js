@@ -13,7 +13,7 @@ class Diagram extends Square {
     this.restart();
     this.canvas.addEventListener("pointerdown", event => this.onPick(event));
     this.canvas.addEventListener("pointermove", event => this.onHover(event));
-    this.canvas.addEventListener("pointerleave", () => this.tell(null));
+    this.canvas.addEventListener("pointerleave", () => this.describe(null));
     this.canvas.addEventListener("keydown", event => this.onKey(event));
   }
   get axes() { return [PARAMETERS[this.store.state.across], PARAMETERS[this.store.state.up]]; }
@@ -110,7 +110,7 @@ class Diagram extends Square {
     if (scale === "linear") for (let k = Math.ceil(low / 5); k * 5 <= high; ++k) values.push(k * 5);
     else if (scale === "log") values = [0.01, 0.1, 1, 10, 100, 1000].filter(value => value >= low && value <= high);
     else values = [-100, -10, -1, 0, 1, 10, 100];
-    return values.map(value => [value, told(value)]);
+    return values.map(value => [value, numeral(value)]);
   }
   drawAxes() {
     const { pen } = this, [across, up] = this.axes;
@@ -183,10 +183,10 @@ class Diagram extends Square {
   onHover(event) {
     const places = this.toPlaces(event), [x, y] = this.axes;
     const [code, time, closest] = this.api.encounters(this.numbersAt(...places), 1e-8);
-    const number = (axis, value) => (axis.name.startsWith("theta") ? `${told(value / DEGREE, 3)}°` : told(rounded(value)));
+    const number = (axis, value) => (axis.name.startsWith("theta") ? `${numeral(value / DEGREE, 3)}°` : numeral(rounded(value)));
     const value = (axis, place) => `${axis.symbol} = ${number(axis, valueAt(axis, place))}`;
-    this.tell(`${value(x, places[0])}, ${value(y, places[1])}: ${OUTCOMES[code]}${code === 0 ? ` at t = ${told(time)}` : ""}, `
-              + `closest ${told(closest, 3)}`);
+    this.describe(`${value(x, places[0])}, ${value(y, places[1])}: ${OUTCOMES[code]}${code === 0 ? ` at t = ${numeral(time)}` : ""}, `
+              + `closest ${numeral(closest, 3)}`);
   }
-  tell(text) { find("#diagram-tip").textContent = text ?? "Point at the diagram for its values; click to take an encounter from it."; }
+  describe(text) { find("#diagram-tip").textContent = text ?? "Point at the diagram for its values; click to take an encounter from it."; }
 }

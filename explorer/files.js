@@ -44,7 +44,7 @@ function pathDrawing(paths) {
   };
   const starts = problemOf(paths.store.state).rods, ends = posesAt(paths.run, paths.run.time);
   return `<svg xmlns="http://www.w3.org/2000/svg" width="${size}" height="${size}" viewBox="0 0 ${size} ${size}">\n`
-    + `<title>${paths.run.outcome} at t = ${told(paths.run.time)}</title>\n<rect width="100%" height="100%" fill="${ink.sheet}"/>\n`
+    + `<title>${paths.run.outcome} at t = ${numeral(paths.run.time)}</title>\n<rect width="100%" height="100%" fill="${ink.sheet}"/>\n`
     + [0, 1].map(index => `<path fill="none" stroke="${ink.rods[index]}" stroke-width="2" stroke-linejoin="round" d="${trace(index)}"/>\n`
       + rod(ends[index], index, 0.45) + rod(starts[index], index, 1) + "\n").join("") + "</svg>\n";
 }

@@ -45,7 +45,7 @@ class Explorer {
     this.wireButtons();
     this.wireKeys();
     if (!/(^|[#&])(wide|left|top)=/.test(location.hash)) this.store.state = this.store.kept = { ...this.store.state, ...this.paths.whole() };
-    this.tellEnd();
+    this.showEnd();
     this.onHistory();
     this.frame = this.frame.bind(this);
     requestAnimationFrame(this.frame);
@@ -83,7 +83,7 @@ class Explorer {
     if (this.unsolved) {
       this.unsolved = false;
       this.paths.solve();
-      this.tellEnd();
+      this.showEnd();
     }
     const busy = document.body.classList.contains("dragging") || this.playing;
     if (this.diagram.key() !== this.diagramKey && (!busy || this.diagram.stride < COARSEST)) {  // a moving hand leaves time for coarse cells
@@ -100,13 +100,13 @@ class Explorer {
       find("#check").textContent = this.paths.check();
       find("#spoken").textContent = find("#outcome").textContent + " " + find("#turns").textContent;
     }
-    this.tellTime();
+    this.showTime();
     this.diagram.work(busy || !this.count ? 1 : 10);
     this.count = (this.count ?? 0) + 1;
     if (this.diagram.stale && (!busy || this.count % 3 === 0)) {  // while a hand moves its own pictures come first
       this.diagram.stale = false;
       this.diagram.draw();
-      this.tellDiagram();
+      this.showDiagram();
     }
     this.frames.push([now, performance.now() - began]);
     if (this.frames.length > 240) this.frames.shift();
@@ -114,7 +114,7 @@ class Explorer {
     if (!this.asleep) requestAnimationFrame(this.frame);
   }
 
-  tellEnd() {
+  showEnd() {
     const { run } = this.paths;
     const badge = find("#badge");
     badge.textContent = run.outcome;
@@ -126,18 +126,18 @@ class Explorer {
     scrub.max = String(Math.max(run.time, 1e-9));
     scrub.step = String(Math.max(run.time, 1e-9) / 500);
   }
-  tellTime() {
+  showTime() {
     const { time } = this.paths, scrub = find("#scrub");
     if (document.activeElement !== scrub || Number(scrub.value) !== time) scrub.value = String(time);
     find("#time").textContent = `t = ${time.toFixed(2)}`;
-    scrub.setAttribute("aria-valuetext", `time ${time.toFixed(2)} of ${told(this.paths.run.time)}`);
+    scrub.setAttribute("aria-valuetext", `time ${time.toFixed(2)} of ${numeral(this.paths.run.time)}`);
   }
-  tellDiagram() {
+  showDiagram() {
     const shares = this.diagram.shares();
     OUTCOMES.forEach((name, code) => { find(`#share-${name}`).textContent = shares[code] ? `${Math.round(100 * shares[code]) || "< 1"} %` : "–"; });
     find("#diagram-state").textContent = this.diagram.done ? "" : "refining…";
   }
-  tellColour() {
+  showColour() {
     const kind = COLOURINGS[this.store.state.colour], bar = find("#bar"), ticks = find("#bar-ticks");
     bar.parentElement.hidden = !kind;
     if (!kind) return;
@@ -198,7 +198,7 @@ class Explorer {
     find("#scrub").addEventListener("change", () => store.settle());
     find("#theme").addEventListener("change", () => this.paint());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.paint());
-    store.listeners.push(keys => { if (keys.has("colour")) this.tellColour(); });
+    store.listeners.push(keys => { if (keys.has("colour")) this.showColour(); });
     this.paint();
     window.addEventListener("hashchange", event => {  // the event's address: this page may have written its own meanwhile
       clearTimeout(this.writing);
@@ -212,7 +212,7 @@ class Explorer {
     if (theme === "auto") delete document.documentElement.dataset.theme;
     else document.documentElement.dataset.theme = theme;
     readColours();
-    this.tellColour();
+    this.showColour();
     this.paths.stage.stale = this.wake.stage.stale = this.diagram.stale = true;
     this.wake_up();
   }

@@ -27,7 +27,7 @@ function niceStep(size) {
 }
 
 /** A number for people: no rounding noise, few digits. */
-const told = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "−");
+const numeral = (value, digits = 4) => String(Number(value.toPrecision(digits))).replace("-", "−");
 
 /** A square canvas that fills its place, as fine as the screen. */
 class Square {
@@ -98,9 +98,9 @@ class Stage extends Square {
 
   handlesOf(rod, focusable) {
     const kind = focusable ? "button" : "div";
-    const told = focusable ? { type: "button" } : { "aria-hidden": "true" };
-    const body = make(kind, { ...told, class: `handle body rod${rod}`, "data-rod": rod });
-    const head = make(kind, { ...told, class: `handle head rod${rod}`, "data-rod": rod });
+    const attributes = focusable ? { type: "button" } : { "aria-hidden": "true" };
+    const body = make(kind, { ...attributes, class: `handle body rod${rod}`, "data-rod": rod });
+    const head = make(kind, { ...attributes, class: `handle head rod${rod}`, "data-rod": rod });
     body.addEventListener("pointerdown", event => this.onMove(event, rod));
     head.addEventListener("pointerdown", event => this.onTurn(event, rod));
     if (focusable) {
@@ -119,7 +119,7 @@ class Stage extends Square {
         handle.style.transform = `translate(${hx}px, ${hy}px)`;
       }
       if (body.tagName === "BUTTON") {
-        body.setAttribute("aria-label", `Rod ${rod} at x ${told(x, 3)}, y ${told(y, 3)}: arrow keys move it, with Shift in small steps`);
+        body.setAttribute("aria-label", `Rod ${rod} at x ${numeral(x, 3)}, y ${numeral(y, 3)}: arrow keys move it, with Shift in small steps`);
         head.setAttribute("aria-label", `Heading of rod ${rod}, ${Math.round(theta / DEGREE)} degrees: left and right keys turn it, with Shift in small steps`);
       }
     });
@@ -195,13 +195,13 @@ class Stage extends Square {
       const at = Math.round(this.toPixel(k * step, 0)[0]) + 0.5;
       pen.moveTo(at, 0);
       pen.lineTo(at, size);
-      if (at > 24 && at < size - 14) pen.fillText(told(k * step), at + 3, size - 5);
+      if (at > 24 && at < size - 14) pen.fillText(numeral(k * step), at + 3, size - 5);
     }
     for (let k = Math.ceil((top - wide) / step); k * step < top; ++k) {
       const at = Math.round(this.toPixel(0, k * step)[1]) + 0.5;
       pen.moveTo(0, at);
       pen.lineTo(size, at);
-      if (at > 14 && at < size - 24) pen.fillText(told(k * step), 4, at - 3);
+      if (at > 14 && at < size - 24) pen.fillText(numeral(k * step), 4, at - 3);
     }
     pen.stroke();
   }

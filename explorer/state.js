@@ -109,7 +109,7 @@ function toScene(state) {
     + (state.contact_distance > 0 ? `contact_distance = ${number(state.contact_distance)}\n` : "");
 }
 
-/** The state with its history; whoever listens is told which keys changed. */
+/** The state with its history; listeners receive the keys that changed. */
 class Store {
   constructor(state) {
     this.state = state;
@@ -162,7 +162,7 @@ const PRESETS = [
   { name: "Screened", outcome: "undecided", state: { ...SIDE_BY_SIDE, kappa: 0.5, alpha: 10, t_end: 200, across: "y1", up: "alpha" },
     sentence: "At α = 1 this pair would meet at t = 40.6. The substrate's drag screens the strain beyond ξ = 1/α: at α = 10 the rods do not notice each other." },
   { name: "Polar couplings", outcome: "contact", state: { ...CROSSING, kappa: 0, gamma1: 10, gamma2: -10, x1: 5, t_end: 60, across: "gamma1", up: "gamma2" },
-    sentence: "Rods that tell front from back follow vectors, ∇²u and ∇∇·u, instead of axes. This pair has no κ at all and meets." },
+    sentence: "Rods with a front and a back follow vectors, ∇²u and ∇∇·u, instead of axes. This pair has no κ at all and meets." },
   { name: "Repulsion", outcome: "escape", state: { ...SIDE_BY_SIDE, kappa: -100 },
     sentence: "With κ < 0 a rod turns across the strain axes: the same start as in Attraction, and they part." },
   { name: "Orbit", outcome: "orbit", state: { ...CROSSING, kappa: 23.5, alpha: 0.3, x1: 0, t_end: 40, across: "x1", up: "kappa" },

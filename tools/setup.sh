@@ -63,7 +63,7 @@ build_benchmarks() {
     build_preset release -DRODWAKE_BENCH=ON --target rodwake benchmarks
 }
 
-# Where CMake, shells and Python look without being told.
+# Where CMake, shells and Python look by themselves.
 default_prefix() { if [ "$(id -u)" -eq 0 ]; then echo /usr/local; else echo "$HOME/.local"; fi; }
 
 # install_preset PRESET PREFIX

@@ -55,7 +55,7 @@ class Frame:
     beads: Part
     rods: Part = None
     is_rod: np.ndarray = None  # which rows of `beads` are rods, until `tidy` has parted them
-    place: object = None  # "line" of a row, or None: rows are told by the frame
+    place: object = None  # "line" of a row, or None: rows are named by the frame
 
 
 @dataclass

@@ -7,7 +7,7 @@ from .errors import PlotError
 from .schema import Kind
 
 MSD = "msd.csv"
-STIFFNESS_TOLD = bed_run.of_measure("stiffness", "<i>a</i><sup>−2</sup>")
+STIFFNESS_TEXT = bed_run.of_measure("stiffness", "<i>a</i><sup>−2</sup>")
 
 
 def draw_msd(run, spec):
@@ -42,7 +42,7 @@ def diffusion_guide(axes, tables):
 def caption_msd(run, spec):
     text = ("Mean-square displacement <i>Δ</i>(<i>t</i>) of the beads in the plane, the mean of all beads taken off; band: standard error; "
             "broken line: slope 1, free diffusion.")
-    found = bed_run.told_of_each(bed_run.holders(run, MSD), STIFFNESS_TOLD)
+    found = bed_run.describe_each(bed_run.holders(run, MSD), STIFFNESS_TEXT)
     stiffness = f" Stiffness 1/(<i>s</i> Δ̃(<i>s</i>)) for <i>s</i> → 0: {found}." if found else ""
     return text + stiffness + bed_run.not_measured(run, MSD)
 
@@ -87,10 +87,10 @@ def extrapolation(axes, part, colour):
 
 def caption_stiffness(run, _):
     parts = bed_run.holders(run, STIFFNESS)
-    told = bed_run.told_of_each(parts, STIFFNESS_TOLD)
+    values = bed_run.describe_each(parts, STIFFNESS_TEXT)
     return ("Stiffness of what holds a bead, 1/(<i>s</i> Δ̃(<i>s</i>)) with the Laplace transform of the mean-square displacement; bars: "
             "standard error; star: extrapolated to <i>s</i> = 0 from the window up to the end of the broken line"
-            f"{', ' + told if told else ''}.{bed_run.not_measured(run, STIFFNESS)}")
+            f"{', ' + values if values else ''}.{bed_run.not_measured(run, STIFFNESS)}")
 
 
 # Memory kernel of what holds a bead against the Laplace frequency, with the stiffness it starts from, on logarithmic axes.
@@ -166,11 +166,11 @@ def caption_memory_kernel(run, _):
     dragged = [table["dragged"] for table in tables]
     what = ("<i>k̃</i>(<i>s</i>) + <i>Γs</i>, no drag of the plates being given (<code>measure.bead_drag</code>)" if all(dragged)
             else "<i>k̃</i>(<i>s</i>)" + (", with <i>Γs</i> where no drag of the plates is given" if any(dragged) else ", the drag of the plates taken off"))
-    told = bed_run.told_of_each(parts, bed_run.of_measure("spring", "µN/m", 1e6))
+    values = bed_run.describe_each(parts, bed_run.of_measure("spring", "µN/m", 1e6))
     short = "".join(f" {words.label_html(part.label)}: too short, or frames too far apart, for any <i>s</i>." for part, _ in faults)
     return (f"Memory kernel of what holds a bead, {what}; the inertia <i>ms</i>² of the bare bead is taken off, the broken grey line. "
             "Band: standard error and what frames and length of the run leave open; drawn where the latter is below 2 % of all that resists; "
-            f"short broken lines: stiffness at <i>s</i> → 0{', ' + told if told else ''}.{short}{bed_run.not_measured(run, KERNEL)}")
+            f"short broken lines: stiffness at <i>s</i> → 0{', ' + values if values else ''}.{short}{bed_run.not_measured(run, KERNEL)}")
 
 
 # How a rod of the bed forgets its heading: mean-square change and mean cosine against the lag, with the fits that give D_r.
@@ -231,14 +231,14 @@ def read_heading(part):
 
 
 def caption_heading_diffusion(run, _):
-    def told(part):
+    def describe(part):
         D = part.estimate(DIFFUSION, "D_r")
         reduced = part.estimate(DIFFUSION, "rotational_diffusion")
         return "" if D is None else (f"<i>D</i><sub>r</sub> = {words.with_error(D.value, D.error)} rad²/s"
                                      + (f", in the theory's units {words.with_error(reduced.value, reduced.error)}" if reduced else ""))
 
     parts = bed_run.holders(run, HEADING)
-    numbers = bed_run.told_of_each(parts, told)
+    numbers = bed_run.describe_each(parts, describe)
     return ("Mean-square change of a rod's heading and mean cosine of it against the lag <i>τ</i>; solid lines: straight line and exponential "
             "over the lags that are fitted; dashed: towards shorter lags, where the rod rattles; bars: standard error"
             f"{'. ' + numbers if numbers else ''}.{bed_run.not_measured(run, HEADING)}")

@@ -50,8 +50,8 @@ def caption_pair_correlation(run, spec):
     parts = bed_run.holders(run, GR)
     text = ("Pair correlation <i>g</i>(<i>r</i>) of the beads: pairs at distance <i>r</i> relative to an ideal gas of the same density "
             "in the box; band: standard error. First minimum")
-    told = [(part, part.number("order", "g_minimum")) for part in parts]
-    where = ", ".join(f"{words.number(value, 3)} <i>a</i>{of(part)}" for part, value in told if value is not None)
+    minima = [(part, part.number("order", "g_minimum")) for part in parts]
+    where = ", ".join(f"{words.number(value, 3)} <i>a</i>{of(part)}" for part, value in minima if value is not None)
     arrow = " (arrow)" if len(parts) <= canvas.MOST_INSIDE else ""
     return f"{text}{arrow}: {where or 'not found'}.{bed_run.not_measured(run, GR)}"
 
@@ -111,7 +111,7 @@ def hexatic_guide(axes, tables):
 
 def decay_label(part):
     """The part's label and how its order decays."""
-    kind = part.told("order", "class") or "not classified"
+    kind = part.value("order", "class") or "not classified"
     exponent = part.estimate("order", "exponent")
     if kind == "algebraic" and exponent is not None:
         kind += rf", $\eta_6 = {exponent.value:.2g}$"
@@ -120,14 +120,14 @@ def decay_label(part):
 
 def caption_bond_order(run, spec):
     parts = bed_run.holders(run, GB)
-    told = " ".join(reason(part) for part in parts)
+    reasons = " ".join(reason(part) for part in parts)
     return ("Correlation <i>g<sub>B</sub></i>(<i>r</i>) of the beads' bond orders <i>ψ</i><sub>6</sub> at distance <i>r</i>, over all "
             "pairs; band: standard error. Broken line: <i>r</i><sup>−1/4</sup>, the steepest power law of a hexatic phase. "
-            f"{told}{bed_run.not_measured(run, GB)}".rstrip())
+            f"{reasons}{bed_run.not_measured(run, GB)}".rstrip())
 
 
 def reason(part):
-    phase, why = part.told("order", "phase"), part.told("order", "reason")
+    phase, why = part.value("order", "phase"), part.value("order", "reason")
     if not phase:
         return ""
     who = f"{words.label_html(part.label)}: {words.escape(phase)}" if part.label else words.escape(str(phase).capitalize())
@@ -164,9 +164,9 @@ def draw_part(part, row):
         for number, (branch, mark, word, _) in enumerate(BRANCHES):
             kept = (modes["branch"] == number) & (modes["direction"] == direction)
             look = dict(marker=mark, markerfacecolor=colour if number == 0 else "white")
-            told = f"{label}, {word}" if direction else None
+            curve = f"{label}, {word}" if direction else None
             q = modes["q"][kept]
-            canvas.points(row[0], q, modes["omega"][kept], modes["omega_error"][kept], colour, told, **look)
+            canvas.points(row[0], q, modes["omega"][kept], modes["omega_error"][kept], colour, curve, **look)
             canvas.points(row[1], q, modes["gamma"][kept], modes["gamma_error"][kept], colour, **look)
             if scale is not None:
                 canvas.points(row[2], q, modes["temperature"][kept] / scale.value, modes["temperature_error"][kept] / scale.value, colour,
@@ -204,13 +204,13 @@ def read_modes(part):
 
 
 def caption_phonons(run, _):
-    def told(part):
+    def describe(part):
         found = [(title, part.estimate("phonons", key), unit) for title, key, unit in
                  (("<i>c</i><sub>T</sub>", "c_T", "<i>a</i>/s"), ("drag rate", "drag_rate", "1/s"), ("<i>η</i>", "eta", ""))]
         return ", ".join(f"{title} = {words.with_error(*one[:2])} {unit}".rstrip() for title, one, unit in found if one)
 
     parts = bed_run.holders(run, PHONONS)
-    numbers = bed_run.told_of_each(parts, told)
+    numbers = bed_run.describe_each(parts, describe)
     return ("Modes of the beads against wave number <i>q</i>: frequency <i>ω</i> without damping (lines: <i>ω = cq</i> with the sound speeds), "
             "damping rate <i>γ</i> (lines: drag + <i>ν q</i><sup>2</sup>) and temperature relative to single beads; filled: longitudinal, "
             f"open: transverse; grey: other directions; bars: standard error{'. ' + numbers if numbers else ''}."

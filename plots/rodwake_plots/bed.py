@@ -190,8 +190,8 @@ def draw_film_frame(run, spec):
         order_bar(figure, axes, spec)
     if (run.path / ROD_TRACKS).is_file():
         film_rods(axes, film, track(run.path / ROD_TRACKS), t[0], window)
-    told = ([rf"$\phi_b = {film.phi_b:.3f}$"] if words.is_number(film.phi_b) else []) + [rf"$t = {clock(t[0], run.tracks.get('duration', 0.0))}$ s"]
-    canvas.heading(axes, style.safe(spec.title) or ",  ".join(told))
+    labels = ([rf"$\phi_b = {film.phi_b:.3f}$"] if words.is_number(film.phi_b) else []) + [rf"$t = {clock(t[0], run.tracks.get('duration', 0.0))}$ s"]
+    canvas.heading(axes, style.safe(spec.title) or ",  ".join(labels))
     return figure
 
 
@@ -239,10 +239,10 @@ def caption_snapshot(run, spec):
         frame, cutoff = trajectory.frame(spec.frame), float(trajectory.parameter("order_cutoff"))
         time = clock(frame.time, trajectory.time[-1])
     return (f"{run.granular.which(TRAJECTORY)}The bed from above at <i>t</i> = {time} s, circles at true size: {len(frame.beads)} beads, "
-            f"{words.equation('<i>φ<sub>b</sub></i>', run.granular.phi_b)}{rods_told(frame)}. {colours_told(run, spec, cutoff)}")
+            f"{words.equation('<i>φ<sub>b</sub></i>', run.granular.phi_b)}{describe_rods(frame)}. {describe_colours(run, spec, cutoff)}")
 
 
-def rods_told(frame):
+def describe_rods(frame):
     if not frame.rods:
         return ""
     several = len(frame.rods) > 1
@@ -250,7 +250,7 @@ def rods_told(frame):
     return f", {len(frame.rods)} rod{'s' if several else ''}{arrow if any(rod.tapers for rod in frame.rods) else ''}"
 
 
-def colours_told(run, spec, cutoff):
+def describe_colours(run, spec, cutoff):
     what = ("Colour: the mean of exp(6<i>iθ</i>) over the directions <i>θ</i> to the beads nearer than "
             f"{words.number(cutoff / run.granular.a)} <i>a</i>; ")
     if spec.colour == "orientation":

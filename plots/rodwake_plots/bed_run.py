@@ -93,12 +93,12 @@ class FilmRods:
 
     def __init__(self, folder):
         self.folder = folder
-        told = files.Record(folder / FILM)
-        with files.reading(told.path, "box or bead_radius"):
-            self.a, self.sides = told.need("bead_radius") + 0, np.asarray(told.need("box"), dtype=float)
-        self.is_periodic = told.get("window") == "periodic"
+        record = files.Record(folder / FILM)
+        with files.reading(record.path, "box or bead_radius"):
+            self.a, self.sides = record.need("bead_radius") + 0, np.asarray(record.need("box"), dtype=float)
+        self.is_periodic = record.get("window") == "periodic"
         self.box = self.sides if self.is_periodic else 2 * self.sides
-        self.phi_b, self.lengths = told.get("phi_b"), [one.get("length") for one in told.get("rod_tracks") or []]
+        self.phi_b, self.lengths = record.get("phi_b"), [one.get("length") for one in record.get("rod_tracks") or []]
 
     def holders(self, name):
         return [self.folder] if self.has(name) else []
@@ -174,7 +174,7 @@ class Part:
             raise MissingError(path, "no such file: rodwake measure writes it")
         return files.Record(path)
 
-    def told(self, table, key):
+    def value(self, table, key):
         """A plain value of measure.json; None where it was not measured."""
         found = self.results.get(table, {})
         with files.reading(self.folder / RESULTS, f"{table}.{key}"):
@@ -183,13 +183,13 @@ class Part:
         return found
 
     def number(self, table, key):
-        value = self.told(table, key)
+        value = self.value(table, key)
         with files.reading(self.folder / RESULTS, f"{table}.{key}"):
             return None if value is None else value + 0
 
     def estimate(self, table, key):
         """None where it was not measured."""
-        found = self.told(table, key)
+        found = self.value(table, key)
         with files.reading(self.folder / RESULTS, f"{table}.{key}"):
             if found is None or found["value"] is None:
                 return None
@@ -222,7 +222,7 @@ class Part:
 def parts_of(run):
     variants = run.scene.get("variants", [])
     found = [Part(one["name"], one.get("label") or one["name"], run.path / "variants" / one["name"]) for one in variants]
-    return [Part("", told_apart(run) if found else "", run.path), *found]
+    return [Part("", distinct_label(run) if found else "", run.path), *found]
 
 
 def holders(run, name, group=None):
@@ -250,18 +250,18 @@ def not_measured(run, name, group=None):
     return f" Not measured: {', '.join(lacking)}." if lacking else ""
 
 
-def told_of_each(parts, tell):
-    """For a caption: what there is to tell of each part, after its label."""
-    told = ((part, tell(part)) for part in parts)
-    return "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{text}" for part, text in told if text)
+def describe_each(parts, describe):
+    """For a caption: the description of each part, after its label."""
+    described = ((part, describe(part)) for part in parts)
+    return "; ".join(f"{words.label_html(part.label) + ': ' if part.label else ''}{text}" for part, text in described if text)
 
 
 def of_measure(key, unit, factor=1.0, measure="microrheology"):
-    """Tells a value of measure.json with its error."""
-    def tell(part):
+    """A function that writes a value of measure.json with its error."""
+    def describe(part):
         found = part.estimate(measure, key)
         return f"{words.with_error(*found[:2], factor)} {unit}" if found else ""
-    return tell
+    return describe
 
 
 def bead_radius(run):
@@ -281,7 +281,7 @@ def series(run):
     return columns
 
 
-def told_apart(run):
+def distinct_label(run):
     """Label of the scene itself: that in which its variants differ."""
     if not (run.path / SERIES).is_file():
         return "as written"

@@ -7,7 +7,7 @@ from . import bed_run, fit_words, schema, words
 PAIRS = (("bead_bead", "bead with bead", "particle_particle"), ("bead_rod", "bead with rod", "particle_particle"),
          ("rod_rod", "rod with rod", "particle_particle"), ("bead_wall", "bead with plate", None), ("rod_wall", "rod with plate", None))
 ROUNDING = 1e-9  # degrees
-TOLD = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "container", "runs"}
+SHOWN = {"simulated_time", "T_xy", "T_z", "max_overlap", "psi6", "pressure", "rods", "beads", "phi_b", "beads_fraction", "bead_radius", "box", "container", "runs"}
 
 
 def bed_headline(run):
@@ -21,8 +21,8 @@ def bed_headline(run):
     text = text if bed.need("beads") else runs + rods
     speeds = [rod.get("mean_speed") for rod in bed.rods]
     if speeds and all(map(words.is_number, speeds)):
-        told = ", ".join(words.number(speed * 1e3, 3) for speed in speeds)
-        text += f"; mean speed of the rod{'s' if len(speeds) > 1 else ''} {told} mm/s, positive thin end first"
+        numbers = ", ".join(words.number(speed * 1e3, 3) for speed in speeds)
+        text += f"; mean speed of the rod{'s' if len(speeds) > 1 else ''} {numbers} mm/s, positive thin end first"
     return f'{absorbing(bed.summary)}<p class="outcome"><span class="tag">granular</span>{text}.</p>'
 
 
@@ -56,8 +56,8 @@ def modelled_rows(run):
     yield ("Container", dish if bed.container == "circle" else f"{sides} <i>a</i>, with a vertical wall") if bed.container else (
         "Box", f"{sides} <i>a</i>, periodic in <i>x</i> and <i>y</i>")
     if isinstance(scene.get("plates"), dict):
-        yield "Plates", plates_told({"gap": bed.summary.get("gap", 0.0), **scene["plates"]}, scene.get("gravity", 0.0))
-    yield from ((f"Rod {number}", rod_told(rod)) for number, rod in enumerate(scene.get("rods", [])))
+        yield "Plates", describe_plates({"gap": bed.summary.get("gap", 0.0), **scene["plates"]}, scene.get("gravity", 0.0))
+    yield from ((f"Rod {number}", describe_rod(rod)) for number, rod in enumerate(scene.get("rods", [])))
 
 
 def beads_rows(bed, scene):
@@ -72,7 +72,7 @@ def of_density(value):
     return f", {words.number(value)} kg/m³" if words.is_number(value) else ""
 
 
-def plates_told(values, gravity):
+def describe_plates(values, gravity):
     gap, frequency, gamma = (values.get(key, 0.0) for key in ("gap", "frequency", "gamma"))
     text = f"{words.equation('<i>w</i>', gap * 1e3, 'mm')} apart"
     if not (gamma and frequency):
@@ -84,7 +84,7 @@ def plates_told(values, gravity):
     return f"{moving}, {words.equation('<i>A</i>', gamma * gravity / (2 * math.pi * frequency) ** 2 * 1e6, 'µm')}"
 
 
-def rod_told(rod):
+def describe_rod(rod):
     kind = words.escape(rod.get("kind", "motile"))
     where = ", ".join(words.number(float(part) * 1e3, 4) for part in rod["position"]) if "position" in rod else ""
     text = f"{kind}, starts at ({where}) mm" if where else kind
@@ -113,7 +113,7 @@ def summary_rows(run):
              ("max_overlap", "Largest overlap", "", "of the smaller radius"))
     part = bed_run.parts_of(run)[0]
     for key, name, unit, meaning in known:
-        if key == "psi6" and part.has(bed_run.RESULTS) and part.told("order", "psi6"):
+        if key == "psi6" and part.has(bed_run.RESULTS) and part.value("order", "psi6"):
             continue  # the report has it among the measures, over more frames and with the cut-off of g(r)
         if words.is_number(summary.get(key)) and (key == "simulated_time" or run.granular.need("beads")):
             yield name, f"{words.number(summary[key])} {unit}".strip(), meaning
@@ -141,14 +141,14 @@ def rod_measured(number, rod):
 
 def other_summary(run):
     """What else the summary holds: cost, hash and the like."""
-    return {key: value for key, value in run.granular.summary.items() if key not in TOLD}
+    return {key: value for key, value in run.granular.summary.items() if key not in SHOWN}
 
 
 # The part of the report that tells what was measured: measure.json in words.
 
-MEASURED_TITLED = [told for told in schema.MEASURED if "title" in told]
-MEASURED_NUMBERS = [told for told in MEASURED_TITLED if "factor" in told]
-MEASURED_TEXTS = [told for told in MEASURED_TITLED if "factor" not in told]
+MEASURED_TITLED = [entry for entry in schema.MEASURED if "title" in entry]
+MEASURED_NUMBERS = [entry for entry in MEASURED_TITLED if "factor" in entry]
+MEASURED_TEXTS = [entry for entry in MEASURED_TITLED if "factor" not in entry]
 
 
 def measures_table(run):
@@ -157,31 +157,31 @@ def measures_table(run):
     if not parts:
         return (), []
     names = [words.label_html(part.label) for part in parts] if len(parts) > 1 else ["Value"]
-    rows = [*(text_row(parts, told) for told in MEASURED_TEXTS), *(number_row(parts, told) for told in MEASURED_NUMBERS)]
+    rows = [*(text_row(parts, entry) for entry in MEASURED_TEXTS), *(number_row(parts, entry) for entry in MEASURED_NUMBERS)]
     return ("Quantity", *names, "Meaning"), [row for row in rows if row]
 
 
-def text_row(parts, told):
-    values = [part.told(told["measure"], told["key"]) for part in parts]
-    meaning = words.text_html(told["meaning"])
-    if told["key"] == "phase" and len(parts) == 1:
-        meaning = words.escape(parts[0].told("order", "reason") or "") or meaning
+def text_row(parts, entry):
+    values = [part.value(entry["measure"], entry["key"]) for part in parts]
+    meaning = words.text_html(entry["meaning"])
+    if entry["key"] == "phase" and len(parts) == 1:
+        meaning = words.escape(parts[0].value("order", "reason") or "") or meaning
     cells = ["" if value is None else words.escape(value) for value in values]
-    return (words.text_html(told["title"]), *cells, meaning) if any(values) else None
+    return (words.text_html(entry["title"]), *cells, meaning) if any(values) else None
 
 
-def number_row(parts, told):
-    cells = [measure_cell(part, told) for part in parts]
-    return (words.text_html(told["title"]), *cells, words.text_html(told["meaning"])) if any(cells) else None
+def number_row(parts, entry):
+    cells = [measure_cell(part, entry) for part in parts]
+    return (words.text_html(entry["title"]), *cells, words.text_html(entry["meaning"])) if any(cells) else None
 
 
-def measure_cell(part, told):
+def measure_cell(part, entry):
     """Speeds are in mm/s all over the report, whatever the file has."""
-    table, key, factor, unit = told["measure"], told["key"], told["factor"], fit_words.unit_html(told["unit"])
-    found = part.told(table, key)
+    table, key, factor, unit = entry["measure"], entry["key"], entry["factor"], fit_words.unit_html(entry["unit"])
+    found = part.value(table, key)
     if found is None:
         return ""
-    if told["unit"] == "a/s":
+    if entry["unit"] == "a/s":
         factor, unit = 1e3 * part.a, "mm/s"
     if not isinstance(found, dict):
         value = part.number(table, key)

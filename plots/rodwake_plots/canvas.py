@@ -153,7 +153,7 @@ def settle(made, width=None):
 def save(made, path, metadata=None, settled=False):
     if not settled:
         settle(made)
-    out = io.BytesIO()  # a write that fails is then told with its cause, which Pillow loses
+    out = io.BytesIO()  # a write that fails then reports its cause, which Pillow loses
     made.savefig(out, format=path.suffix[1:], metadata=metadata)
     files.write(path, out.getvalue())
 
@@ -236,7 +236,7 @@ def curve_panel(count, height=3.1):
 
 
 def colours(count):
-    """Few curves are told apart by hue, many by their place in a sequence."""
+    """Few curves are distinguished by hue, many by their place in a sequence."""
     if count <= len(style.CURVES):
         return style.CURVES[:count]
     return [style.TIME_MAP(place) for place in np.linspace(0, 1, count)]
@@ -317,7 +317,7 @@ def label_panels(axes_list, parts, xlabel, ylabel, title=""):
         axes_list[0].figure.suptitle(style.safe(title), fontsize=11)
 
 
-def told_of_panels(parts, of):
+def describe_panels(parts, of):
     """`of(part)` of each panel as one line for a caption."""
     if len(parts) == 1:
         return of(parts[0])

@@ -43,7 +43,7 @@ def read(run):
                      for axis in others[1:]], axis=-1) if others[1:] else np.zeros((len(table["value"]), 0))
     kinds, family = np.unique(rest, axis=0, return_inverse=True)
     shown = np.unique(np.linspace(0, len(kinds) - 1, min(MOST, len(kinds))).round().astype(int))
-    told = [[(axis, float(value)) for axis, value in zip(others[1:], kind)] for kind in kinds[shown]]
+    fixed = [[(axis, float(value)) for axis, value in zip(others[1:], kind)] for kind in kinds[shown]]
     branches = []
     for number, index in enumerate(shown):
         for branch in np.unique(table["branch"][family.ravel() == index]):
@@ -52,7 +52,7 @@ def read(run):
                 rows = rows[np.argsort(table[others[0].key][rows], kind="stable")]
                 if rows.size:
                     branches.append(Branch(number, kind, *(table[name][rows] for name in (others[0].key, "value", "low", "high"))))
-    names = [tuple(", ".join(say(axis, value) for axis, value in each) for say in (scan_run.Axis.equals, scan_run.Axis.equals_html)) for each in told]
+    names = [tuple(", ".join(say(axis, value) for axis, value in each) for say in (scan_run.Axis.equals, scan_run.Axis.equals_html)) for each in fixed]
     return branches, names
 
 
@@ -85,17 +85,17 @@ def draw(run, spec):
 
 def caption(run, spec):
     branches, names = read(run)
-    solved, told = run.scan.axes[-1], files.Record(run.scan.folder / "critical.json")
+    solved, record = run.scan.axes[-1], files.Record(run.scan.folder / "critical.json")
     widest = max(float(np.max((branch.high - branch.low) / np.maximum(np.abs(branch.value), 1e-300))) for branch in branches)
     count = sum(branch.value.size for branch in branches)
-    between = " and ".join(str(one) for one in told.need("between"))
+    between = " and ".join(str(one) for one in record.need("between"))
     text = f"Critical values of {solved.name_html} between {words.escape(between)} against {run.scan.axes[0].name_html}: {count} values"
     text += ", by kind " + words.listed([f"{kind} {sum(branch.value.size for branch in branches if branch.kind == kind)}"
                                          for kind in KINDS_OF_VALUES if any(branch.kind == kind for branch in branches)])
     text += f". Bands are their ranges, at most {widest:.1e} of the value."
-    none = sum(point["status"] == "none" for point in told.need("points"))
+    none = sum(point["status"] == "none" for point in record.need("points"))
     if none:
-        text += f" {none} of {len(told.need('points'))} points have none."
+        text += f" {none} of {len(record.need('points'))} points have none."
     return text + scan_words.fixed_html(run)
 
 

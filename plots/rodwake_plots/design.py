@@ -19,18 +19,18 @@ def has_design(folder):
 def write(folder, output=None):
     """Paths of the figures made."""
     folder = Path(folder)
-    told = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    record = json.loads((folder / FILE).read_text(encoding="utf-8"))
     path = Path(output or folder) / "figures" / "design.png"
-    canvas.save(draw(told, folder / FILE), path)
+    canvas.save(draw(record, folder / FILE), path)
     return [path]
 
 
-def draw(told, path=FILE):
-    designs = [one for one in told["designs"] if one["information"] is not None]
+def draw(record, path=FILE):
+    designs = [one for one in record["designs"] if one["information"] is not None]
     if not designs:
         raise PlotError(f"{path}: no design has a result")
     designs = sorted(designs, key=lambda one: -one["information"])[:MOST]
-    rank, most = np.arange(len(designs)), np.log2(len(told["models"]))
+    rank, most = np.arange(len(designs)), np.log2(len(record["models"]))
     figure = canvas.figure(style.WIDE, 0.3 * len(designs) + 1.3)
     axes = figure.subplots()
     axes.errorbar([one["information"] for one in designs], rank, xerr=[one["information_stderr"] or 0.0 for one in designs], fmt="o", markersize=4,

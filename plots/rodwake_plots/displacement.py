@@ -256,10 +256,10 @@ def theory(axes, run, spec):
     x, model = fit.modelled(run.fit, view)
     factor = np.sqrt(np.abs(x)) if spec.sqrt_scaled else 1.0
     fit.draw_line(axes, run.fit, x, factor * model, color=style.OTHERS[0], linewidth=1.4, zorder=2)
-    axes.plot([], [], color=style.OTHERS[0], label=f"theory, {told_of(view)}")
+    axes.plot([], [], color=style.OTHERS[0], label=f"theory, {describe_theory(view)}")
 
 
-def told_of(view):
+def describe_theory(view):
     return "predicted" if fit_words.predicted(view.profile) else "fitted"
 
 
@@ -307,7 +307,7 @@ def caption_profile(run, spec):
             f"{'bars: standard error' if known else 'the error is unknown'}; shaded: {shaded(run)}. ")
     if view := fitted(run, spec):
         how_made = "predicted with what was fitted to other lines" if fit_words.predicted(view.profile) else "fitted to it"
-        text += f"Line: theory {how_made}, {'not drawn' if run.fit.maps else 'thin'} within {words.number(run.fit.number(run.fit.told, 'core', 0.0))} <i>a</i> of the rod, where data are left out. "
+        text += f"Line: theory {how_made}, {'not drawn' if run.fit.maps else 'thin'} within {words.number(run.fit.number(run.fit.record, 'core', 0.0))} <i>a</i> of the rod, where data are left out. "
     if spec.sqrt_scaled:
         text = text.replace("displacement ", f"|<i>{spec.along}</i>|<sup>1/2</sup>", 1)
         text += f"A level stretch is a fall-off as |<i>{spec.along}</i>|<sup>−1/2</sup>. "
@@ -316,7 +316,7 @@ def caption_profile(run, spec):
 
 def how(part):
     """Estimator and reference, for this caption and the map's."""
-    method, reference = part.told("displacement", "method"), part.told("displacement", "reference")
+    method, reference = part.value("displacement", "method"), part.value("displacement", "reference")
     blocks = part.number("displacement", "blocks")
     if not method:
         return ""

@@ -50,7 +50,7 @@ def defaults(run):
 
 
 def all_of(kind, run):
-    """If it cannot be told what there is, one figure, which says why when it is drawn."""
+    """If the data cannot be listed, one figure, which says why when it is drawn."""
     made = KINDS[kind]
     one = schema.Spec(kind, kind, **schema.OF_KIND.get(kind, {}))
     found, error = attempt(made.defaults or (lambda run: [one] if made.there(run) else []), run)
@@ -73,7 +73,7 @@ def first(specs, kind):
 
 
 def write_all(run, figures, pdf, look=Look(SETTINGS)):
-    """[(figure, "" or why it could not be drawn)]; beside figures that are drawn, one without data is left out and told."""
+    """[(figure, "" or why it could not be drawn)]; beside figures that are drawn, one without data is left out, with a message."""
     endings = (".png", ".pdf") if pdf else (".png",)
     tried = [(one, attempt(write_one, run, one, endings, look)[1]) for one in figures]
     left_out = [one for one, error in tried if isinstance(error, MissingError) and not run.has_lost(error.file)]

@@ -1,4 +1,4 @@
-"""Files: written whole or not at all; read as the program writes them, and what is not so is told with the name of the file."""
+"""Files: written whole or not at all; read as the program writes them, and anything else is reported with the name of the file."""
 
 import contextlib
 import csv

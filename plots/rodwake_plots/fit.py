@@ -131,7 +131,7 @@ def draw_panel(axes, fit, view, window):
 
 def draw_line(axes, fit, x, values, **look):
     """Faint within the core, where the theory makes no claim."""
-    inside = np.abs(x) < fit.number(fit.told, "core", 0.0)
+    inside = np.abs(x) < fit.number(fit.record, "core", 0.0)
     if inside.any():
         axes.plot(x, values, **{**look, "linewidth": 0.8, "alpha": 0.45})
     axes.plot(x, np.where(inside, np.nan, values), **look)
@@ -151,7 +151,7 @@ def draw_data(axes, points, value, sigma):
 
 
 def shade_core(axes, fit):
-    core = fit.number(fit.told, "core", 0.0)
+    core = fit.number(fit.record, "core", 0.0)
     if core > 0:
         axes.axvspan(-core, core, color=style.GREY, alpha=0.08, linewidth=0, zorder=0)
 
@@ -162,14 +162,14 @@ def broken(fit, view, values):
     if view.profile.get("at") != 0 or not x.min() < (at := force_at(fit, view)) < x.max():
         return x, values
     split = np.searchsorted(x, at)
-    values = np.where(np.abs(x - at) < 0.2 * fit.number(fit.told, "core", 0.0), np.nan, values)
+    values = np.where(np.abs(x - at) < 0.2 * fit.number(fit.record, "core", 0.0), np.nan, values)
     return np.insert(x, split, at), np.insert(values, split, np.nan)
 
 
 def modelled(fit, view):
     """The fitted curve; of maps with moments, which tell nothing near the rod, beyond the core alone."""
     x, model = broken(fit, view, view.curve.model)
-    return x, np.where(np.abs(x) < fit.number(fit.told, "core", 0.0), np.nan, model) if fit.maps else model
+    return x, np.where(np.abs(x) < fit.number(fit.record, "core", 0.0), np.nan, model) if fit.maps else model
 
 
 def force_at(fit, view):
@@ -236,9 +236,9 @@ def caption_of(fit, views, spec):
         text += "Shaded: one standard error of the curve, from the noise of the data. "
     if spec.residuals:
         text += "Below each panel the residuals" + (" in standard errors; triangles at the edge: beyond it. " if known else "; triangles at the edge: beyond it. ")
-    core = fit.number(fit.told, "core", 0.0)
+    core = fit.number(fit.record, "core", 0.0)
     text += f"Points within {words.equation('', core, fit_words.unit_html(fit.unit)).replace(' = ', '')} were left out. " if core > 0 else ""
-    text += "".join(panel_told(index, view, len(views), fit) for index, view in enumerate(views))
+    text += "".join(describe_panel(index, view, len(views), fit) for index, view in enumerate(views))
     text += "".join(not_shown(fit, one) for one in fit.profiles if all(one is not view.profile for view in views))
     return text + "".join(compared(fit, one) for one in fit.compared)
 
@@ -249,7 +249,7 @@ def fitted_to(fit):
     return "Fitted to " + words.listed(names or ["maps" if fit.maps else "trajectories"])
 
 
-def panel_told(index, view, count, fit):
+def describe_panel(index, view, count, fit):
     """Of one panel: whether it is a prediction, and how good."""
     if not fit_words.predicted(view.profile):
         return ""

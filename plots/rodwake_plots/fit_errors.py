@@ -90,8 +90,8 @@ class Likelihood:
             raise PlotError(f"{fit.path}: likelihood.{name} holds less than two points: nothing to draw")
         kept = np.isfinite(self.value) & np.isfinite(chi2)
         self.value, chi2 = self.value[kept], chi2[kept]
-        best = fit.number(fit.told, "objective", chi2.min())
-        self.rise = (chi2 - min(best, chi2.min())) / (fit.number(fit.told, "error_factor", 1.0) or 1.0) ** 2
+        best = fit.number(fit.record, "objective", chi2.min())
+        self.rise = (chi2 - min(best, chi2.min())) / (fit.number(fit.record, "error_factor", 1.0) or 1.0) ** 2
         self.low, self.high = fit.number(found, "low", -math.inf), fit.number(found, "high", math.inf)
 
     @property
@@ -138,7 +138,7 @@ def caption_fit_likelihood(run, spec):
             f"stays below {words.number(RISE_95, 3)} (level line). ")
     if like.parabola(np.array([one.value])) is not None:
         text += f"Broken: parabola from the curvature at the best value, {fit_words.value(one)}. "
-    if run.fit.number(run.fit.told, "error_factor", 1.0) != 1.0:
+    if run.fit.number(run.fit.record, "error_factor", 1.0) != 1.0:
         text += "The errors of the data are unknown: the rise is in units of <i>χ</i>² per degree of freedom. "
     return text
 

@@ -20,9 +20,9 @@ def draw(run, spec):
     axes = figure.subplots()
     for index, ((key, label, mark), colour) in enumerate(zip(CRITERIA, style.CURVES)):
         axes.plot(behind(run.fit, models, key), rank + 0.12 * (index - 1), mark, color=colour, markersize=5, label=label)
-    foretold = [one.get("cross_validation") or {} for one in models]
-    lost = np.array([-2 * run.fit.number(one, "difference") for one in foretold])
-    error = np.array([2 * run.fit.number(one, "difference_stderr") for one in foretold])
+    validations = [one.get("cross_validation") or {} for one in models]
+    lost = np.array([-2 * run.fit.number(one, "difference") for one in validations])
+    error = np.array([2 * run.fit.number(one, "difference_stderr") for one in validations])
     if np.isfinite(lost).any():
         axes.errorbar(lost, rank + 0.14, xerr=np.nan_to_num(error), fmt="D", color=style.INK, markersize=4, linewidth=0.9, label="cross-validation, −2 ln")
     axes.axvline(0, **canvas.FAINT)
@@ -59,10 +59,10 @@ def weight_of(fit, one):
 def caption(run, spec):
     fit = run.fit
     source = "evidence" if fit.weighed.get("weight_from") == "evidence" else "AIC"
-    told = (f"Model comparison: distance from the best model in AIC and BIC, and in cross-validation, where each eighth of the data is predicted by a fit of the rest "
+    text = (f"Model comparison: distance from the best model in AIC and BIC, and in cross-validation, where each eighth of the data is predicted by a fit of the rest "
             f"(−2 times the difference of the log-likelihoods, with its standard error). In brackets: weights by {source}. ")
     chances = [f"{words.escape(str(one.get('name', '')))} {fit_words.chance_html(fit.number(one.get('misfit') or {}, 'probability'))}" for one in drawn(fit)]
-    return told + f"Goodness of fit, probability of so large a deviation if the model is right: {', '.join(chances)}."
+    return text + f"Goodness of fit, probability of so large a deviation if the model is right: {', '.join(chances)}."
 
 
 KINDS = {"fit_models": Kind(draw=draw, caption=caption, there=lambda run: run.fit.weighed is not None)}

@@ -55,17 +55,17 @@ class Map(NamedTuple):
 class FitResult:
     def __init__(self, folder):
         self.path = folder / FILE
-        self.told = files.Record(self.path)
+        self.record = files.Record(self.path)
         # {name of a parameter: {curvature, held, masks, jackknife, total}}; empty without
-        self.systematics = (self.told.get("systematics") or {}).get("errors") or {}
+        self.systematics = (self.record.get("systematics") or {}).get("errors") or {}
         with files.reading(self.path, "parameters or free"):
-            self.parameters = {name: self._parameter(name, one) for name, one in self.told["parameters"].items()}
-            self.free = [self.parameters[name] for name in self.told.get("free") or []]
-        self.unit = str(self.told.get("length_unit") or "a")
+            self.parameters = {name: self._parameter(name, one) for name, one in self.record["parameters"].items()}
+            self.free = [self.parameters[name] for name in self.record.get("free") or []]
+        self.unit = str(self.record.get("length_unit") or "a")
         self.profiles, self.trajectories, self.maps, self.compared, self.starts, self.flat, self.remarks = (
-            self.told.get(key) or [] for key in ("profiles", "trajectories", "maps", "compare", "starts", "flat", "remarks"))
-        self.likelihood = self.told.get("likelihood") or {}
-        self.misfit = self.told.get("misfit") or {}
+            self.record.get(key) or [] for key in ("profiles", "trajectories", "maps", "compare", "starts", "flat", "remarks"))
+        self.likelihood = self.record.get("likelihood") or {}
+        self.misfit = self.record.get("misfit") or {}
         rivals = folder / MODELS
         self.weighed = files.Record(rivals) if rivals.is_file() else None
 
@@ -80,13 +80,13 @@ class FitResult:
     def derived(self):
         """{name: (value, error, unit)}."""
         return {name: (self.number(one, "value"), self._whole(name, self.number(one, "stderr", math.inf)), str(one.get("unit") or ""))
-                for name, one in (self.told.get("derived") or {}).items()}
+                for name, one in (self.record.get("derived") or {}).items()}
 
     @property
     def correlation(self):
         """In the order of `free`."""
         with files.reading(self.path, "correlation"):
-            return np.array(self.told.get("correlation") or [], dtype=float).reshape(len(self.free), len(self.free))
+            return np.array(self.record.get("correlation") or [], dtype=float).reshape(len(self.free), len(self.free))
 
     def number(self, table, key, absent=math.nan):
         """A number of fit.json; `absent` for null or nothing."""

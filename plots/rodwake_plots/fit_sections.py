@@ -40,12 +40,12 @@ def named(name, heads, rows):
 def headline(run):
     """One line under the title."""
     fit = run.fit
-    told = fit_words.medium_values(fit) or fit_words.values(fit.free)
-    return f'<p class="outcome"><span class="tag">fit</span>{told or "no free parameter"}.</p>'
+    values = fit_words.medium_values(fit) or fit_words.values(fit.free)
+    return f'<p class="outcome"><span class="tag">fit</span>{values or "no free parameter"}.</p>'
 
 
 def chi2_words(fit):
-    chi2, dof = fit.number(fit.told, "chi2"), fit.number(fit.told, "dof")
+    chi2, dof = fit.number(fit.record, "chi2"), fit.number(fit.record, "dof")
     if not dof > 0:
         return f"{words.equation('<i>χ</i>²', chi2)}, no degrees of freedom left"
     return words.equation("<i>χ</i>²/dof", chi2 / dof, digits=3)
@@ -53,39 +53,39 @@ def chi2_words(fit):
 
 def models(fit):
     """Which medium the numbers belong to."""
-    told = []
+    media = []
     if fit.maps and fit.maps[0].get("medium") == "isotropic":
         return "<p>Fitted: maps by the steady field of an <b>isotropic</b> medium outside the mask; lines are predicted by it.</p>"
     if fit.profiles:
-        told.append("profiles by the steady field of an <b>isotropic</b> medium along a line")
+        media.append("profiles by the steady field of an <b>isotropic</b> medium along a line")
     if fit.maps:
-        told.append("maps by the steady field of an <b>orthotropic</b> medium outside the mask")
-    return f"<p>Fitted: {' and '.join(told)}.</p>" if told else ""
+        media.append("maps by the steady field of an <b>orthotropic</b> medium outside the mask")
+    return f"<p>Fitted: {' and '.join(media)}.</p>" if media else ""
 
 
 def quality(fit):
-    told = fit.told
-    chi2, dof, chance = (fit.number(told, key) for key in ("chi2", "dof", "probability"))
+    record = fit.record
+    chi2, dof, chance = (fit.number(record, key) for key in ("chi2", "dof", "probability"))
     text = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof)) if math.isfinite(dof) else '?'} degrees of freedom"
     text += f", {chi2_words(fit)}" if dof > 0 else ""
-    known = fit.number(told, "error_factor", 1.0) == 1.0
+    known = fit.number(record, "error_factor", 1.0) == 1.0
     if known and dof > 0 and math.isfinite(chance) and fit.misfit.get("describes") is not False:
         text += (f"; if theory and errors are right, the probability of at least this <i>χ</i>² is "
                  f"{words.number(chance, 2) if chance > 1e-300 else 'zero'}")
     if not known:
         text += (f"; the errors of the data are unknown or not trusted, so the errors of the parameters were multiplied by "
-                 f"{words.number(fit.number(told, 'error_factor'), 4)}")
-    if told.get("rms") is not None:
-        text += f". Root mean square of the residuals: {words.number(fit.number(told, 'rms'), 4)}" + (" standard errors" if known else "")
-    if told.get("loss") not in (None, "squares"):
-        text += f". Minimised: {words.escape(told['loss'])} loss, {words.number(fit.number(told, 'objective'), 6)} at the end"
+                 f"{words.number(fit.number(record, 'error_factor'), 4)}")
+    if record.get("rms") is not None:
+        text += f". Root mean square of the residuals: {words.number(fit.number(record, 'rms'), 4)}" + (" standard errors" if known else "")
+    if record.get("loss") not in (None, "squares"):
+        text += f". Minimised: {words.escape(record['loss'])} loss, {words.number(fit.number(record, 'objective'), 6)} at the end"
     return f"<p>{text}.</p>"
 
 
 def remarks(fit):
-    """In the program's words; flat directions too, unless a remark has told them already."""
-    told = [*fit.remarks, *(text for one in fit.flat if (text := str(one.get("text", ""))) and text not in fit.remarks)]
-    return "<ul>\n" + "\n".join(f"<li>{words.escape(fit_words.without_folders(one))}</li>" for one in told) + "\n</ul>" if told else ""
+    """In the program's words; flat directions too, unless a remark has them already."""
+    texts = [*fit.remarks, *(text for one in fit.flat if (text := str(one.get("text", ""))) and text not in fit.remarks)]
+    return "<ul>\n" + "\n".join(f"<li>{words.escape(fit_words.without_folders(one))}</li>" for one in texts) + "\n</ul>" if texts else ""
 
 
 def medium(run):
@@ -104,8 +104,8 @@ ENDINGS = {"converged": "converged", "roundoff": "no further progress is possibl
 
 
 def name_of(one):
-    told = fit_words.symbol_html(one)
-    return told if told == words.escape(one) else f"{told} <code>{words.escape(one)}</code>"
+    symbol = fit_words.symbol_html(one)
+    return symbol if symbol == words.escape(one) else f"{symbol} <code>{words.escape(one)}</code>"
 
 
 def parameter_row(one):
@@ -181,14 +181,14 @@ def profiles_table(fit):
     rows = []
     for one in fit.profiles:
         found = fit_words.excess(one)
-        told = words.with_error(*found) if found else ""
+        value = words.with_error(*found) if found else ""
         used, all_points = fit.number(one, "used"), fit.number(one, "points")
         chi2, worth = fit.number(one, "chi2"), fit.number(one, "independent", 1.0)  # values a point is worth
         rows.append((words.escape(one.get("name", "")), fit_words.line_html(one, fit.unit),
                      "prediction" if fit_words.predicted(one) else "fitted", f"{used:.0f} of {all_points:.0f}" if math.isfinite(used + all_points) else "",
                      words.number(chi2) if math.isfinite(chi2) else "",
                      words.number(chi2 / (used * worth), 3) if used * worth > 0 and math.isfinite(chi2) else "",
-                     whole(told)))
+                     whole(value)))
     return ("Profile", "Shows", "Role", "Points used", "<i>χ</i>²", "<i>χ</i>²/values", "Data over theory"), rows
 
 
@@ -257,11 +257,11 @@ def prior_cell(prior):
 
 def model_row(fit, one):
     number = lambda key: fit.number(one, key)
-    told = lambda value, error=math.nan: words.with_error(value, error if error > 0 else None) if math.isfinite(value) else "–"
+    shown = lambda value, error=math.nan: words.with_error(value, error if error > 0 else None) if math.isfinite(value) else "–"
     apart = one.get("cross_validation") or {}
-    return (words.escape(str(one.get("name", ""))), told(number("weight")), words.number(one.get("free", "?")), told(number("chi2")), told(number("aic")),
-            told(number("bic")), told(number("log_evidence"), number("stderr")),
-            told(fit.number(apart, "difference"), fit.number(apart, "difference_stderr")),
+    return (words.escape(str(one.get("name", ""))), shown(number("weight")), words.number(one.get("free", "?")), shown(number("chi2")), shown(number("aic")),
+            shown(number("bic")), shown(number("log_evidence"), number("stderr")),
+            shown(fit.number(apart, "difference"), fit.number(apart, "difference_stderr")),
             fit_words.chance_html(fit.number(one.get("misfit") or {}, "probability")))
 
 
@@ -280,21 +280,21 @@ def misfit_rows(fit):
 
 
 def search_rows(fit):
-    told = fit.told
-    ending = str(told.get("termination", ""))
-    yield "End", f"{ENDINGS.get(ending, words.escape(ending))}" + (f": {words.escape(told['reason'])}" if told.get("reason") else "")
+    record = fit.record
+    ending = str(record.get("termination", ""))
+    yield "End", f"{ENDINGS.get(ending, words.escape(ending))}" + (f": {words.escape(record['reason'])}" if record.get("reason") else "")
     for key, name in (("algorithm", "Algorithm"), ("evaluations", "Evaluations of the residuals"), ("rank", "Rank of the Jacobian"),
                       ("seed", "Seed")):
-        if told.get(key) is not None:
-            yield name, words.number(told[key]) if words.is_number(told[key]) else words.escape(told[key])
+        if record.get(key) is not None:
+            yield name, words.number(record[key]) if words.is_number(record[key]) else words.escape(record[key])
     if len(fit.starts) > 1:
-        same = told.get("same_optimum")
+        same = record.get("same_optimum")
         reached = f", {words.number(same)} of which reached the same optimum" if words.is_number(same) else ""
         yield "Starts", words.number(len(fit.starts)) + reached
-    if told.get("box") is not None:
-        sides = told["box"] if isinstance(told["box"], list) else [fit.number(told, "box")]
+    if record.get("box") is not None:
+        sides = record["box"] if isinstance(record["box"], list) else [fit.number(record, "box")]
         yield "Periodic box", f"{'sides' if len(sides) > 1 else 'side'} {' × '.join(map(words.number, sides))} {fit_words.unit_html(fit.unit)}"
-    core, spacing = fit.number(told, "core", 0.0), fit.number(told, "independent_spacing", 0.0)
+    core, spacing = fit.number(record, "core", 0.0), fit.number(record, "independent_spacing", 0.0)
     if core > 0:
         yield "Core left out", f"points within {words.number(core)} {fit_words.unit_html(fit.unit)}"
     if spacing > 0:

@@ -73,13 +73,13 @@ def outline(axes, x, y, used):
 
 def caption_fit_map(run, spec):
     count, total = read_maps(run.fit)[-1], len(run.fit.maps)
-    told = fit_words.medium_values(run.fit) or fit_words.values(run.fit.free)
+    values = fit_words.medium_values(run.fit) or fit_words.values(run.fit.free)
     text = "Measured displacement around the rod, which heads along +<i>x</i>; the fitted steady field of an "
     text += f"{run.fit.maps[0].get('medium') or 'orthotropic'} medium in the periodic box; "
     text += "and the residuals, in the same colours. Outlined: masked or without data, so not fitted; fit and residuals are grey there. "
     if total > 1:
         text += f"Means of {words.number(count)} maps. " if count == total else f"Means of {count} of the {total} maps, those on one grid. "
-    return text + (f"Fitted: {told}. " if told else "")
+    return text + (f"Fitted: {values}. " if values else "")
 
 
 # Paths of rods and those of the fitted equations of motion, with what is left between them.

@@ -147,7 +147,7 @@ def predicted(profile):
 
 
 def interval_html(low, high, unit=""):
-    """`1.1 to 1.5`; a side without an end is told in words."""
+    """`1.1 to 1.5`; a side without an end is described in words."""
     if not math.isfinite(low) and not math.isfinite(high):
         return "unbounded"
     if not math.isfinite(low):

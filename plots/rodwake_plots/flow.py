@@ -100,7 +100,7 @@ def caption_flow(run, spec):
     parts = bed_run.holders(run, FIELDS, "flow")
     text = ("Direction of the beads' mean velocity in the frame that moves and turns with the rod, thin end towards +<i>x</i>, and by "
             f"colour its size; thin arrows: less than {SIGNIFICANT:g} standard errors. Beads at rest in the box have velocity 0. "
-            f"{displacement.drawn(run)} {canvas.told_of_panels(parts, lambda part: near(part, bed_run.mm_per_s(run)))}").rstrip()
+            f"{displacement.drawn(run)} {canvas.describe_panels(parts, lambda part: near(part, bed_run.mm_per_s(run)))}").rstrip()
     return text + bed_run.not_measured(run, FIELDS, "flow")
 
 
@@ -199,7 +199,7 @@ def caption_dragged(run, spec):
     parts = bed_run.holders(run, MARKED)
     return ("The bed from above in the last stored frame, circles at true size. Purple: the beads that were near the rod in the first "
             "frame; rings: where they were then, moved along with the drift of the whole bed. "
-            f"{canvas.told_of_panels(parts, moved)}{bed_run.not_measured(run, MARKED)}")
+            f"{canvas.describe_panels(parts, moved)}{bed_run.not_measured(run, MARKED)}")
 
 
 def moved(part):

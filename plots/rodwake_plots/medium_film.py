@@ -146,7 +146,7 @@ def clock(axes, text):
                      path_effects=[patheffects.withStroke(linewidth=2.0, foreground="#00000088")])
 
 
-def rods_told(film):
+def describe_rods(film):
     rods = film.rod_x.shape[1]
     trail = f"what they walked in the {TRAIL:g} time units before" if rods > FEW else "their paths"
     return f"{rods} rods as needles, thin end forward, with {trail}" if rods > 1 else "a rod as a needle, thin end forward, with its path"
@@ -206,7 +206,7 @@ def caption_medium_film(run, spec):
         found = movie.film_of(run, spec)
         name = f"figures/{words.escape(found[0].name)}: d" if found else "D"
         return (f"{name}isplacement |<b>u</b>| of the medium, of the fields of all rods together, by colour (the top {100 - TOP:.1f} % of the values are "
-                f"beyond the scale); {rods_told(film)}. {len(film)} pictures from <i>t</i> = {words.number(film.t[0])} to "
+                f"beyond the scale); {describe_rods(film)}. {len(film)} pictures from <i>t</i> = {words.number(film.t[0])} to "
                 f"{words.number(film.t[-1])} {run.units.time_html()}, {spec.fps} a second. The box of side {words.number(film.box)} "
                 f"{run.units.length_html()} is periodic.")
 
@@ -250,7 +250,7 @@ def caption_medium_instants(run, spec):
     with MediumFilm(run) as film:
         times = ", ".join(words.number(film.t[number]) for number in instants(film))
         return (f"Displacement |<b>u</b>| of the medium at <i>t</i> = {times} {run.units.time_html()}, of the fields of all rods together, on one "
-                f"colour scale; {rods_told(film)}.")
+                f"colour scale; {describe_rods(film)}.")
 
 
 KINDS = {

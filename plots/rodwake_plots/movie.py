@@ -93,9 +93,9 @@ def by_ffmpeg(path, film, fps):
                     process.stdin.write(picture.tobytes())
             code = process.wait()
         log.seek(0)
-        told = log.read().decode(errors="replace").strip()
-    if code != 0 or told:  # a disk that is full is told as an error, and may end well all the same
-        raise PlotError(f"ffmpeg made no film: {told or f'exit code {code}'}")
+        output = log.read().decode(errors="replace").strip()
+    if code != 0 or output:  # a full disk is reported as an error, and may end well all the same
+        raise PlotError(f"ffmpeg made no film: {output or f'exit code {code}'}")
 
 
 def kill(process):
@@ -126,7 +126,7 @@ def caption_movie(run, spec):
     name = f"figures/{words.escape(found[0].name)}: t" if found else "T"
     return (f"{run.granular.which(TRAJECTORY)}{name}he bed from above, {count} pictures from "
             f"<i>t</i> = {bed.clock(first.time, last)} s to {bed.clock(last, last)} s, {spec.fps} a second"
-            f"{bed.rods_told(first)}. {bed.colours_told(run, spec, cutoff)}")
+            f"{bed.describe_rods(first)}. {bed.describe_colours(run, spec, cutoff)}")
 
 
 # Film of the rods of the theory, coloured by heading: mp4 by ffmpeg if there is one, else an animated GIF.

@@ -48,7 +48,7 @@ class Box:
         self.scripts = []
 
     def add(self, values):
-        """What the page is told of the array: its number, the type of its items, how many there are."""
+        """The description of the array for the page: its number, the type of its items, how many there are."""
         values = np.ascontiguousarray(values).ravel()
         values = values.astype(values.dtype.newbyteorder("<"))
         bytes_ = values.view(np.uint8).reshape(values.size, values.itemsize).T  # alike bytes together: they pack better

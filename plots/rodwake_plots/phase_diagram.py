@@ -135,11 +135,11 @@ def hover_marks(run, spec, figure):
     values = None if spec.colour == OUTCOME else scan_columns.values(scan, spec.colour)
     for axes, part in zip(figure.axes, scan_words.slices(scan, spec.slices)):
         for row in np.flatnonzero(part.rows):
-            told = "failed" if scan.failed[row] else OUTCOMES[scan.outcome[row]] if scan.outcome[row] >= 0 else "not evaluated"
-            told += f", {scan_columns.quantity(spec.colour, scan).name} {values[row]:.4g}" if values is not None and np.isfinite(values[row]) else ""
+            text = "failed" if scan.failed[row] else OUTCOMES[scan.outcome[row]] if scan.outcome[row] >= 0 else "not evaluated"
+            text += f", {scan_columns.quantity(spec.colour, scan).name} {values[row]:.4g}" if values is not None and np.isfinite(values[row]) else ""
             places = [float(scan.place(index)[row]) for index in (0, 1)]
             at = ", ".join(axis.equals_text(place) for axis, place in zip(scan.axes, places))
-            yield axes, *(place * axis.factor for axis, place in zip(scan.axes, places)), f"{at}: {told}".replace("-", "−")
+            yield axes, *(place * axis.factor for axis, place in zip(scan.axes, places)), f"{at}: {text}".replace("-", "−")
 
 
 def caption(run, spec):

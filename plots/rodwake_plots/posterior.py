@@ -183,14 +183,14 @@ def key(figure, all_axes):
         figure.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3, frameon=False, fontsize=9))
 
 
-def told(run, parameters):
+def describe_parameters(run, parameters):
     return ", ".join(f'<span class="eq">{fit_words.symbol_html(one.name)} = '
                      f"{fit_words.with_unit(words.with_error(one.mean, one.sd), one.unit)}</span>" for one in parameters)
 
 
 def caption_corner(run, spec):
     parameters = shown(run)
-    text = f"Posterior of the parameters, mean and standard deviation: {told(run, parameters)}. "
+    text = f"Posterior of the parameters, mean and standard deviation: {describe_parameters(run, parameters)}. "
     if len(parameters) > 1:
         text += "Shaded: regions that hold 39 % and 86 % of the samples, as ellipses of one and two standard deviations do. "
     text += "Broken: the priors. Orange: the least-squares optimum and its standard errors. "
@@ -227,8 +227,8 @@ def draw_trace(run, spec):
 
 
 def caption_trace(run, spec):
-    count = run.posterior.told.get("chains", "?")
-    accepted = run.posterior.told.get("accepted") or []
+    count = run.posterior.record.get("chains", "?")
+    accepted = run.posterior.record.get("accepted") or []
     text = f"Samples of each parameter along the {words.number(count)} chains, a colour each, and their distributions. "
     return text + (f"Of the steps {100 * min(accepted):.0f} to {100 * max(accepted):.0f} % were taken. " if accepted else "")
 
@@ -256,7 +256,7 @@ def draw_predictive(run, spec):
 
 def draw_bands(axes, run, view, table):
     x, at = table["x"], fit.force_at(run.fit, view)
-    near = (np.abs(x - at) < max(NEAREST * run.fit.number(run.fit.told, "core", 0.0), 0.02 * np.ptp(x))) & (view.profile.get("at") == 0)
+    near = (np.abs(x - at) < max(NEAREST * run.fit.number(run.fit.record, "core", 0.0), 0.02 * np.ptp(x))) & (view.profile.get("at") == 0)
     column = {name: np.where(near, np.nan, table[name]) for name in ("median", "low", "high", "noise_low", "noise_high")}
     axes.axhline(0, color=style.GREY, linewidth=0.6, zorder=1)
     fit.shade_core(axes, run.fit)

@@ -50,17 +50,17 @@ class Marginal(NamedTuple):
 class PosteriorResult:
     def __init__(self, folder):
         self.path = folder / FILE
-        self.told = files.Record(self.path)
+        self.record = files.Record(self.path)
         with files.reading(self.path, "parameters"):
-            self.parameters = [marginal(name, one) for name, one in self.told["parameters"].items()]
-        self.remarks = self.told.get("remarks") or []
-        evidence = self.told.get("log_evidence") or {}
+            self.parameters = [marginal(name, one) for name, one in self.record["parameters"].items()]
+        self.remarks = self.record.get("remarks") or []
+        evidence = self.record.get("log_evidence") or {}
         self.log_evidence = (number(evidence.get("value")), number(evidence.get("stderr"))) if evidence else None
 
     def chains(self):
         """{parameter: values as [chain][draw]}."""
         with files.reading(self.path, "samples"):
-            path = self.path.parent / self.told["samples"]
+            path = self.path.parent / self.record["samples"]
         found = files.read_csv(path, needed=("chain", *(one.name for one in self.parameters)))
         _, counts = np.unique(found["chain"], return_counts=True)
         if counts.size == 0 or np.ptp(counts) > 0:

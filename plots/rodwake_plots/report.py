@@ -26,7 +26,7 @@ def write(run, shown):
 
 
 def document(run, shown, failures):
-    """What cannot be told says so in its place, and in `failures`: the rest of the page is made all the same."""
+    """A part that fails says so in its position, and in `failures`: the rest of the page is made all the same."""
     parts = [(name, inside) for name, inside in sections_of(run, shown, failures) if inside]
     names = [(number, one.title or one.name.replace("_", " ")) for number, (one, _) in enumerate(shown, 1)]
     links = navigation([name for name, _ in parts], names)
@@ -86,9 +86,9 @@ def slim(image):
 def figure(run, spec, why, image, number, failures):
     label = f'figure "{spec.name}"'
     inside = failed(why) if why else made(label, failures, picture, run, spec, image)
-    told = "" if why else made(label, failures, lambda: f"{draw.caption(run, spec)}\n{data_links(run, spec)}")
+    caption = "" if why else made(label, failures, lambda: f"{draw.caption(run, spec)}\n{data_links(run, spec)}")
     name = f"<b>Figure {number}.</b> " + (f"<b>{words.label_html(spec.title)}.</b> " if spec.title else "")
-    return f'<figure id="figure-{number}">\n<div class="sheet">{inside}</div>\n<figcaption>{name}{told}</figcaption>\n</figure>'
+    return f'<figure id="figure-{number}">\n<div class="sheet">{inside}</div>\n<figcaption>{name}{caption}</figcaption>\n</figure>'
 
 
 def picture(run, spec, image):
@@ -153,8 +153,8 @@ def data_links(run, spec):
     drawn = [link(f"figures/{spec.name}{ending}", ending[1:].upper()) for ending in (".pdf", ".png", ".mp4", ".gif")
              if (run.figures_dir / f"{spec.name}{ending}").is_file()]
     live = spec.kind in LIVE and run.output == run.path and (run.path / EXPLORER).is_file()
-    told = f"{link(EXPLORER, 'Drag the rods')}: the encounter, computed anew in the browser" if live else ""
-    return f'<div class="files">{" · ".join(filter(None, (told, text, *drawn)))}</div>'
+    explorer = f"{link(EXPLORER, 'Drag the rods')}: the encounter, computed anew in the browser" if live else ""
+    return f'<div class="files">{" · ".join(filter(None, (explorer, text, *drawn)))}</div>'
 
 
 def beside(run, path):
@@ -168,13 +168,13 @@ def link(path, text):
 
 def reproduce(run):
     """The command that makes this run again from the resolved scene, and what else it depends on."""
-    told = run.provenance or {}
-    command = str(told.get("command") or "")
+    provenance = run.provenance or {}
+    command = str(provenance.get("command") or "")
     first = next((word for word in split(command)[1:] if not word.startswith("-")), "")
     verb = first if first in VERBS else "run"  # a run of Python, too
-    program = f"rodwake {words.escape(told.get('version', run.version))}" + (f", git {words.escape(told['git'])}" if told.get("git") else "")
-    seed = f", seed {words.number(told['seed'])}" if words.is_number(told.get("seed")) else ""
-    took = f"; it took {words.number(float(told['wall_seconds']), 2)} s" if words.is_number(told.get("wall_seconds")) else ""
+    program = f"rodwake {words.escape(provenance.get('version', run.version))}" + (f", git {words.escape(provenance['git'])}" if provenance.get("git") else "")
+    seed = f", seed {words.number(provenance['seed'])}" if words.is_number(provenance.get("seed")) else ""
+    took = f"; it took {words.number(float(provenance['wall_seconds']), 2)} s" if words.is_number(provenance.get("wall_seconds")) else ""
     return (f'<div class="reproduce">\n<pre>rodwake {words.escape(verb)} scene.toml -o again\nrodwake plot again --pdf</pre>\n'
             f'<p>{link(beside(run, "scene.toml"), "scene.toml")} is the scene with every default written out; the result does not depend on the number '
             f"of threads. Made by {program}{seed}{took}.</p>\n"

@@ -380,11 +380,11 @@ def aspect_of(tracks):
 def caption_pair_tracks(run, spec):
     parts = pair_parts(run)
     members = [part.granular.holders(TRACKS) for part in parts]
-    shown = dict.fromkeys(pair_told(len(one), side_by_side(part.granular.tracks()[:1])) for part, one in zip(parts, members))
-    return " ".join([*shown, canvas.told_of_panels(parts, pair_outcomes)]).rstrip()
+    shown = dict.fromkeys(describe_pair(len(one), side_by_side(part.granular.tracks()[:1])) for part, one in zip(parts, members))
+    return " ".join([*shown, canvas.describe_panels(parts, pair_outcomes)]).rstrip()
 
 
-def pair_told(runs, beside):
+def describe_pair(runs, beside):
     thin = f"; thin: each of {runs} runs; bold: their mean" if runs > 1 else ""
     if beside:
         return ("Position of each rod across the start heading, from the middle of the pair, against its distance along it"

@@ -120,9 +120,9 @@ def free_square(means, t):
 
 def caption_noise(run, _):
     drawn = cases(run)
-    told = "; ".join(f"{words.label_html(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
+    captures = "; ".join(f"{words.label_html(case.label)}: {capture(case.means)}" for case in drawn if case.means["capture_probability"] is not None)
     return ("Root of the mean-square displacement and correlation of the headings, means over runs and rods; lines: a rod that no other turns. "
-            + (f"Right: runs in contact by a time; squares: probability of capture (contact or pursuit) with its interval of 95 %. {told}." if told else ""))
+            + (f"Right: runs in contact by a time; squares: probability of capture (contact or pursuit) with its interval of 95 %. {captures}." if captures else ""))
 
 
 def capture(means):
@@ -183,11 +183,11 @@ def caption_rods_order(run, _):
     means = order_tables(run)[2]
     unit = units_of(means).length_html()
     linked = f"rods nearer than {words.number(means['link'])} {unit} are linked" if "link" in means else "rods that touch are linked"
-    told = "; ".join(f"{name} {order_estimate(means[key])}" for key, name in (
+    estimates = "; ".join(f"{name} {order_estimate(means[key])}" for key, name in (
         ("polar", "polar order"), ("nematic", "nematic order"), ("weighted_size", "mean size of the cluster that a rod is in"),
         ("largest", "largest cluster")))
     return (f"Left: order of the rods and sizes of their clusters; {linked}. Right: share of "
-            f"the rods in clusters of each size. Means over the shaded time, standard errors from {words.number(means['blocks'])} blocks: {told}.")
+            f"the rods in clusters of each size. Means over the shaded time, standard errors from {words.number(means['blocks'])} blocks: {estimates}.")
 
 
 def units_of(means):

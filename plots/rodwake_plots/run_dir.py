@@ -11,7 +11,7 @@ from .bed_run import GranularRun, SUMMARY
 from .errors import MissingError, PlotError
 from .fit_result import FILE as FIT, FitResult
 from .posterior_result import FILE as POSTERIOR, PosteriorResult
-from .scan_run import ScanRun, TOLD as SCAN
+from .scan_run import ScanRun, SUMMARY as SCAN
 from .words import Units
 
 
@@ -172,7 +172,7 @@ class Run:
     samples: tuple = ()  # x and y of them; NaN where one has ended
 
 
-def runs_told_apart(run, runs, units):
+def distinct_label(run, runs, units):
     """The parameters in which the runs differ, as a label for a run that has none."""
     differing = [key for key in (*schema.COUPLINGS, "alpha", "eta") if len({one.attrs.get(key) for one in runs}) > 1]
     return ", ".join(f"${units.parameter(key, run.attrs[key])}$" for key in differing if key in run.attrs) or "as written"
@@ -246,7 +246,7 @@ class Result:
             return []
         names = sorted(self.file["/rods"], key=lambda name: self.attribute(f"/rods/{name}", "order", 0))
         runs = [self.run(name) for name in names]
-        return [replace(run, label=run.label or runs_told_apart(run, runs, self.units)) for run in runs]
+        return [replace(run, label=run.label or distinct_label(run, runs, self.units)) for run in runs]
 
     def run(self, name):
         place = f"/rods/{name}"

@@ -18,7 +18,7 @@ BALANCED = colormaps["RdBu_r"]
 
 
 class Quantity(NamedTuple):
-    symbol: str      # mathtext without dollars; empty: told in words alone
+    symbol: str      # mathtext without dollars; empty: described by words alone
     name: str        # in words
     unit: str        # length, time, rad, other words, or none
     signed: bool     # whether zero is a mark to see: colours diverge from it
@@ -74,8 +74,8 @@ def quantity(name, scan=None):
         return Quantity(rf"\Delta\theta_{{{turn[1]}}}", f"turn of rod {turn[1]}", "rad", True)
     of_rod = re.fullmatch(r"(mean_speed|force)(\d+)", name)
     if of_rod:
-        symbol, told, unit = OF_RODS[of_rod[1]]
-        return Quantity(f"{symbol}_{{{of_rod[2]}}}", f"{told} of rod {of_rod[2]}", unit, True)
+        symbol, description, unit = OF_RODS[of_rod[1]]
+        return Quantity(f"{symbol}_{{{of_rod[2]}}}", f"{description} of rod {of_rod[2]}", unit, True)
     return KNOWN.get(name, Quantity("", name.replace("_", " "), "", False))
 
 
@@ -113,15 +113,15 @@ def means(scan, name):
 
 def unit(run, name, extent):
     """(factor, unit as mathtext with dollars): of lengths and times those of the run."""
-    told = quantity(name)
-    if run.scan.of_beds and told.unit in ("length", "time"):
-        return 1.0, {"length": "$a$", "time": r"$\mathrm{s}$"}[told.unit]
-    if told.unit in ("length", "time"):
-        made = run.units.length("L", extent) if told.unit == "length" else run.units.time("L", extent)
-        return made.factor, made.label.split("$ ", 1)[1].strip("()") if run.units.si else rf"${REDUCED[told.unit]}$"
-    if told.unit == "m/s":
+    column = quantity(name)
+    if run.scan.of_beds and column.unit in ("length", "time"):
+        return 1.0, {"length": "$a$", "time": r"$\mathrm{s}$"}[column.unit]
+    if column.unit in ("length", "time"):
+        made = run.units.length("L", extent) if column.unit == "length" else run.units.time("L", extent)
+        return made.factor, made.label.split("$ ", 1)[1].strip("()") if run.units.si else rf"${REDUCED[column.unit]}$"
+    if column.unit == "m/s":
         return 1e3, r"$\mathrm{mm/s}$"
-    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$", "N": r"$\mathrm{N}$"}.get(told.unit, told.unit)
+    return 1.0, {"": "", "a": "$a$", "m²/s²": r"$\mathrm{m^2/s^2}$", "N": r"$\mathrm{N}$"}.get(column.unit, column.unit)
 
 
 REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
@@ -129,17 +129,17 @@ REDUCED = {"length": r"f/\mu", "time": r"f/\mu v_0"}
 
 def unit_html(run, name, shown=True):
     """Of the number as figures and captions show it, or of the file."""
-    told = quantity(name).unit
-    if run.scan.of_beds and told in ("length", "time"):
-        return {"length": "<i>a</i>", "time": "s"}[told]
-    return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>", "m/s": "mm/s" if shown else "m/s"}.get(told, words.escape(told))
+    plain = quantity(name).unit
+    if run.scan.of_beds and plain in ("length", "time"):
+        return {"length": "<i>a</i>", "time": "s"}[plain]
+    return {"length": run.units.length_html(), "time": run.units.time_html(), "a": "<i>a</i>", "m/s": "mm/s" if shown else "m/s"}.get(plain, words.escape(plain))
 
 
 def label(run, name, extent):
     """(factor, text) for an axis or a colour bar."""
-    told = quantity(name, run.scan)
+    column = quantity(name, run.scan)
     factor, units = unit(run, name, extent)
-    text = f"{told.name} ${told.symbol}$" if told.symbol else told.name
+    text = f"{column.name} ${column.symbol}$" if column.symbol else column.name
     return factor, f"{text} ({units})" if units else text
 
 
@@ -147,12 +147,12 @@ def scaling(name, shown):
     """(norm, extend, colour map) for these numbers, nan left out."""
     shown = shown[np.isfinite(shown)]
     if shown.size == 0:
-        raise PlotError(f"column {name} holds no numbers{told_of(name)}: nothing to draw")
-    told, low, high = quantity(name), float(shown.min()), float(shown.max())
-    if told.signed:
-        reach = told.largest or canvas.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
+        raise PlotError(f"column {name} holds no numbers{of_outcomes(name)}: nothing to draw")
+    column, low, high = quantity(name), float(shown.min()), float(shown.max())
+    if column.signed:
+        reach = column.largest or canvas.nice(np.percentile(np.abs(shown), 99.5) or 1.0, up=True)
         return Normalize(-reach, reach), extend(shown, -reach, reach), BALANCED
-    if low > 0 and high > (WIDE_TIMES if told.unit == "time" else WIDE) * low:
+    if low > 0 and high > (WIDE_TIMES if column.unit == "time" else WIDE) * low:
         return *canvas.log_norm(shown), style.FIELD_MAP
     if low == high:
         return Normalize(low - 0.5, high + 0.5), "neither", style.FIELD_MAP
@@ -162,7 +162,7 @@ def scaling(name, shown):
     return Normalize(*ends), extend(shown, *ends), style.FIELD_MAP
 
 
-def told_of(name):
+def of_outcomes(name):
     of = quantity(name).of
     return f" of points that end in {' or '.join(of)}" if of else ""
 

@@ -71,16 +71,16 @@ def groups(scan, name):
     kinds, number = np.unique(others, axis=0, return_inverse=True)
     if len(kinds) > MOST and scan.design not in ("grid", "adaptive"):
         kinds, number = kinds[:1], np.zeros(len(values), dtype=int)  # scattered points share no values: they are one cloud
-        told = [()]
+        fixed = [()]
     else:
-        told = [[(axis, float(axis.back(place))) for axis, place in zip(scan.axes[1:], kind)] for kind in kinds]
+        fixed = [[(axis, float(axis.back(place))) for axis, place in zip(scan.axes[1:], kind)] for kind in kinds]
     shown = np.unique(np.linspace(0, len(kinds) - 1, min(MOST, len(kinds))).round().astype(int))
     found = []
     for index in shown:
         rows = np.flatnonzero((number.ravel() == index) & np.isfinite(values))
         rows = rows[np.argsort(scan.place(0)[rows], kind="stable")]
         if rows.size:
-            title, html = (", ".join(say(axis, value) for axis, value in told[index]) for say in (Axis.equals, Axis.equals_html))
+            title, html = (", ".join(say(axis, value) for axis, value in fixed[index]) for say in (Axis.equals, Axis.equals_html))
             found.append(Group(title, html, scan.place(0)[rows], values[rows], sigma[:, rows], scan.outcome[rows] * (not scan.of_beds)))
     if not found:
         raise PlotError(f"{scan.path}: column {name} holds no numbers: nothing to draw")
@@ -111,9 +111,9 @@ def failed(axes, scan):
 def caption(run, spec):
     scan, name = run.scan, column(run, spec)
     found, all_of_them = groups(scan, name)
-    told = scan_columns.quantity(name, scan)
+    shown = scan_columns.quantity(name, scan)
     meaning, unit = scan_columns.meaning(name, scan), scan_columns.unit_html(run, name)
-    text = words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
+    text = words.escape(shown.name[0].upper() + shown.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
     text += f", against {scan.axes[0].name_html}: {scan_words.points_html(scan)}"
     if any(np.isfinite(group.sigma).any() for group in found):
         text += f"; bars: {'95 % interval' if f'{name}_low' in scan.columns else 'standard error'}" + (", curves moved a little apart along the axis" if len(found) > 1 else "")

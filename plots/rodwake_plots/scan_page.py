@@ -25,12 +25,12 @@ def write(run):
 
 def document(run):
     with style.applied(style.SETTINGS):  # the colours of the page are those of figures without a style of the user's
-        blobs, told = contents(run)
-    kernels = [(EXPLORER / name).read_text(encoding="utf-8") for name in ("kernel.js", "rodwake.js")] if told["kernel"] else []
+        blobs, content = contents(run)
+    kernels = [(EXPLORER / name).read_text(encoding="utf-8") for name in ("kernel.js", "rodwake.js")] if content["kernel"] else []
     script = "\n".join(('"use strict";', "(() => {", *kernels, *(part(f"{name}.js") for name in SCRIPTS), "})();"))
     values = {"head": page.head(run.title, part("page.css"), script, bool(kernels)), "title": words.escape(run.title), "sub": sub(run),
               "about": scan_words.caption(run, Spec("scan", "scan_page", colour="outcome")), "version": words.escape(run.version),
-              "told": page.json_text(told), "data": "\n".join(blobs), "script": script}
+              "content": page.json_text(content), "data": "\n".join(blobs), "script": script}
     return re.sub(r"\{\{(\w+)\}\}", lambda found: values[found[1]], part("page.html"))
 
 
@@ -44,17 +44,17 @@ def sub(run):
 
 
 def contents(run):
-    """(scripts that hold the numbers, what the page is told of them)."""
+    """(scripts that hold the numbers, their description for the page)."""
     scan, box = run.scan, page.Box()
-    told = {"points": len(scan.failed), "design": scan.design, "outcomes": outcomes(),
+    content = {"points": len(scan.failed), "design": scan.design, "outcomes": outcomes(),
             "nothing": {"light": scan_columns.NOTHING, "dark": NOTHING_ON_DARK},
             "axes": [axis(one) for one in scan.axes], "columns": columns(run, box), "maps": maps(box),
             "rodColours": style.ROD_COLOURS, "cells": cells(scan, box), "boundary": boundary(scan, box),
             "samples": samples(scan, box), "lengthUnit": page.marked(run.units.length_html()),
             "timeUnit": page.marked(run.units.time_html()),
             **scenes(run)}
-    told["kernel"] = kernel(run, box) if told["scene"] else None
-    return box.scripts, told
+    content["kernel"] = kernel(run, box) if content["scene"] else None
+    return box.scripts, content
 
 
 def kernel(run, box):
@@ -83,24 +83,24 @@ def columns(run, box):
     found = []
     for name, values in scan.columns.items():
         if name in axes and scan.axes[axes[name]].is_choice:
-            told = {"words": list(scan.axes[axes[name]].values), "data": box.add(scan.place(axes[name]).astype(np.uint8))}
+            column = {"words": list(scan.axes[axes[name]].values), "data": box.add(scan.place(axes[name]).astype(np.uint8))}
         elif name == "outcome":
-            told = {"words": list(OUTCOMES), "data": box.add(scan.outcome.astype(np.uint8))}  # -1 becomes 255
+            column = {"words": list(OUTCOMES), "data": box.add(scan.outcome.astype(np.uint8))}  # -1 becomes 255
         elif isinstance(values, list):
             kinds = sorted(set(values))
-            told = {"words": kinds, "data": box.add(np.array([kinds.index(value) for value in values], dtype=np.uint8))}
+            column = {"words": kinds, "data": box.add(np.array([kinds.index(value) for value in values], dtype=np.uint8))}
         else:
-            told = {"data": box.add(values.astype(float))} | ({} if name in axes else colouring(run, name))
-        found.append({"name": name} | told)
+            column = {"data": box.add(values.astype(float))} | ({} if name in axes else colouring(run, name))
+        found.append({"name": name} | column)
     return found
 
 
 def colouring(run, name):
     """What a column of numbers means and how it colours points; without "norm" it does not."""
-    told = scan_columns.quantity(name, run.scan)
-    html = words.escape(told.name) + (f" {words.tex_html(told.symbol)}" if told.symbol else "")
-    found = {"label": told.name, "marked": page.marked(html), "unit": page.marked(scan_columns.unit_html(run, name, shown=False)),
-             "of": [OUTCOMES.index(one) for one in told.of] or None}
+    column = scan_columns.quantity(name, run.scan)
+    html = words.escape(column.name) + (f" {words.tex_html(column.symbol)}" if column.symbol else "")
+    found = {"label": column.name, "marked": page.marked(html), "unit": page.marked(scan_columns.unit_html(run, name, shown=False)),
+             "of": [OUTCOMES.index(one) for one in column.of] or None}
     if name not in scan_columns.names(run.scan):
         return found
     try:

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator, SymmetricalLogLocator
 from . import canvas, errors, files, fit_words, schema, style, words
 from .errors import PlotError
 
-TOLD, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
+SUMMARY, POINTS, CELLS, BOUNDARY, SAMPLES = "scan.json", "scan.csv", "cells.csv", "boundary.csv", "scan.h5"
 CRITICAL = "critical.csv"
 OUTCOMES = ("contact", "pursuit", "escape", "undecided", "orbit", "bound", "finished")  # the last of beds without a pair
 CAPTURED = ("contact", "pursuit", "orbit", "bound")
@@ -38,32 +38,32 @@ class Samples(NamedTuple):
 class ScanRun:
     def __init__(self, folder):
         self.folder = folder
-        self.told = files.Record(folder / TOLD)
+        self.record = files.Record(folder / SUMMARY)
         for key in ("certificates", "certified_area"):  # version 0.3 wrote proved
-            if isinstance(self.told.get(key), dict):
-                self.told[key] = {"verified" if name == "proved" else name: share for name, share in self.told[key].items()}
-        with files.reading(folder / TOLD, "an axis"):
-            self.axes = [axis_of(axis, self.told.get("bead_radius")) for axis in self.told.need("axes")]
+            if isinstance(self.record.get(key), dict):
+                self.record[key] = {"verified" if name == "proved" else name: share for name, share in self.record[key].items()}
+        with files.reading(folder / SUMMARY, "an axis"):
+            self.axes = [axis_of(axis, self.record.get("bead_radius")) for axis in self.record.need("axes")]
         if not self.axes:
-            raise PlotError(f"{folder / TOLD}: a scan without axes")
+            raise PlotError(f"{folder / SUMMARY}: a scan without axes")
 
     @property
     def design(self):
-        return str(self.told.need("design"))
+        return str(self.record.need("design"))
 
     @property
     def of_beds(self):
         """Points are granular runs; scan.csv has their means, lengths in a and times in s."""
-        return self.told.get("subject") == "beds"
+        return self.record.get("subject") == "beds"
 
     @property
     def runs(self):
         """Of each point; 1 where points are not repeated."""
-        return int(self.told.get("runs") or 1)
+        return int(self.record.get("runs") or 1)
 
     def runs_that_end(self, outcome):
         """Of all points, of those that did not fail."""
-        return int((self.told.get("outcomes") or {}).get(outcome) or 0)
+        return int((self.record.get("outcomes") or {}).get(outcome) or 0)
 
     @property
     def path(self):
@@ -162,7 +162,7 @@ class ScanRun:
     @cached_property
     def open_cells(self):
         """[cell]: whether it is not known to have one outcome; none of a scan that was not asked for certificates."""
-        area = self.told.get("certified_area") or {}
+        area = self.record.get("certified_area") or {}
         if not (area.get("verified") or area.get("checked")):
             return np.zeros(len(self.cells[2]), dtype=bool)
         found = files.read_csv(self.folder / CELLS, text=("outcome", "certificate"), needed=["certificate"])
@@ -252,8 +252,8 @@ class Axis:
             return f"{self.key.rpartition('.')[2].replace('_', ' ')}: {style.safe(self.values[int(value)])}"
         unit = rf"\ \mathrm{{{self.prefix}{self.unit}}}" if self.unit in PREFIXED else (
             r"\ " + fit_words.unit_math(self.unit).strip("$") if self.unit not in ("", "1") else "")
-        told = f"= {words.math_number(float(value) * self.factor)}{unit}$"
-        return f"${self.symbol} {told}" if self.is_tex else f"{self.name} ${told}"
+        value_text = f"= {words.math_number(float(value) * self.factor)}{unit}$"
+        return f"${self.symbol} {value_text}" if self.is_tex else f"{self.name} ${value_text}"
 
     @property
     def name_html(self):
@@ -304,19 +304,19 @@ class Axis:
         axis.set_label_text(self.label)
 
 
-def axis_of(told, bead_radius=None):
+def axis_of(record, bead_radius=None):
     """An entry of scan.json; lengths of beds are shown in a."""
-    key, values = told["key"], tuple(told.get("values") or ())
-    low, high = (values[0], values[-1]) if values else (told["from"], told["to"])
+    key, values = record["key"], tuple(record.get("values") or ())
+    low, high = (values[0], values[-1]) if values else (record["from"], record["to"])
     if isinstance(low, str):
-        return Axis(key, (key,), (1.0,), symbol_of(key, told), "", "choice", -0.5, len(values) - 0.5, values)
+        return Axis(key, (key,), (1.0,), symbol_of(key, record), "", "choice", -0.5, len(values) - 0.5, values)
     low, high = map(float, (min(values), max(values)) if values else (min(low, high), max(low, high)))
-    spacing, unit = told.get("spacing", "linear"), told.get("unit") or ""
+    spacing, unit = record.get("spacing", "linear"), record.get("unit") or ""
     log = spacing == "log" or (spacing == "listed" and low > 0 and high > WIDE_LIST * low)
     factor, prefix = axis_factor(unit, max(abs(low), abs(high)), log)
     if unit == "m" and bead_radius:
         factor, prefix, unit = 1.0 / bead_radius, "", "a"
-    return Axis(key, tuple(told.get("keys") or (key,)), tuple(told.get("factors") or (1.0,)), symbol_of(key, told), unit,
+    return Axis(key, tuple(record.get("keys") or (key,)), tuple(record.get("factors") or (1.0,)), symbol_of(key, record), unit,
                 "log" if log and low * high > 0 else "linear", low, high, values, factor, prefix)
 
 
@@ -325,15 +325,15 @@ def axis_factor(unit, extent, log):
     return words.prefix_for(extent) if unit in PREFIXED and not log else (1.0, "")
 
 
-def symbol_of(key, told):
+def symbol_of(key, record):
     """TeX: as the scene calls it, of starts x_1 and the like, as the program says, else the name of the key."""
-    if told.get("label"):
-        return said_if_plain(str(told["label"]), key)
+    if record.get("label"):
+        return said_if_plain(str(record["label"]), key)
     found = PLACES.fullmatch(key)
     if found:
         return rf"{'xy'[int(found[3])] if found[3] else chr(92) + 'theta'}_{{{found[1]}}}"
-    if told.get("symbol"):
-        return str(told["symbol"])
+    if record.get("symbol"):
+        return str(record["symbol"])
     table, _, name = key.rpartition(".")
     known = schema.KEYS.get((table, name), {}).get("symbol")
     return known or r"\mathrm{%s}" % re.sub(r"[^\w.+-]", "?", name).replace("_", r"\ ")

@@ -125,7 +125,7 @@ def entries(lines, first, end, name, comments):
 
 
 def replaced_place(line, places, slot, key):
-    """`position = [0.0, 2.5]` with a slot for one of its numbers; lists in lists are not told apart."""
+    """`position = [0.0, 2.5]` with a slot for one of its numbers; lists in lists are not distinguished."""
     if len(places) != 1 or not isinstance(line[-1], str):
         raise NoTemplate(f"{key}: a position in a list of lists")
     text, slots = "", []

@@ -8,7 +8,7 @@ from . import fit_words, scan_columns, schema, words
 from .scan_run import CERTIFICATES, OUTCOMES
 from .scan_scene import ALIKE
 
-TOLD = {"medium": ("eta", "xi"), "coupling": schema.COUPLINGS, "granular": ("phi_b",)}
+FIXED = {"medium": ("eta", "xi"), "coupling": schema.COUPLINGS, "granular": ("phi_b",)}
 MOST_RODS = 4
 DESIGNS = {"grid": "a grid", "list": "a list of points", "lhs": "a Latin hypercube", "sobol": "a Sobol sequence",
            "adaptive": "adaptive refinement"}
@@ -27,15 +27,15 @@ def fixed(run):
     """(symbol as TeX, value, unit) of the couplings and the medium, where no axis sets them."""
     taken = scanned(run.scan)
     system = "si" if run.units.si else "reduced"
-    for table, names in TOLD.items():
+    for table, names in FIXED.items():
         for name in names:
             value = run.scene.get(table, {}).get(name)
             if name == "xi" and system == "reduced" and words.is_number(value) and value and "medium.xi" not in taken:
                 yield schema.PHYSICS["alpha"]["symbol"], 1.0 / value, ""  # the same in reduced units, as the paper has it
                 continue
             if words.is_number(value) and f"{table}.{name}" not in taken:
-                told = schema.KEYS[table, name]
-                yield told["symbol"], float(value), told.get("unit", {}).get(system, "")
+                entry = schema.KEYS[table, name]
+                yield entry["symbol"], float(value), entry.get("unit", {}).get(system, "")
 
 
 def fixed_title(run):
@@ -58,12 +58,12 @@ def starts_html(run):
     if not 0 < len(rods) <= MOST_RODS:
         return ""
     symbol = {key: (axis, factor) for axis in run.scan.axes for key, factor in zip(axis.keys, axis.factors)}
-    told = []
+    starts = []
     for index, rod in enumerate(rods):
         place = [start(symbol, f"rods.{index}.position.{side}", value) for side, value in enumerate(rod.get("position", ()))]
         heading = start(symbol, f"rods.{index}.heading", rod.get("heading", 0.0))
-        told.append(f"rod {index} from ({', '.join(place)}), heading {heading}")
-    return f" Starts: {'; '.join(told)}."
+        starts.append(f"rod {index} from ({', '.join(place)}), heading {heading}")
+    return f" Starts: {'; '.join(starts)}."
 
 
 def start(symbols, key, value):
@@ -75,13 +75,13 @@ def start(symbols, key, value):
 
 def ties_html(scan):
     """Keys that an axis sets together."""
-    told = []
+    ties = []
     for axis in scan.axes:
         if len(axis.keys) > 1:
-            told.append(f"{axis.name_html} sets " + ", ".join(
+            ties.append(f"{axis.name_html} sets " + ", ".join(
                 f"<code>{words.escape(key)}</code>" + ("" if factor == 1.0 else f" (times {words.number(float(factor))})")
                 for key, factor in zip(axis.keys, axis.factors)))
-    return f" {'; '.join(told)}." if told else ""
+    return f" {'; '.join(ties)}." if ties else ""
 
 
 def count(number):
@@ -107,35 +107,35 @@ def failures_html(scan):
     failed = int(scan.failed.sum())
     if not failed:
         return ""
-    causes = scan.told.get("causes") or {}
+    causes = scan.record.get("causes") or {}
     why = "; ".join(f"{words.escape(cause)} ({count(number)})" for cause, number in causes.items() if words.is_number(number))
     return f" {count(failed)} point{'s' if failed > 1 else ''} failed" + (f": {why}." if why else ".")
 
 
 def left_html(scan):
-    left = scan.told.get("left")
+    left = scan.record.get("left")
     return f" {count(left)} points are not evaluated yet." if words.is_number(left) and left else ""
 
 
 def missed_html(scan):
     """How often the colour is wrong where nobody looked, as far as the scan has checked."""
-    rate, high, audited = (scan.told.get(key) for key in ("missed_rate", "missed_rate_high", "audited"))
+    rate, high, audited = (scan.record.get(key) for key in ("missed_rate", "missed_rate_high", "audited"))
     if not (words.is_number(rate) and words.is_number(audited) and audited):
         return ""
     bound = f"; with 95 % confidence below {percent(high)}" if words.is_number(high) else ""
-    missed = scan.told.get("missed")
+    missed = scan.record.get("missed")
     tried = f"{count(missed)} of {count(audited)}" if words.is_number(missed) else count(audited)
     return f" Missed rate: {percent(rate)} of the area outside the boundary ({tried} random points{bound})."
 
 
 def certificates_html(scan):
     """How well the outcomes are known."""
-    points, area = (scan.told.get(key) for key in ("certificates", "certified_area"))
+    points, area = (scan.record.get(key) for key in ("certificates", "certified_area"))
     if not isinstance(points, dict) or not any(points.get(name) for name in ("verified", "checked")):
         return ""
-    told = ", ".join(f"{name} {count(points[name])}" for name in CERTIFICATES if points.get(name))
+    counts = ", ".join(f"{name} {count(points[name])}" for name in CERTIFICATES if points.get(name))
     shares = ", ".join(f"{name} {percent(area[name])}" for name in CERTIFICATES if area.get(name)) if isinstance(area, dict) else ""
-    return f" Outcomes of points: {told}" + (f"; of the area: {shares}." if shares else ".")
+    return f" Outcomes of points: {counts}" + (f"; of the area: {shares}." if shares else ".")
 
 
 def percent(share):
@@ -145,7 +145,7 @@ def percent(share):
 def design_html(scan):
     """How the points were chosen."""
     text = DESIGNS.get(scan.design, words.escape(scan.design))
-    resolution = scan.told.get("resolution")
+    resolution = scan.record.get("resolution")
     return text + (f" to {count(resolution)} cells a side" if scan.design == "adaptive" and words.is_number(resolution) else "")
 
 
@@ -155,9 +155,9 @@ def what(run, spec):
         return "The outcome that most runs of a point had; capture is contact, bound, orbit or pursuit"
     if spec.colour == "outcome":
         return "Outcome; capture is contact, bound, orbit or pursuit"
-    told, unit = scan_columns.quantity(spec.colour, run.scan), scan_columns.unit_html(run, spec.colour)
+    column, unit = scan_columns.quantity(spec.colour, run.scan), scan_columns.unit_html(run, spec.colour)
     meaning = scan_columns.meaning(spec.colour, run.scan)
-    return words.escape(told.name[0].upper() + told.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
+    return words.escape(column.name[0].upper() + column.name[1:]) + (f" in {unit}" if unit else "") + (f" ({meaning})" if meaning else "")
 
 
 def points_html(scan):
@@ -178,7 +178,7 @@ def shown_html(run, spec):
     """What the lines are, and what stands in the panels."""
     scan, text = run.scan, ""
     if spec.kind == "phase_diagram" and spec.boundary and len(scan.axes) == 2 and scan.boundary:
-        tolerance = (scan.told.get("boundary") or {}).get("tolerance")
+        tolerance = (scan.record.get("boundary") or {}).get("tolerance")
         near = f", good to {words.number(float(tolerance))} of an axis" if words.is_number(tolerance) else ""
         text += " Lines: critical values." if scan.is_critical else f" Lines: boundaries traced by bisection{near}."
     if spec.kind == "phase_diagram" and len(scan.axes) == 2 and scan.has_cells and scan.open_cells.any():
@@ -278,16 +278,16 @@ def scan_headline(run):
 
 def point_rows(scan):
     """Rows (what, value) of how the points were chosen and what became of them."""
-    told = scan.told
+    record = scan.record
     yield "Design", design_html(scan)
     adaptive = scan.design == "adaptive"
     asked = "Points of a full grid" if adaptive else "Requested runs" if scan.of_beds else "Requested points"
     for key, name in (("requested", asked), ("evaluated", "Evaluated"),
                       ("failed", "Failed"), ("left", "Not evaluated yet")):
-        if words.is_number(told.get(key)) and (told[key] or key in ("requested", "evaluated")):
-            yield name, count(told[key])
-    total = told.get("evaluated") if scan.of_beds else len(scan.outcome)
-    for cause, number in (told.get("causes") or {}).items():
+        if words.is_number(record.get(key)) and (record[key] or key in ("requested", "evaluated")):
+            yield name, count(record[key])
+    total = record.get("evaluated") if scan.of_beds else len(scan.outcome)
+    for cause, number in (record.get("causes") or {}).items():
         yield f"Failed: {words.escape(cause)}", words.number(number)
     for index, name in enumerate(OUTCOMES):
         number = scan.runs_that_end(name) if scan.of_beds else int((scan.outcome == index).sum())
@@ -300,14 +300,14 @@ def point_rows(scan):
     known = certificates_html(scan).strip().rstrip(".")
     if known:
         yield known.split(": ")[0], known.split(": ", 1)[1]
-    boundary = told.get("boundary")
+    boundary = record.get("boundary")
     if isinstance(boundary, dict):
         yield "Traced boundary", (f"{words.number(boundary.get('curves'))} curves of {words.number(boundary.get('points'))} points, "
                                   f"good to {words.number(boundary.get('tolerance'))} of an axis")
     if scan.samples:
         yield "Stored trajectories", count(len(scan.samples.point))
-    if words.is_number(told.get("wall_seconds")):
-        yield "Time", f"{words.number(float(told['wall_seconds']))} s"
+    if words.is_number(record.get("wall_seconds")):
+        yield "Time", f"{words.number(float(record['wall_seconds']))} s"
 
 
 def axis_rows(scan):

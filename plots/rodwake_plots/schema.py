@@ -88,8 +88,8 @@ def spec_of(table):
     keys = OF_KIND.get(kind, {}) | {one.name: table[one.name] for one in fields(Spec) if one.name in table and one.name != "overlay"}
     for key, value in keys.items():
         if key != "kind" and not allowed(KEYS["figures[]", key], value, kind):
-            told = KEYS["figures[]", key]
-            raise PlotError(f'figure "{name}": {key} = {value} cannot be: {told["type"]} ({told["legal"]}); {told["meaning"]}')
+            entry = KEYS["figures[]", key]
+            raise PlotError(f'figure "{name}": {key} = {value} cannot be: {entry["type"]} ({entry["legal"]}); {entry["meaning"]}')
     return Spec(**{key: frozen(value) for key, value in keys.items() if value not in ([], ())})
 
 
@@ -97,23 +97,23 @@ def frozen(value):
     return tuple(map(frozen, value)) if isinstance(value, (list, tuple)) else value
 
 
-def allowed(told, value, kind):
+def allowed(entry, value, kind):
     """Whether a key of [[figures]] can have this value."""
-    if told["key"] == "component":
-        return value in told["choices"] and (value != "U" or kind == "displacement_map")
-    if told["key"] == "colour" and kind in ("snapshot", "movie"):
+    if entry["key"] == "component":
+        return value in entry["choices"] and (value != "U" or kind == "displacement_map")
+    if entry["key"] == "colour" and kind in ("snapshot", "movie"):
         return value in BEADS
-    if told["key"] == "gammas":
+    if entry["key"] == "gammas":
         return isinstance(value, (list, tuple)) and all(is_list_of(pair, float) and len(pair) == 2 for pair in value)
-    if told["key"] in ("x", "y"):
+    if entry["key"] in ("x", "y"):
         return is_list_of(value, float) and (not value or len(value) == 2 and value[0] < value[1])
-    if "choices" in told and told["key"] != "parameter":  # a part of a start may be fitted too
-        return value in told["choices"]
-    if told["type"].endswith(("integers", "numbers")):
-        return is_list_of(value, int if told["type"].endswith("integers") else float)
-    if told["type"] == "integer":
-        return is_a(value, int) and (value >= told["range"]["from"] or told["key"] == "frame")
-    return isinstance(value, {"boolean": bool, "string": str}[told["type"]])
+    if "choices" in entry and entry["key"] != "parameter":  # a part of a start may be fitted too
+        return value in entry["choices"]
+    if entry["type"].endswith(("integers", "numbers")):
+        return is_list_of(value, int if entry["type"].endswith("integers") else float)
+    if entry["type"] == "integer":
+        return is_a(value, int) and (value >= entry["range"]["from"] or entry["key"] == "frame")
+    return isinstance(value, {"boolean": bool, "string": str}[entry["type"]])
 
 
 def is_list_of(value, kind):

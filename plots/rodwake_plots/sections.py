@@ -39,11 +39,11 @@ def header(run):
 
 def abstract(run, sentences):
     """What was done and came out, and whether the theory fits."""
-    told = bed_sections.bed_headline(run) if run.has_granular else bed_sections.tracks_headline(run) if run.has_tracks else ""
-    told += fit_sections.headline(run) if run.has_fit else ""
-    told += scan_words.scan_headline(run) if run.has_scan else ""
-    told += outcome(run) if has_theory(run) else ""
-    return told + (f'<p class="verdict">{" ".join(sentences)}</p>' if sentences else "")
+    text = bed_sections.bed_headline(run) if run.has_granular else bed_sections.tracks_headline(run) if run.has_tracks else ""
+    text += fit_sections.headline(run) if run.has_fit else ""
+    text += scan_words.scan_headline(run) if run.has_scan else ""
+    text += outcome(run) if has_theory(run) else ""
+    return text + (f'<p class="verdict">{" ".join(sentences)}</p>' if sentences else "")
 
 
 def has_theory(run):
@@ -81,7 +81,7 @@ def sentence(run, name):
 
 
 def runs(run):
-    """Scene and variants side by side; a single run is told in the header."""
+    """Scene and variants side by side; a single run is described in the header."""
     found = run.result.runs() if run.has_result else []
     if len(found) < 2:
         return ""
@@ -100,8 +100,8 @@ def scan(run):
     """How the points were chosen, what became of them, and the axes."""
     if not run.has_scan:
         return ""
-    told = table(("What", "Value"), list(scan_words.point_rows(run.scan)))
-    return f"{told}\n<h3>Axes</h3>\n{table(('Key', 'Axis', 'Range', 'Spacing'), list(scan_words.axis_rows(run.scan)))}"
+    points = table(("What", "Value"), list(scan_words.point_rows(run.scan)))
+    return f"{points}\n<h3>Axes</h3>\n{table(('Key', 'Axis', 'Range', 'Spacing'), list(scan_words.axis_rows(run.scan)))}"
 
 
 def granular(run):
@@ -122,9 +122,9 @@ def measures(run):
 
 
 def parameters(run):
-    told = Told(run.scene.get("units", "reduced"), run.fit.unit if run.has_fit else "")
+    labels = KeyLabels(run.scene.get("units", "reduced"), run.fit.unit if run.has_fit else "")
     return "\n".join(f"<h3>{name}</h3>\n<p>{meaning}</p>\n{table(heads, rows)}"
-                     for name, meaning, heads, rows in scene_tables(run.scene, told))
+                     for name, meaning, heads, rows in scene_tables(run.scene, labels))
 
 
 def solver(run):
@@ -134,8 +134,8 @@ def solver(run):
 
 def texts(run):
     scene = f"<details>\n<summary>Resolved scene</summary>\n<pre>{words.escape(run.scene_text)}</pre>\n</details>"
-    told = "\n".join(line for line in run.log.splitlines() if " debug: " not in line)  # log.txt has all
-    log = f"<details>\n<summary>Log</summary>\n<pre>{words.escape(told)}</pre>\n</details>" if told.strip() else ""
+    lines = "\n".join(line for line in run.log.splitlines() if " debug: " not in line)  # log.txt has all
+    log = f"<details>\n<summary>Log</summary>\n<pre>{words.escape(lines)}</pre>\n</details>" if lines.strip() else ""
     return scene + log
 
 
@@ -152,30 +152,30 @@ FITS, POOR = 0.05, 0.001  # probability of so large a chi2 above which a fit is 
 
 def sentences(run):
     """As HTML; none where nothing was compared."""
-    told = []
+    found = []
     if run.has_fit:
-        told += [verdict(run.fit), origin_of_xi(run.fit), *comparison(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles),
+        found += [verdict(run.fit), origin_of_xi(run.fit), *comparison(run.fit), *(prediction(run.fit, one) for one in run.fit.profiles),
                  long_wake(run.fit), *(other_values(run.fit, one) for one in run.fit.compared)]
     if run.has_scan:
-        told.append(trust(run.scan))
-    return [one for one in told if one]
+        found.append(trust(run.scan))
+    return [one for one in found if one]
 
 
 def verdict(fit):
     """One, of all tests of the residuals together; without known errors there is none."""
-    chi2, dof, chance = (fit.number(fit.told, key) for key in ("chi2", "dof", "probability"))
+    chi2, dof, chance = (fit.number(fit.record, key) for key in ("chi2", "dof", "probability"))
     names = [fit_words.line_html(one, fit.unit) for one in fit.profiles if not fit_words.predicted(one)] or ["the maps" if fit.maps else "the trajectories"]
     data = words.listed(names)
-    told = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
-    if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.told, "error_factor", 1.0) != 1.0:
-        return f"Whether the theory fits {data} is unknown: the errors of the data are unknown, or no degree of freedom is left ({told})."
+    text = f"{words.equation('<i>χ</i>²', chi2)} for {words.number(int(dof))} degrees of freedom" if dof > 0 else words.equation("<i>χ</i>²", chi2)
+    if not (dof > 0 and math.isfinite(chance)) or fit.number(fit.record, "error_factor", 1.0) != 1.0:
+        return f"Whether the theory fits {data} is unknown: the errors of the data are unknown, or no degree of freedom is left ({text})."
     if fit.misfit.get("describes") is False:
         worst, p = fit_words.without_folders(str(fit.misfit.get("worst", ""))), fit_words.chance_html(fit.number(fit.misfit, "probability"))
-        worst = told if worst.startswith("chi2 is ") else words.escape(worst).replace("chi2", "<i>χ</i>²")
-        overall = f", although {told} alone would pass" if chance >= FITS else ""
+        worst = text if worst.startswith("chi2 is ") else words.escape(worst).replace("chi2", "<i>χ</i>²")
+        overall = f", although {text} alone would pass" if chance >= FITS else ""
         return f"The theory does not fit {data} within the errors: {worst} ({p}){overall}."
     how = "fits" if chance >= FITS else "fits only poorly" if chance >= POOR else "does not fit"
-    return f"The theory {how} {data}: {told}, probability {words.number(chance, 2) if chance > 1e-300 else 'zero'}."
+    return f"The theory {how} {data}: {text}, probability {words.number(chance, 2) if chance > 1e-300 else 'zero'}."
 
 
 def origin_of_xi(fit):
@@ -183,7 +183,7 @@ def origin_of_xi(fit):
     if "drag_area" not in fit.parameters or "xi" not in fit.derived:
         return ""
     area = fit.parameters["drag_area"]
-    held = [fit.number(one, "error") for one in (fit.told.get("systematics") or {}).get("held") or [] if one.get("name") == "drag_area"]
+    held = [fit.number(one, "error") for one in (fit.record.get("systematics") or {}).get("held") or [] if one.get("name") == "drag_area"]
     known = fit_words.with_unit(words.with_error(area.value, held[0] if held else area.error), area.unit)
     name = fit_words.symbol_html("xi")
     source = "measured in this run by the drift of the bed" if area.fixed else "fitted"
@@ -224,7 +224,7 @@ def predicted_place(fit, profile):
 def by_itself(fit, one):
     """A point force fitted to one line, and how far it is from the fit of the maps."""
     found, units = one["line"].get("parameters") or {}, {"f_over_mu": fit.unit, "xi": fit.unit}
-    told = words.listed([f'<span class="eq">{fit_words.symbol_html(name)} = '
+    values = words.listed([f'<span class="eq">{fit_words.symbol_html(name)} = '
                          f'{fit_words.with_unit(words.with_error(value["value"], value["stderr"]), units.get(name, ""))}</span>'
                          if words.is_number(value.get("stderr")) else f"{fit_words.symbol_html(name)} at its bound"
                          for name, value in found.items()])
@@ -235,7 +235,7 @@ def by_itself(fit, one):
     bound = len([name for name, value in found.items() if not words.is_number(value.get("stderr"))])
     verdict = "which differs from the medium of the maps" if off or bound else "which agrees with the maps"
     chi2 = words.equation("<i>χ</i>²", fit.number(one["line"], "chi2"))
-    return f"A point force fitted to {line} alone gives {told} ({chi2} for {one['line'].get('dof')}), {verdict}."
+    return f"A point force fitted to {line} alone gives {values} ({chi2} for {one['line'].get('dof')}), {verdict}."
 
 
 def other_values(fit, one):
@@ -244,7 +244,7 @@ def other_values(fit, one):
     chi2 = fit.number(one, "chi2")
     if not math.isfinite(chi2):
         return ""
-    return f"The values <q>{words.label_html(str(one.get('name', '')))}</q> give {words.equation('<i>χ</i>²', chi2)}, this fit {words.number(fit.number(fit.told, 'chi2'))}."
+    return f"The values <q>{words.label_html(str(one.get('name', '')))}</q> give {words.equation('<i>χ</i>²', chi2)}, this fit {words.number(fit.number(fit.record, 'chi2'))}."
 
 
 def trust(scan):
@@ -261,7 +261,7 @@ KEY_HEADS = ("Key", "Symbol", "Value", "Meaning")
 SKIPPED = {"figures"}  # the figures speak for themselves
 
 
-class Told:
+class KeyLabels:
     """What schema.json says of the keys of one scene; `lengths` is the name of the unit of the fitted profiles."""
 
     def __init__(self, system, lengths=""):
@@ -279,28 +279,28 @@ class Told:
         return words.prose(schema.KEYS.get((table, key), {}).get("meaning", inner))
 
 
-def scene_tables(scene, told):
+def scene_tables(scene, labels):
     """(name as HTML, meaning as HTML, heads, rows) for each table of the scene."""
     for key, value in scene.items():
         if key not in SKIPPED:
-            yield from of_table(key, value, told)
+            yield from of_table(key, value, labels)
 
 
-def of_table(path, value, told):
+def of_table(path, value, labels):
     """This table and the tables in it; a list of tables has a row for each."""
     if is_listing(value):
-        yield table_heading(f"[[{path}]]"), table_meaning(f"{path}[]"), *table_listing(f"{path}[]", value, told)
+        yield table_heading(f"[[{path}]]"), table_meaning(f"{path}[]"), *table_listing(f"{path}[]", value, labels)
     elif isinstance(value, dict) and value:
         inner = {key: one for key, one in value.items() if is_listing(one) or is_table(joined(path, key), one)}
-        rows = [key_row(path, key, one, told) for key, one in value.items() if key not in inner]
+        rows = [key_row(path, key, one, labels) for key, one in value.items() if key not in inner]
         if rows:
             yield table_heading(f"[{path}]"), table_meaning(path), KEY_HEADS, rows
         for key, one in inner.items():
-            yield from of_table(joined(path, key), one, told)
+            yield from of_table(joined(path, key), one, labels)
 
 
 def is_table(path, value):
-    """Whether it is told by itself; one that says two things of a pair of surfaces is a row of its table."""
+    """Whether it has a table of its own; one that says two things of a pair of surfaces is a row of its table."""
     return isinstance(value, dict) and path in schema.TABLES and not path.startswith("granular.contacts.")
 
 
@@ -320,9 +320,9 @@ def joined(table, key):
     return f"{table}.{key}" if table else key
 
 
-def key_row(table, key, value, told):
-    return (f"<code>{words.escape(key)}</code>", told.symbol(table, key), with_unit(value, told.unit(table, key)),
-            told.meaning(table, key))
+def key_row(table, key, value, labels):
+    return (f"<code>{words.escape(key)}</code>", labels.symbol(table, key), with_unit(value, labels.unit(table, key)),
+            labels.meaning(table, key))
 
 
 def with_unit(value, unit):
@@ -332,10 +332,10 @@ def with_unit(value, unit):
     return shown_value(value) if isinstance(value, str) else f"{shown_value(value)} {unit}".strip()
 
 
-def table_listing(table, items, told):
+def table_listing(table, items, labels):
     """One row an item, one column a key."""
     keys = list(dict.fromkeys(key for item in items for key in item))
-    unit = {key: told.unit(table, key) for key in keys}
+    unit = {key: labels.unit(table, key) for key in keys}
     speeds = {key for key in keys if unit[key] == "m/s"}
     unit |= dict.fromkeys(speeds, "mm/s")
     items = [item | {key: 1e3 * item[key] for key in speeds if words.is_number(item.get(key))} for item in items]
@@ -344,7 +344,7 @@ def table_listing(table, items, told):
 
 
 def shown_value(value):
-    """Long lists are told by their ends: output times run to thousands."""
+    """Long lists are shown by their ends: output times run to thousands."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, dict):

@@ -37,12 +37,12 @@ class Quantity(NamedTuple):
 def quantity_of(name):
     """As the schema describes it among the values of its measure."""
     measure = re.match(r"measure\.(\w+)", schema.FIGURES["series"]["quantities"][name])[1]
-    told = next(one for one in schema.MEASURED if (one["measure"], one["key"]) == (measure, NAMED_ELSE.get(name, name)))
-    symbol = re.search(r"\$.*\$", told["title"])
-    unit = r"\mathrm{mm/s}" if name == "speed" else UNITS.get(told["unit"]) or fit_words.unit_math(told["unit"]).strip("$")
-    what = told["meaning"].split(";")[0]  # what follows is for the table in which it stands
-    return Quantity(SYMBOLS.get(name) or (symbol[0] if symbol else told["title"].lower()), unit,
-                    f"{words.text_html(told['title'])}: {words.text_html(what)}", 1.0 if unit == "N" else told["factor"])
+    entry = next(one for one in schema.MEASURED if (one["measure"], one["key"]) == (measure, NAMED_ELSE.get(name, name)))
+    symbol = re.search(r"\$.*\$", entry["title"])
+    unit = r"\mathrm{mm/s}" if name == "speed" else UNITS.get(entry["unit"]) or fit_words.unit_math(entry["unit"]).strip("$")
+    what = entry["meaning"].split(";")[0]  # what follows is for the table in which it stands
+    return Quantity(SYMBOLS.get(name) or (symbol[0] if symbol else entry["title"].lower()), unit,
+                    f"{words.text_html(entry['title'])}: {words.text_html(what)}", 1.0 if unit == "N" else entry["factor"])
 
 
 def draw(run, spec):
@@ -99,7 +99,7 @@ def read(run, spec):
     kind = np.nan_to_num(columns.get("class", nothing), nan=-1).astype(int)
     members = {}
     for index in kept[np.argsort(x[kept], kind="stable")]:
-        members.setdefault(told_apart(columns, spec.against, index, kept), []).append(index)
+        members.setdefault(distinct_label(columns, spec.against, index, kept), []).append(index)
     return [Group(label, x[rows], y[rows], sigma[rows], kind[rows]) for label, rows in sorted(members.items(), key=lambda one: min(one[1]))]
 
 
@@ -120,7 +120,7 @@ def differ(values):
     return len({f"{value:.3g}" for value in values if np.isfinite(value)}) > 1
 
 
-def told_apart(columns, against, row, rows):
+def distinct_label(columns, against, row, rows):
     """A row's label: what, besides the x axis, the rows differ in."""
     parts = []
     for key, (symbol, unit, _) in bed_run.AGAINST.items():
@@ -154,7 +154,7 @@ def draw_group(axes, spec, group, colour, index):
 
 
 def by_class(spec, group):
-    """Whether the marks tell how g_B decays; several groups need them to be told apart."""
+    """Whether the marks tell how g_B decays; several groups need them to be distinguished."""
     return spec.quantity in ("psi6", "exponent") and (group.kind >= 0).any() and not group.label
 
 
@@ -183,10 +183,10 @@ def caption(run, spec):
         text += f" {unknown} point{'s have' if unknown > 1 else ' has'} no known error."
     if len(groups) > 1 and not fitted(spec):
         text += " The groups are moved a little apart along the axis."
-    return text + "".join(fit_told(group) for group in groups if fitted(spec))
+    return text + "".join(describe_fit(group) for group in groups if fitted(spec))
 
 
-def fit_told(group):
+def describe_fit(group):
     who = f"{words.label_html(group.label)}: " if group.label else ""
     if not can_fit(group.x, group.sigma):
         return f" {who}No line is fitted: that needs three points of known error at different speeds."

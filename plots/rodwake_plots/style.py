@@ -17,7 +17,7 @@ from .errors import UsageError
 
 SINGLE, WIDE = 4.2, 7.0  # inches: one and a half columns, two columns
 
-# Okabe and Ito, told apart with any colour vision; the yellow is left out for white paper.
+# Okabe and Ito, distinct with any colour vision; the yellow is left out for white paper.
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
 
 SETTINGS = {

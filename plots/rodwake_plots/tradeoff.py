@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from . import canvas, files, style
 from .errors import PlotError
 
-FILE, TOLD = "tradeoff.csv", "tradeoff.json"
+FILE, SUMMARY = "tradeoff.csv", "tradeoff.json"
 WORDS = ("method", "form", "field", "precision", "status")
 METHODS = {"erk": 1, "adams": 2, "bdf": 0, "auto": 3}  # of style.ROD_COLOURS
 FORMS = {"angle": "o", "director": "^", "dae": "s"}
@@ -20,7 +20,7 @@ ERRORS = {"final_state": "error of the last state", "contact_time": "error of th
 
 
 def has_rods(folder):
-    return (Path(folder) / TOLD).is_file()
+    return (Path(folder) / SUMMARY).is_file()
 
 
 def write(folder, output=None):
@@ -32,13 +32,13 @@ def write(folder, output=None):
 
 def draw(folder):
     rows = files.read_csv(folder / FILE, text=WORDS)
-    told = files.Record(folder / TOLD)
+    record = files.Record(folder / SUMMARY)
     figure = canvas.figure(style.WIDE, 3.9)
     axes = figure.subplots(1, 2, sharey=True)
     error = np.where(np.isfinite(rows["error"]) & (np.array(rows["status"]) == "ok"), rows["error"], np.nan)
     if not np.isfinite(error).any():
-        raise PlotError(f"{folder / FILE}: no setting has a {told['error']}")
-    floor = lowest(told, error)
+        raise PlotError(f"{folder / FILE}: no setting has a {record['error']}")
+    floor = lowest(record, error)
     shown = np.maximum(error, floor)
     ways = sorted(set(zip(rows["field"], rows["table_tolerance"].astype(str), rows["precision"])), key=way_order)
     for part, column in zip(axes, ("seconds", "rhs_evaluations")):
@@ -46,16 +46,16 @@ def draw(folder):
         front(part, rows[column], shown)
         part.axhline(floor, color=style.GREY, linewidth=0.7, linestyle=":")
         part.set(xscale="log", yscale="log")
-    work = told["unit"].removeprefix("a ")
-    axes[0].set(xlabel=f"CPU time of {told['unit']} (s)", ylabel=ERRORS[told["error"]])
+    work = record["unit"].removeprefix("a ")
+    axes[0].set(xlabel=f"CPU time of {record['unit']} (s)", ylabel=ERRORS[record["error"]])
     axes[1].set(xlabel=f"right-hand sides ({work})")
     axes[1].legend(handles=legend(rows, ways), loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False, fontsize=8, handlelength=2.2)
     return figure
 
 
-def lowest(told, error):
+def lowest(record, error):
     """Errors below this are quoted as this; an error of 0 has no place on a logarithmic axis."""
-    least = told["reference"]["least_error_quoted"][told["error"]]
+    least = record["reference"]["least_error_quoted"][record["error"]]
     if isinstance(least, float) and least > 0:
         return least
     positive = error[error > 0]
@@ -92,10 +92,10 @@ def front(axes, work, error):
 def legend(rows, ways):
     def line(label, **look):
         return Line2D([], [], label=label, **({"color": style.GREY, "linewidth": 1.1} | look))
-    told = [line(name, color=style.ROD_COLOURS[METHODS[name]], linewidth=2) for name in dict.fromkeys(rows["method"])]
-    told += [line(name, marker=FORMS[name], linewidth=0, markersize=4) for name in dict.fromkeys(rows["form"])]
-    told += [line(way_words(way), linestyle=LINES[k % len(LINES)]) for k, way in enumerate(ways)] if len(ways) > 1 else []
-    return told + [line("not beaten", color=style.INK, linewidth=4.5, alpha=0.16), line("least quoted", linestyle=":", linewidth=0.7)]
+    handles = [line(name, color=style.ROD_COLOURS[METHODS[name]], linewidth=2) for name in dict.fromkeys(rows["method"])]
+    handles += [line(name, marker=FORMS[name], linewidth=0, markersize=4) for name in dict.fromkeys(rows["form"])]
+    handles += [line(way_words(way), linestyle=LINES[k % len(LINES)]) for k, way in enumerate(ways)] if len(ways) > 1 else []
+    return handles + [line("not beaten", color=style.INK, linewidth=4.5, alpha=0.16), line("least quoted", linestyle=":", linewidth=0.7)]
 
 
 def way_words(way):
@@ -123,12 +123,12 @@ def has_ways(folder):
 def write_ways(folder, output=None):
     """Paths of the figures made."""
     folder, output = Path(folder), Path(output or folder)
-    told = json.loads((folder / WAYS).read_text(encoding="utf-8"))
-    ways = [way for way in told["ways"] if way["found"]]
+    record = json.loads((folder / WAYS).read_text(encoding="utf-8"))
+    ways = [way for way in record["ways"] if way["found"]]
     if not ways:
         raise PlotError(f"{folder / WAYS}: no configuration has a result")
     path = output / "figures" / "ways.png"
-    canvas.save({"bed": draw_bed, "fit": draw_fit, "field": draw_field}[told["of"]](ways), path)
+    canvas.save({"bed": draw_bed, "fit": draw_fit, "field": draw_field}[record["of"]](ways), path)
     return [path]
 
 

@@ -100,8 +100,8 @@ def title(axes, units, run, spec, index):
 
 def shared(units, runs):
     """Medium and couplings that all runs have, for the head of the figure; couplings that are zero go without saying."""
-    told = [key for key in PARAMETERS if key in runs[0].attrs and len({one.attrs.get(key) for one in runs}) == 1]
-    return ",  ".join(f"${units.parameter(key, runs[0].attrs[key], 3)}$" for key in told if runs[0].attrs[key] or key in ("eta", "alpha"))
+    keys = [key for key in PARAMETERS if key in runs[0].attrs and len({one.attrs.get(key) for one in runs}) == 1]
+    return ",  ".join(f"${units.parameter(key, runs[0].attrs[key], 3)}$" for key in keys if runs[0].attrs[key] or key in ("eta", "alpha"))
 
 
 def outcome_line(units, run):
@@ -133,8 +133,8 @@ def caption(run, spec):
     if len(runs) == 1:
         outcome = outcome_words(units, runs[0])
         return text + outcome[0].upper() + outcome[1:] + ". " + parameters(units, runs[0])
-    told = (f"{words.label_html(one.label)}: {outcome_words(units, one)}." for one in runs)
-    return text + " ".join(f"{words.letter(i)} {one}" for i, one in enumerate(told))
+    outcomes = (f"{words.label_html(one.label)}: {outcome_words(units, one)}." for one in runs)
+    return text + " ".join(f"{words.letter(i)} {one}" for i, one in enumerate(outcomes))
 
 
 def outcome_words(units, run):

@@ -204,8 +204,8 @@ class Units:
 
     def parameter(self, name, value, digits=4):
         """`kappa f/(mu v0) = 0.5`, or in SI with its unit behind, as mathtext without dollars."""
-        told = schema.PHYSICS[name]
-        symbol, unit = told["symbol"], told.get("unit", {}).get("si" if self.si else "reduced", "")
+        entry = schema.PHYSICS[name]
+        symbol, unit = entry["symbol"], entry.get("unit", {}).get("si" if self.si else "reduced", "")
         if not self.si:
             return rf"{symbol}{REDUCED.get(unit, '')} = {math_number(value, digits)}"
         return rf"{symbol} = {math_number(value, digits)}" + (rf"\ \mathrm{{{unit.replace('1/s', 's^{-1}')}}}" if unit else "")

@@ -51,18 +51,18 @@ struct Run {
     rods::RodOutcome outcome;
     std::string status, message, method;
     integrate::Statistics statistics;
-    bool told_contact = false; ///< a contact distance was given
+    bool has_contact_distance = false; ///< a contact distance was given
 
     std::size_t rods() const { return static_cast<std::size_t>(poses.shape(1)); }
 };
 
-Run run_of(Path path, std::size_t rods, rods::RodOutcome outcome, bool told_contact) {
+Run run_of(Path path, std::size_t rods, rods::RodOutcome outcome, bool has_contact_distance) {
     const auto rows = static_cast<py::ssize_t>(path.times.size());
     Run run;
     run.t = array_of(std::move(path.times), {rows});
     run.poses = array_of(std::move(path.poses), {rows, static_cast<py::ssize_t>(rods), 3});
     run.outcome = std::move(outcome);
-    run.told_contact = told_contact;
+    run.has_contact_distance = has_contact_distance;
     return run;
 }
 
@@ -129,7 +129,7 @@ std::string text_of(const Run& run) {
                        std::to_string(run.rods()) + " rods, " + std::to_string(run.t.size()) + " times";
     if (run.status == "failed")
         text += "; failed: " + run.message;
-    if (run.rods() > 1 && !run.told_contact)
+    if (run.rods() > 1 && !run.has_contact_distance)
         text += "; no contact_distance: rods that meet run into the singularity of their fields";
     return text + ">";
 }
@@ -144,7 +144,7 @@ py::tuple saved(const Run& run) {
     const integrate::Statistics& s = run.statistics;
     return py::make_tuple(run.t, run.poses, static_cast<int>(o.ending), o.time, o.pair.first, o.pair.second,
                           o.pair.distance, o.min_separation, o.min_separation_time, o.turn, o.reason,
-                          run.status, run.message, run.method, run.told_contact,
+                          run.status, run.message, run.method, run.has_contact_distance,
                           std::vector{s.steps, s.rhs_evaluations, s.jacobian_evaluations,
                                       s.error_test_failures, s.convergence_failures},
                           static_cast<int>(o.certificate), or_none(o.separation), or_none(o.omega), o.grows,

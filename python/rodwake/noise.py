@@ -41,13 +41,13 @@ class NoiseResult:
         self.failure: str = core.failure  #: why the first run that failed did ('': none)
 
     def __repr__(self) -> str:
-        told = ""
+        text = ""
         if self.capture_probability is not None and self.capture_interval is not None:
             low, high = self.capture_interval
-            told = f", capture probability {self.capture_probability:.3g} ({low:.3g} to {high:.3g})"
+            text = f", capture probability {self.capture_probability:.3g} ({low:.3g} to {high:.3g})"
         if self.contact_distance is None and (self.pairs >= 0).any():
-            told += "; no contact_distance: rods that meet run into the singularity of their fields"
-        return f"<NoiseResult: {len(self.outcomes)} runs{told}>"
+            text += "; no contact_distance: rods that meet run into the singularity of their fields"
+        return f"<NoiseResult: {len(self.outcomes)} runs{text}>"
 
 
 def simulate_noise(poses: ArrayLike, medium: Optional[Medium] = None, *, rotational_diffusion: float, translational_diffusion: float = 0.0,

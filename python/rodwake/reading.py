@@ -36,8 +36,8 @@ def _why(error: Exception, form: str) -> str:
         return f"damaged {form}: nested too deeply"
     if isinstance(error, UnicodeDecodeError):
         return f"damaged {form}: not UTF-8 text"
-    told = error.args[0] if isinstance(error, KeyError) and error.args else error  # as text it would be quoted
-    return f"damaged {form}: {told or type(error).__name__}"
+    cause = error.args[0] if isinstance(error, KeyError) and error.args else error  # as text it would be quoted
+    return f"damaged {form}: {cause or type(error).__name__}"
 
 
 def read_json(path: Path) -> Any:

@@ -257,8 +257,8 @@ def _run_around(folder: Path) -> Path:
         if (one / "manifest.json").is_file() or (one / "provenance.json").is_file():
             return one
     below = sorted(one.parent.name for one in folder.glob("*/manifest.json"))
-    told = f"; there are runs in its folders {', '.join(below[:5])}{', ...' if len(below) > 5 else ''}" if below else ""
-    raise InputError(f"{folder}: holds no run of rodwake: there is no manifest.json{told}")
+    hint = f"; there are runs in its folders {', '.join(below[:5])}{', ...' if len(below) > 5 else ''}" if below else ""
+    raise InputError(f"{folder}: holds no run of rodwake: there is no manifest.json{hint}")
 
 
 def _manifest(folder: Path) -> dict[str, Any]:

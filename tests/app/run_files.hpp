@@ -33,7 +33,7 @@ inline std::vector<std::string> header_of(const fs::path& file) {
 }
 
 /// Files that the manifest does not know, and columns that it does not tell of.
-inline std::set<std::string> untold(const fs::path& folder) {
+inline std::set<std::string> undescribed(const fs::path& folder) {
     std::set<std::string> missing;
     const nlohmann::json files = json_of(folder / "manifest.json").at("files");
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -44,8 +44,8 @@ inline std::set<std::string> untold(const fs::path& folder) {
             missing.insert(name);
         else if (name.ends_with(".csv"))
             for (const std::string& column : header_of(entry.path())) {
-                const auto& told = files[name].at("columns");
-                if (std::ranges::none_of(told, [&](const auto& c) { return c.at("name") == column; }))
+                const auto& columns = files[name].at("columns");
+                if (std::ranges::none_of(columns, [&](const auto& c) { return c.at("name") == column; }))
                     missing.insert(name + ":" + column);
             }
     }

@@ -15,7 +15,7 @@ using namespace rodwake;
 using namespace store_test;
 using app::Stage;
 using app::StageEnd;
-using app_test::json_of, app_test::untold;
+using app_test::json_of, app_test::undescribed;
 
 namespace {
 
@@ -68,16 +68,16 @@ std::string unit_of(const nlohmann::json& file, const std::string& name) {
 TEST_CASE("A scan of beds has a row a point and a row a run, and the manifest tells of all") {
     const Scratch scratch;
     CHECK(run(pairs(), scratch / "scan") == StageEnd::finished);
-    const auto told = json_of(scratch / "scan/scan.json");
-    CHECK(told.at("subject") == "beds");
-    CHECK(told.at("points") == 4);
-    CHECK(told.at("runs") == 2);
-    CHECK(told.at("requested") == 8);
-    CHECK(told.at("evaluated") == 8);
+    const auto scan = json_of(scratch / "scan/scan.json");
+    CHECK(scan.at("subject") == "beds");
+    CHECK(scan.at("points") == 4);
+    CHECK(scan.at("runs") == 2);
+    CHECK(scan.at("requested") == 8);
+    CHECK(scan.at("evaluated") == 8);
     CHECK(column(scratch / "scan/scan.csv", "runs") == std::vector<double>(4, 2.0));
     CHECK(column(scratch / "scan/scan_runs.csv", "run") == std::vector<double>{1, 2, 1, 2, 1, 2, 1, 2});
     CHECK(column(scratch / "scan/scan_runs.csv", "point") == std::vector<double>{1, 1, 2, 2, 3, 3, 4, 4});
-    CHECK(untold(scratch / "scan").empty());
+    CHECK(undescribed(scratch / "scan").empty());
     const auto files = json_of(scratch / "scan/manifest.json").at("files");
     CHECK(files.at("points/0004/runs/0002/tracks.csv").at("stage") == "scan");
     CHECK(unit_of(files.at("scan.csv"), "min_separation") == "a");
@@ -148,10 +148,10 @@ TEST_CASE("A point that fails is a value, and evaluated again it goes on") {
     const std::string near = "[scan]\n[[scan.axes]]\nkey = \"granular.rods.0.position.1\"\n"
                              "values = [\"-6 a\", \"6 a\"]\n"; // in the other rod
     CHECK(run(pairs(2, near), scratch / "scan") == StageEnd::incomplete);
-    const auto told = json_of(scratch / "scan/scan.json");
-    CHECK(told.at("failed") == 2);
-    CHECK(told.at("causes").size() == 1);
-    CHECK(has(told.at("causes").begin().key(), "overlap"));
+    const auto scan = json_of(scratch / "scan/scan.json");
+    CHECK(scan.at("failed") == 2);
+    CHECK(scan.at("causes").size() == 1);
+    CHECK(has(scan.at("causes").begin().key(), "overlap"));
     CHECK(column(scratch / "scan/scan.csv", "failed_runs") == std::vector<double>{2.0, 0.0});
     CHECK(has(content(scratch / "scan/scan.csv"), ",,,exception,0,2,"));
 }
@@ -192,5 +192,5 @@ TEST_CASE("A bed without a pair has the means of its bed and rods") {
     CHECK(has(header, "mean_speed0,mean_speed0_error"));
     CHECK_FALSE(has(header, "contact"));
     CHECK(json_of(scratch / "scan/scan.json").at("outcomes").at("finished") == 4);
-    CHECK(untold(scratch / "scan").empty());
+    CHECK(undescribed(scratch / "scan").empty());
 }

@@ -160,7 +160,7 @@ TEST_CASE("whatever key a scene has, the page starts from it or is not made and 
         const std::size_t state = page.find("\"state\":{");
         return page.substr(state, page.find('}', state) - state);
     };
-    const auto told = [](const scene::Scene& scene) { // what the page has to know of the run
+    const auto content = [](const scene::Scene& scene) { // what the page has to know of the run
         const rods::RodProblem p = app::rod_problem(scene);
         return std::tuple(p.medium->eta, p.medium->xi, p.couplings.kappa, p.couplings.gamma1,
                           p.couplings.gamma2, p.t_end, p.contact_distance);
@@ -207,10 +207,10 @@ TEST_CASE("whatever key a scene has, the page starts from it or is not made and 
                 CHECK_THROWS_WITH(started(*scene), Catch::Contains(key.name));
                 continue;
             }
-            CHECK((started(*scene) == started(before)) == (told(*scene) == told(before)));
+            CHECK((started(*scene) == started(before)) == (content(*scene) == content(before)));
             CHECK(app::rod_problem(*scene).rows.gamma == 0.0);
             CHECK_FALSE(scene->medium->box());
-            changed += told(*scene) != told(before);
+            changed += content(*scene) != content(before);
         }
         CAPTURE(key.table, key.name);
         CHECK((legal > 0 || key.name == "fitted")); // [fit] goes with it: tests/cli/test_explore.py

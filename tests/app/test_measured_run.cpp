@@ -1,4 +1,4 @@
-// The files of a measured run: written of plain data, and told of by the kinds of measures.
+// The files of a measured run: written from plain data, and described by the kinds of measures.
 
 #include "bed/measure_kind.hpp"
 #include "bed/measure_stage.hpp"
@@ -14,7 +14,7 @@
 using namespace rodwake;
 using namespace store_test;
 using app::Stage;
-using app_test::json_of, app_test::untold;
+using app_test::json_of, app_test::undescribed;
 
 namespace {
 
@@ -42,12 +42,12 @@ void add_names(const nlohmann::json& table, const std::string& before, std::set<
 std::set<std::string> unequal(const nlohmann::json& measured) {
     std::set<std::string> found;
     for (const app::MeasureKind& kind : app::measure_kinds()) {
-        std::set<std::string> names, told;
+        std::set<std::string> names, reported;
         add_names(measured.value(std::string(kind.name), nlohmann::json::object()), "", names);
         for (const ColumnInfo& value : kind.values())
-            told.emplace(value.name);
+            reported.emplace(value.name);
         std::vector<std::string> different;
-        std::ranges::set_symmetric_difference(names, told, std::back_inserter(different));
+        std::ranges::set_symmetric_difference(names, reported, std::back_inserter(different));
         for (const std::string& name : different)
             found.insert(std::string(kind.name) + "." + name);
     }
@@ -77,7 +77,7 @@ TEST_CASE("The kinds of measures tell of every file, column and value of a measu
     const std::vector<Stage> both = {Stage::granular, Stage::measure};
     const auto plan = app::plan_run(measured_bed(), both, scratch / "run", {});
     REQUIRE(app::run(plan, scratch / "run", {}) == app::StageEnd::finished);
-    CHECK(untold(scratch / "run") == std::set<std::string>{});
+    CHECK(undescribed(scratch / "run") == std::set<std::string>{});
     nlohmann::json measured = json_of(scratch / "run/measure.json");
     CHECK(unequal(measured) == std::set<std::string>{});
     for (const app::MeasureKind& kind : app::measure_kinds())

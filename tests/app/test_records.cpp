@@ -127,7 +127,7 @@ TEST_CASE("A described result is JSON in the order of its description", "[record
     CHECK(json.at("other") == 6.0);
 }
 
-TEST_CASE("A described result is read back, and what is missing is told", "[record]") {
+TEST_CASE("A described result is read back, and what is missing is reported", "[record]") {
     const Numbers written{"one", 0.1, std::nan(""), {{3.0}, {4.0}}, {2.0}, Part{5.0}};
     const nlohmann::json json = nlohmann::json::parse(record_json(written).dump());
     Numbers read;
@@ -189,28 +189,28 @@ TEST_CASE("Numbers of a described result have their place in the file", "[record
 }
 
 TEST_CASE("Every column and value of every file has a known unit and a meaning", "[record]") {
-    std::size_t told = 0;
+    std::size_t reported = 0;
     for (const FileKind& kind : file_kinds())
         for (const ColumnInfo& column : kind.columns) {
             INFO(kind.pattern << ": " << column.name << " in " << column.unit);
             CHECK(is_unit(column.unit));
             CHECK_FALSE(column.meaning.empty());
-            ++told;
+            ++reported;
         }
-    CHECK(told > 300);
+    CHECK(reported > 300);
     CHECK_FALSE(is_unit("{lenght}"));
     CHECK_FALSE(is_unit(""));
 }
 
 TEST_CASE("Endings have the numbers that the description of a table gives them", "[record]") {
-    std::string told;
+    std::string reported;
     EndingCounts counts;
     for (const Ending ending : all_endings) {
-        told += (told.empty() ? "" : ", ") + std::to_string(static_cast<int>(ending_code(ending))) + " " +
-                to_string(ending);
+        reported += (reported.empty() ? "" : ", ") + std::to_string(static_cast<int>(ending_code(ending))) +
+                    " " + to_string(ending);
         counts.add(ending);
     }
-    CHECK(outcome_codes.starts_with(told));
+    CHECK(outcome_codes.starts_with(reported));
     CHECK(record_json(counts).dump() ==
           R"({"contact":1,"pursuit":1,"escape":1,"undecided":1,"orbit":1,"bound":1,"failed":0})");
 }

@@ -13,7 +13,7 @@ using namespace rodwake;
 using namespace store_test;
 using app::Stage;
 using app::StageEnd;
-using app_test::json_of, app_test::untold;
+using app_test::json_of, app_test::undescribed;
 
 namespace {
 
@@ -29,7 +29,7 @@ TEST_CASE("A library user reads a scene and gets a run") {
     CHECK(run(app_test::pair(), {Stage::field, Stage::rods}, scratch / "run") == StageEnd::finished);
     CHECK(app::run_status(scratch / "run") == "finished");
     CHECK(json_of(scratch / "run/outcome.json").contains("outcome"));
-    CHECK(untold(scratch / "run").empty());
+    CHECK(undescribed(scratch / "run").empty());
     const auto column = json_of(scratch / "run/manifest.json").at("files").at("rods.csv").at("columns").at(1);
     CHECK(column.at("name") == "x0");
     CHECK(column.at("unit") == "f/mu");
@@ -42,7 +42,7 @@ TEST_CASE("The search for files and columns that the manifest does not tell of c
     auto manifest = json_of(scratch / "run/manifest.json");
     manifest["files"]["rods.csv"]["columns"].erase(0);
     scratch.file("run/manifest.json", manifest.dump());
-    CHECK(untold(scratch / "run") == std::set<std::string>{"rods.csv:t", "stray.csv"});
+    CHECK(undescribed(scratch / "run") == std::set<std::string>{"rods.csv:t", "stray.csv"});
 }
 
 TEST_CASE("Stages add up in one folder to what one run makes", "[threads]") {
@@ -74,7 +74,7 @@ TEST_CASE("A stage that fails does not undo those before it") {
           nlohmann::json{{"field", "finished"}, {"rods", "failed"}});
     scene.rods_run->max_steps = 1'000'000;
     CHECK(run(scene, {Stage::field, Stage::rods}, scratch / "run") == StageEnd::finished);
-    CHECK(untold(scratch / "run").empty());
+    CHECK(undescribed(scratch / "run").empty());
 }
 
 TEST_CASE("A caller can stop a run, and the same call goes on") {
@@ -98,7 +98,7 @@ TEST_CASE("A caller hears messages and progress") {
     CHECK(run(app_test::bed(), {Stage::granular}, scratch / "bed", context) == StageEnd::finished);
     CHECK(has(messages, "dem: beads 64"));
     CHECK(last == Approx(1.0));
-    CHECK(untold(scratch / "bed").empty());
+    CHECK(undescribed(scratch / "bed").empty());
 }
 
 TEST_CASE("The seed of the context becomes that of the scene") {

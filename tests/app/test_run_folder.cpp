@@ -292,7 +292,7 @@ TEST_CASE("Two processes do not share a folder, and a lock that was left behind 
     CHECK(RunFolder(scratch / "run", pair(), Stages{Stage::rods}, false).lock().taken_over().empty());
 }
 
-// --- Files of a finished run that are gone: what is made again, what stays, and what is told so until then
+// --- Files of a finished run that are gone: what is made again, what stays, and what is reported until then
 
 TEST_CASE("What follows from a stage stays while its lost files are made again, killed in between or not") {
     const Scratch scratch;

@@ -294,8 +294,8 @@ class TestsTest(unittest.TestCase):
     def test_every_test_is_alone(self):
         """Run by tests/support/alone, after its home was emptied; but for what empties it, and for the build of the rest."""
         ctest = Path(os.environ["RODWAKE_CMAKE"]).with_name("ctest")
-        told = subprocess.run([ctest, "--show-only=json-v1"], cwd=os.environ["RODWAKE_BINARY_DIR"], capture_output=True, text=True, check=True)
-        tests = [test for test in json.loads(told.stdout)["tests"] if "_NOT_BUILT-" not in test["name"]]
+        listing = subprocess.run([ctest, "--show-only=json-v1"], cwd=os.environ["RODWAKE_BINARY_DIR"], capture_output=True, text=True, check=True)
+        tests = [test for test in json.loads(listing.stdout)["tests"] if "_NOT_BUILT-" not in test["name"]]
         self.assertGreater(len(tests), 100)
         own = {test["name"] for test in tests if not test["command"][0].endswith("/tests/support/alone")}
         self.assertEqual(own - {"compile"}, {"home", "headers (long)"})  # "compile" only with benchmarks

@@ -72,7 +72,7 @@ class OneDefinitionTest(unittest.TestCase):
         self.assertGreater(sum(len(definitions(text)) for text in files.values()), 300)  # the parser reads the tree
 
     def test_json_is_written_in_one_place(self):
-        """nlohmann's dump throws at bytes that are not UTF-8 unless told otherwise."""
+        """nlohmann's dump throws at bytes that are not UTF-8 unless set otherwise."""
         written = [str(p) for p in tracked() if p.suffix in (".hpp", ".cpp") and p.parts[0] in ("include", "app", "src", "models", "fitting", "python")
                    and ".dump(" in text_of(p)]
         self.assertEqual(written, ["include/rodwake/core/json_text.hpp"])

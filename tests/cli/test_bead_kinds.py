@@ -142,11 +142,11 @@ class BeadKindsTest(BedTest):
                 self.assertRegex(self.mixed("refused", *keys, code=2).stderr, message)
                 self.assertFalse((self.folder / "refused").exists())
 
-    def test_told_before_it_runs(self):
-        told = self.expect(0, "check", "mixed.toml").stdout
-        self.assertIn("plates: gap 1.55 mm", told)
+    def test_reported_before_it_runs(self):
+        output = self.expect(0, "check", "mixed.toml").stdout
+        self.assertIn("plates: gap 1.55 mm", output)
         self.assertIn("plates: gap 1.512 mm", self.expect(0, "check", "mixed.toml", "-s", "granular.plates=").stdout)
-        self.assertRegex(told, r"beads of radius 0.4 mm \(\d+\) and 0.56 mm \(\d+\) and 2700 kg")
+        self.assertRegex(output, r"beads of radius 0.4 mm \(\d+\) and 0.56 mm \(\d+\) and 2700 kg")
 
 
 class MeasuredKindsTest(BedTest):
@@ -258,8 +258,8 @@ frames = 0.01
         self.put()
         self.expect(0, "dem", "given.toml", "-o", "out")
         self.put(vx=-self.table["vx"])
-        told = self.expect(2, "dem", "given.toml", "-o", "out", "-s", "granular.runs=2")
-        self.assertRegex(told.stderr, "another scene")
+        output = self.expect(2, "dem", "given.toml", "-o", "out", "-s", "granular.runs=2")
+        self.assertRegex(output.stderr, "another scene")
         self.assertRegex(self.expect(2, "replay", "out", "--verify").stderr, "not the file that the run began from")
 
     def test_a_frame_of_a_film(self):

@@ -47,8 +47,8 @@ class CameraTest(ProgramTest):
 
     def test_a_whole_bed_is_itself(self):
         self.expect(0, "measure", "bed.toml", "-o", "bed", "--quiet")
-        told = self.expect(0, "camera", "bed", "--pixel", "1 a").stdout
-        self.assertIn("camera/tracks.csv: 41 pictures", told)
+        output = self.expect(0, "camera", "bed", "--pixel", "1 a").stdout
+        self.assertIn("camera/tracks.csv: 41 pictures", output)
         self.expect(0, "measure", "bed/camera/camera.toml", "-o", "film", "--quiet")
         bed, film = self.measured("bed"), self.measured("film")
         self.assertAlmostEqual(bed["order"]["psi6"]["value"], film["order"]["psi6"]["value"], delta=1e-13)  # pixels and back: rounding

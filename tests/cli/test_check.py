@@ -25,9 +25,9 @@ class CheckTest(ProgramTest):
         self.assertIn("noise: no [noise] table", self.not_modelled(PAIR))
         self.assertIn("noise: rotational_diffusion and translational_diffusion are 0", self.not_modelled(PAIR + "[noise]\nrotational_diffusion = 0.0\n"))
         self.write("noisy.toml", PAIR + "[noise]\nrotational_diffusion = 0.01\nruns = 7\n")
-        told = self.expect(0, "check", "noisy.toml").stdout
-        self.assertRegex(told, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
-        self.assertIn("diffusion of positions: noise.translational_diffusion is 0", told)
+        output = self.expect(0, "check", "noisy.toml").stdout
+        self.assertRegex(output, r"noise: D_r = 0\.01, D_t = 0, 7 runs, steps of at most 0\.0\d+ \(0\.05 of the shortest")
+        self.assertIn("diffusion of positions: noise.translational_diffusion is 0", output)
 
     def test_alpha_is_a_unit_of_length(self):
         """Not with polar couplings, rows, noise, a box or a medium with memory: these have a length of their own."""
@@ -57,8 +57,8 @@ class CheckTest(ProgramTest):
         variants = '[[variants]]\nname = "one_place"\nset = {"rods.1.position" = [0.0, 2.5]}\n[[variants]]\nname = "apart"\nset = {"rods_run.contact_distance" = 4.9}\n'
         said = r"rods: rods 0 and 1 start 5 apart, within the contact distance \(5\): the run ends in contact at time 0"
         self.write("near.toml", near + variants)
-        told = self.expect(0, "check", "near.toml").stdout
-        self.assertRegex(told, r"# is this what you mean\?\n  " + said + r"\n  rods \(one_place\): rods 0 and 1 start 0 apart.*\n\n")
+        record = self.expect(0, "check", "near.toml").stdout
+        self.assertRegex(record, r"# is this what you mean\?\n  " + said + r"\n  rods \(one_place\): rods 0 and 1 start 0 apart.*\n\n")
         self.assertRegex(self.expect(0, "rods", "near.toml", "-o", "near").stderr, said)
         ends = [self.outcome("near"), self.outcome("near/variants/one_place")]
         for end, apart in zip(ends, (5.0, 0.0)):
@@ -67,8 +67,8 @@ class CheckTest(ProgramTest):
         self.assertEqual(len((self.folder / "near/rods.csv").read_text().splitlines()), 2)
         self.write("noisy.toml", near + "[noise]\nrotational_diffusion = 0.01\nruns = 7\n")
         self.expect(0, "rods", "noisy.toml", "-o", "noisy")
-        told = json.loads((self.folder / "noisy/noise.json").read_text())
-        self.assertEqual((told["endings"]["contact"], told["capture_probability"], told["first_contact_time"]["mean"]), (7, 1.0, 0.0))
+        record = json.loads((self.folder / "noisy/noise.json").read_text())
+        self.assertEqual((record["endings"]["contact"], record["capture_probability"], record["first_contact_time"]["mean"]), (7, 1.0, 0.0))
         self.write("scan.toml", near + '[scan]\n[[scan.axes]]\nkey = "rods.1.position.1"\nvalues = [-2.5, 2.5]\n')
         self.expect(0, "scan", "scan.toml", "-o", "scan")
         rows = list(csv.DictReader((self.folder / "scan/scan.csv").read_text().splitlines()))

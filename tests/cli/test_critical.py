@@ -22,7 +22,7 @@ class CriticalTest(ScanTest):
         with open(self.folder / run / "critical.csv", newline="", encoding="utf-8") as file:
             return list(csv.DictReader(file))
 
-    def told(self, run):
+    def record(self, run):
         return json.loads((self.folder / run / "critical.json").read_text())
 
     def solve(self, run, scan, *arguments, scene=START, rtol="1e-11"):
@@ -100,7 +100,7 @@ class CriticalTest(ScanTest):
         """Between two values of alpha the orbits end: two curves become one."""
         self.solve("triple", 'from = 22.0\nto = 26.0\ncount = 5\naudit = 0\ntolerance = 1e-5\nbetween = ["any"]\n'
                    '[[scan.axes]]\nkey = "medium.alpha"\nvalues = [0.6875, 0.875]\n', rtol="1e-8")
-        below, above = self.told("triple")["triple_points"][0]
+        below, above = self.record("triple")["triple_points"][0]
         self.assertEqual([side["at"]["medium.alpha"] for side in (below, above)], [0.6875, 0.875])
         self.assertEqual([(one["kind"], *one["outcomes"]) for one in below["values"]],
                          [("separatrix", "pursuit", "orbit"), ("grazing", "orbit", "contact")])
@@ -133,7 +133,7 @@ class CriticalTest(ScanTest):
         self.write("straight.toml", STRAIGHT.replace("tolerance = 1e-13", "tolerance = 1e-8\ncount = 2"))
         self.scan("straight.toml", "blind", "-s", "scan.audit=0")
         self.assertEqual(self.values("blind"), [])
-        point, = self.told("blind")["points"]
+        point, = self.record("blind")["points"]
         self.assertEqual((point["status"], point["outcomes"]), ("none", {"escape": 2}))
 
     def test_a_strip_between_values(self):
@@ -143,13 +143,13 @@ class CriticalTest(ScanTest):
         self.write("strip.toml", text.replace("tolerance = 1e-13", f"tolerance = 1e-4\ncount = 2\naudit = {values}") +
                    f'[[scan.axes]]\nkey = "rods.1.position.1"\nfrom = -8.5\nto = -0.5\ncount = {starts}\n')
         self.scan("strip.toml", "out")
-        told = self.told("out")
-        found = sum(point["count"] == 2 for point in told["points"])
-        self.assertEqual(found, sum(point["count"] > 0 for point in told["points"]))
+        record = self.record("out")
+        found = sum(point["count"] == 2 for point in record["points"])
+        self.assertEqual(found, sum(point["count"] > 0 for point in record["points"]))
         rate = 1.0 - (1.0 - share)**values
         self.assertAlmostEqual(found / starts, rate, delta=4.0 * math.sqrt(rate * (1.0 - rate) / starts))
-        self.assertGreater(told["audit"]["missed_rate_high"], share)
-        self.assertAlmostEqual(told["audit"]["found"] / told["audit"]["values"], share, delta=0.3 * share)
+        self.assertGreater(record["audit"]["missed_rate_high"], share)
+        self.assertAlmostEqual(record["audit"]["found"] / record["audit"]["values"], share, delta=0.3 * share)
 
     def test_undecided_encounters_leave_a_range(self):
         """Where the limit of time is too short to decide, the bracket is what is known; the value is 26.0584 (separatrix)."""

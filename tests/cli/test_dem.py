@@ -58,11 +58,11 @@ class FilesTest(BedTest):
         self.assertNotIn("cost", done.stderr)
         rate = float(re.search(r"debug: dem: cost .* of wall clock summed over 2 runs, (\S+) particle steps a second", log)[1])
         self.assertAlmostEqual(rate / both["particle_steps_per_second"], 1.0, delta=0.01)  # three digits
-        told = {line.split("  ")[0] for line in re.findall(r"debug:  +(.*%)$", log, re.M)}
+        lines = {line.split("  ")[0] for line in re.findall(r"debug:  +(.*%)$", log, re.M)}
         for words in ("flight, bounces off the plates", "motion of the rods", "search for contacts", "impulses between pairs",
                       "samples, rows of the table"):
-            self.assertIn(words, told)
-        self.assertNotIn("measures", told)
+            self.assertIn(words, lines)
+        self.assertNotIn("measures", lines)
 
     def test_tables(self):
         self.dem("out")
@@ -297,7 +297,7 @@ class ExtremesTest(BedTest):
     # The heading is read off an axis that is turned 11000 times by pitching: roundings add up like the sum.
     TURN = 2200 * 2.0**-53
 
-    def test_an_absorbing_state_is_told(self):
+    def test_an_absorbing_state_is_reported(self):
         """At Gamma = 7 and 150 Hz beads alone end up in step with the plates; at 200 Hz they move."""
         locked = setting(rods=[], plates__frequency='"150 Hz"', duration=0.4)
         self.assertRegex(self.dem("locked", *locked).stderr, "1 of 1 runs ended in an absorbing state")
@@ -357,14 +357,14 @@ class ExtremesTest(BedTest):
         self.dem("first", *SHORT)
         self.dem("bare", *SHORT, *BEADS_ONLY)
         start = setting(start='"restart"', restart_from='"first/final.rwc"')
-        for keys, told in (({"box": '"6.2 mm"'}, r"the box is 0\.0064 x 0\.0064 m there and 0\.0062 x 0\.0062 m in the scene"),
+        for keys, expected in (({"box": '"6.2 mm"'}, r"the box is 0\.0064 x 0\.0064 m there and 0\.0062 x 0\.0062 m in the scene"),
                            ({"box": '["6.4 mm", "6.6 mm"]'}, r"0\.0064 x 0\.0064 m there and 0\.0064 x 0\.0066 m in the scene"),
                            ({"box": '"6.4 mm"', "bead_radius": '"0.38 mm"'}, r"bead_radius is 0\.0004 m there and 0\.00038 m in the scene"),
                            ({"phi_b": 0.75}, r"their number is \d+ there and \d+ in the scene"),
                            ({"rods": "[]"}, "the number of rods is 1 there and 0 in the scene"),
                            ({"rods__0__length": '"4.4 mm"'}, r"a rod is 0\.0045 m long, .* there and 0\.0044 m long, .* in the scene"),
                            ({"rods__0__thin_diameter": '"0.7 mm"'}, r"0\.0008 m thick, .* there and .* 0\.0007 m thick")):
-            self.refuse_bed(r"first/final\.rwc: granular\.start = \"restart\": .*" + told, *SHORT, *start, *setting(**keys))
+            self.refuse_bed(r"first/final\.rwc: granular\.start = \"restart\": .*" + expected, *SHORT, *start, *setting(**keys))
         bare = setting(start='"restart"', restart_from='"bare/final.rwc"')  # beads only: rods may be put in
         done = self.dem("less", *SHORT, *bare, *setting(phi_b=0.6))
         self.assertRegex(done.stderr, r"dem: \d+ of the \d+ beads of bare/final\.rwc are taken out")
@@ -382,9 +382,9 @@ class ExtremesTest(BedTest):
             for run in ("/runs/0001", "/runs/0002"):
                 self.assert_same("out" + run, "whole" + run)
                 self.assertEqual(*(self.out(top + run, "measure.rwc").read_bytes() for top in ("out", "whole")))
-                told = [{key: value for key, value in self.summary(top + run).items() if key not in ("cost", "cpu_seconds", "wall_seconds")}
+                record = [{key: value for key, value in self.summary(top + run).items() if key not in ("cost", "cpu_seconds", "wall_seconds")}
                         for top in ("out", "whole")]
-                self.assertEqual(*told)
+                self.assertEqual(*record)
         self.refuse(0, "holds a finished run", "dem", "bed.toml", "-o", "out", *bed)
 
     def test_a_damaged_restart(self):

@@ -67,17 +67,17 @@ class SignalTest(BedTest):
         self.assertIn(words, self.out("out", "log.txt").read_text())
 
     def test_rows_go_on_as_if_it_had_not_stopped(self):
-        """Twenty rows over the run are told, whenever it was stopped."""
+        """Twenty rows over the run are printed, whenever it was stopped."""
         keys = setting(duration=60.0, equilibrate=0, output__table=0.05, output__frames=1.0)
-        told = lambda: [float(row) for row in re.findall(r" (\d+\.\d{3}) +\d\.\d{4}e", self.out("out", "log.txt").read_text())]
+        times = lambda: [float(row) for row in re.findall(r" (\d+\.\d{3}) +\d\.\d{4}e", self.out("out", "log.txt").read_text())]
         with self.started("dem", "bed.toml", "-o", "out", *keys) as process:
-            self.assertTrue(wait_until(lambda: self.out("out", "log.txt").exists() and len(told()) > 7, 30))
+            self.assertTrue(wait_until(lambda: self.out("out", "log.txt").exists() and len(times()) > 7, 30))
             self.assertEqual(self.stop(process, signal.SIGTERM, SECONDS)[0], 143)
-        before = len(told())
+        before = len(times())
         self.dem("out", *keys)
         self.assertLess(before, 20)
-        self.assertGreater(len(told()), before)
-        self.assertGreater(min(one - other for one, other in zip(told()[1:], told())), 3.0 - 0.1)  # 60 s/20, a row late at most
+        self.assertGreater(len(times()), before)
+        self.assertGreater(min(one - other for one, other in zip(times()[1:], times())), 3.0 - 0.1)  # 60 s/20, a row late at most
 
     def test_checkpoint_on_demand(self):
         with self.started("dem", "bed.toml", "-o", "out", *setting(duration=6.0)) as process:

@@ -46,17 +46,17 @@ class DesignTest(ProgramTest):
         return json.loads((self.folder / "out/design.json").read_text()), done.stdout
 
     def test_rods_that_pass_near_tell_more_and_rods_far_away_nothing(self):
-        told, printed = self.weigh("--vary", "rods.1.position.1=-1.5,-400")
-        near, far = told["designs"]
+        record, printed = self.weigh("--vary", "rods.1.position.1=-1.5,-400")
+        near, far = record["designs"]
         self.assertEqual(near["settings"], {"rods.1.position.1": "-1.5"})
         self.assertGreater(near["information"], 0.8)  # of 1 bit
         self.assertLess(abs(far["information"]), 0.01)  # wakes of 400 f/mu turn nobody
-        self.assertEqual((told["best"], told["models"]), (0, ["strain", "none"]))
+        self.assertEqual((record["best"], record["models"]), (0, ["strain", "none"]))
         self.assertGreater(near["log_bayes"]["strain"]["none"], 3.0)
         self.assertLess(abs(far["log_bayes"]["strain"]["none"]), 0.1)
         self.assertRegex(printed, r"(?s)0\.\d\d \+- .*rods.1.position.1=-1.5\n.*rods.1.position.1=-400")
         rows = list(csv.DictReader((self.folder / "out/design.csv").read_text().splitlines()))
-        self.assertEqual([float(row["information"]) for row in rows], [one["information"] for one in told["designs"]])
+        self.assertEqual([float(row["information"]) for row in rows], [one["information"] for one in record["designs"]])
         self.assertTrue((self.folder / "out/figures/design.png").is_file())
         (self.folder / "out/figures/design.png").unlink()
         self.expect(0, "plot", "out")
@@ -64,8 +64,8 @@ class DesignTest(ProgramTest):
         self.assertEqual([row["rods.1.position.1"] for row in rows], ["-1.5", "-400"])
 
     def test_more_runs_and_smaller_errors_tell_more(self):
-        told, _ = self.weigh("--runs", "1,25", "-s", "fit.trajectories.0.sigma_heading=0.5", "-s", "fit.trajectories.0.sigma_position=0.5")
-        one, many = told["designs"]
+        record, _ = self.weigh("--runs", "1,25", "-s", "fit.trajectories.0.sigma_heading=0.5", "-s", "fit.trajectories.0.sigma_position=0.5")
+        one, many = record["designs"]
         self.assertEqual((one["runs"], many["runs"]), (1, 25))
         self.assertGreater(many["information"], one["information"] + 0.2)
         exact, _ = self.weigh("-s", "fit.trajectories.0.sigma_heading=0.1", "-s", "fit.trajectories.0.sigma_position=0.1")
@@ -74,11 +74,11 @@ class DesignTest(ProgramTest):
 
     def test_the_same_for_any_threads_and_from_a_list(self):
         self.write("designs.csv", "rods.1.position.1,rods.1.heading\n-1.5,0.4\n-2.5,0.4\n")
-        told, _ = self.weigh("--list", "designs.csv", "-j", "1")
+        record, _ = self.weigh("--list", "designs.csv", "-j", "1")
         again, _ = self.weigh("--list", "designs.csv", "-j", "2")
-        self.assertEqual(told["designs"], again["designs"])
-        self.assertEqual(told["designs"][1]["settings"], {"rods.1.position.1": "-2.5", "rods.1.heading": "0.4"})
-        self.assertNotEqual(told["designs"], self.weigh("--list", "designs.csv", "--seed", "5")[0]["designs"])
+        self.assertEqual(record["designs"], again["designs"])
+        self.assertEqual(record["designs"][1]["settings"], {"rods.1.position.1": "-2.5", "rods.1.heading": "0.4"})
+        self.assertNotEqual(record["designs"], self.weigh("--list", "designs.csv", "--seed", "5")[0]["designs"])
 
     def test_rods_that_diffuse_tell_less(self):
         still, wandering = self.weigh("--vary", "fit.fixed.D_r=0.0,0.3")[0]["designs"]

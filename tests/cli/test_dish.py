@@ -82,14 +82,14 @@ class DishTest(BedTest):
         done = self.expect(2, "dem", "dish.toml", "-o", "third", *again, *setting(container__radius='"15 a"'))
         self.assertRegex(done.stderr, "0.0112 x 0.0112 m there and 0.012 x 0.012 m in the scene")
 
-    def test_told_before_it_runs(self):
+    def test_reported_before_it_runs(self):
         for command in ("check",), ("dem", "--dry-run"):
-            told = self.expect(0, command[0], "dish.toml", *command[1:]).stdout
+            output = self.expect(0, command[0], "dish.toml", *command[1:]).stdout
             self.assertIn("vertical wall around the bed, a dish of radius 14 a = 5.6 mm, its middle at (14 a, 14 a); "
-                          "friction/restitution: beads 0.2/0.3, rods 0.03/0.1", told)
-            self.assertNotIn("side walls", told)
-        told = self.expect(0, "check", "dish.toml", *setting(container__friction=0.5)).stdout
-        self.assertIn("beads 0.5/0.3, rods 0.5/0.1", told)
+                          "friction/restitution: beads 0.2/0.3, rods 0.03/0.1", output)
+            self.assertNotIn("side walls", output)
+        output = self.expect(0, "check", "dish.toml", *setting(container__friction=0.5)).stdout
+        self.assertIn("beads 0.5/0.3, rods 0.5/0.1", output)
 
     def test_measures(self):
         """Measured as it runs, from its frames, and from a camera's tracks of the whole dish: the same numbers."""

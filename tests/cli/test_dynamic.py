@@ -116,8 +116,8 @@ class DynamicTest(ProgramTest):
         with h5py.File(self.folder / "filmed/medium_film.h5", "r") as file:
             self.assertIn("rods pair.toml", file.attrs["command"].decode() if isinstance(file.attrs["command"], bytes) else file.attrs["command"])
             self.assertEqual(file["ux"].attrs["unit"], file["x"].attrs["unit"])
-        told = self.expect(0, "check", "pair.toml", *film).stdout
-        self.assertIn("film of the medium: 5 frames of 32 x 32 points, 82.2 kB in medium_film.h5", told)
+        output = self.expect(0, "check", "pair.toml", *film).stdout
+        self.assertIn("film of the medium: 5 frames of 32 x 32 points, 82.2 kB in medium_film.h5", output)
 
     def test_the_film_of_a_resumed_run_is_the_same(self):
         film = *LONG, "-s", "medium.dynamic.film_interval=0.02", "-s", "medium.dynamic.film_grid=30", "-s", "rods_run.t_end=5"
@@ -145,10 +145,10 @@ class DynamicTest(ProgramTest):
         self.assert_same_film("out", "whole")
 
     def test_check_tells_what_is_modelled_and_what_it_costs(self):
-        told = self.expect(0, "check", "pair.toml").stdout
-        self.assertIn("medium with memory: 30 x 30 modes, force width 0.6, from steady fields", told)
-        self.assertIn("each rod in its own field: medium.dynamic.self_field is false", told)
-        self.assertIn("rods: 1 run to t = ", told)
+        output = self.expect(0, "check", "pair.toml").stdout
+        self.assertIn("medium with memory: 30 x 30 modes, force width 0.6, from steady fields", output)
+        self.assertIn("each rod in its own field: medium.dynamic.self_field is false", output)
+        self.assertIn("rods: 1 run to t = ", output)
 
     def test_many_rods_get_a_mesh_and_threads_change_no_byte(self):
         many = "-s", "medium.dynamic.evaluation=mesh", "-s", "rods_run.t_end=2", "-s", "rods_run.rtol=1e-6"
@@ -161,9 +161,9 @@ class DynamicTest(ProgramTest):
         self.assertNotEqual(mesh, sums)
         for a, b in zip(mesh, sums, strict=True):  # a rod's own field is left out to first order, no better
             self.assertAlmostEqual(a, b, delta=0.2 * abs(b))
-        told = self.expect(0, "check", "pair.toml", *many).stdout
-        self.assertIn("fields of many rods by fast Fourier transforms", told)
-        self.assertIn("each rod in its own field: left out to first order in its turning", told)
+        output = self.expect(0, "check", "pair.toml", *many).stdout
+        self.assertIn("fields of many rods by fast Fourier transforms", output)
+        self.assertIn("each rod in its own field: left out to first order in its turning", output)
 
     def test_own_field_and_inertia(self):
         own = "-s", "medium.dynamic.self_field=true", "-s", "rods_run.t_end=2"

@@ -65,9 +65,9 @@ class CompiledTest(ProgramTest):
         """Its module, as a browser runs it; names in its types are those that it exports."""
         folder = self.folder / "npm"
         self.tool()["npm"](folder)
-        told = json.loads((folder / "package.json").read_text())
-        self.assertEqual((told["name"], told["type"]), ("rodwake", "module"))
-        for file in (*told["files"], "README.md", "LICENSE", told["exports"]["."]["default"], told["types"]):
+        record = json.loads((folder / "package.json").read_text())
+        self.assertEqual((record["name"], record["type"]), ("rodwake", "module"))
+        for file in (*record["files"], "README.md", "LICENSE", record["exports"]["."]["default"], record["types"]):
             self.assertTrue((folder / file).is_file(), file)
         module = (folder / "index.mjs").read_text()
         exported = set(re.findall(r"(?m)^export const (\w+)", module))
@@ -75,9 +75,9 @@ class CompiledTest(ProgramTest):
         self.write("page.html", f'<!doctype html><script type="module">{module}\nwindow.npm = {{ {", ".join(exported)} }};</script>')
         with Page(self.folder / "page.html") as page:
             page.wait_for(lambda: page.evaluate("typeof npm === 'object'"), "the module does not run")
-            told = page.evaluate("npm.ready.then(() => npm.simulate({ kappa: 100, t_end: 40, contact_distance: 0.1, rods: [[0, 2.5, 0], [0, -2.5, 0]] }))")
-            self.assertEqual(told["outcome"], "contact")
-            self.assertAlmostEqual(told["time"], 5.91709, delta=1e-5)  # side by side, as in studies/reports/rods.md
+            record = page.evaluate("npm.ready.then(() => npm.simulate({ kappa: 100, t_end: 40, contact_distance: 0.1, rods: [[0, 2.5, 0], [0, -2.5, 0]] }))")
+            self.assertEqual(record["outcome"], "contact")
+            self.assertAlmostEqual(record["time"], 5.91709, delta=1e-5)  # side by side, as in studies/reports/rods.md
             self.assertEqual(page.errors, [])
 
     def tool(self):
@@ -86,8 +86,8 @@ class CompiledTest(ProgramTest):
 
 class VerbTest(ProgramTest):
     def test_a_page_of_its_own(self):
-        told = self.expect(0, "explore").stdout
-        self.assertRegex(told, r"^explore\.html: \d+ kB")
+        output = self.expect(0, "explore").stdout
+        self.assertRegex(output, r"^explore\.html: \d+ kB")
         page = (self.folder / "explore.html").read_text()
         self.assertLess(len(page.encode()), 2e6)
         self.assertEqual(browser.references(page), [])
@@ -163,10 +163,10 @@ class NumbersTest(ProgramTest):
         page = self.open()
         self.write("pair.toml", PAIR.replace("output_interval = 10.0", "") + "rtol = 1e-10\n")
         self.expect(0, "rods", "pair.toml", "-o", "pair", "--quiet")
-        rods, told = columns((self.folder / "pair/rods.csv").read_text()), json.loads((self.folder / "pair/outcome.json").read_text())
+        rods, record = columns((self.folder / "pair/rods.csv").read_text()), json.loads((self.folder / "pair/outcome.json").read_text())
         found = page.evaluate("rodwake.simulate({eta: 1, alpha: 1, kappa: 0.5, t_end: 60, contact_distance: 0.1, rtol: 1e-10,"
                               " rods: [[0, 2.5, 0], [0, -2.5, 0]]})")
-        self.assertEqual(found["outcome"], told["outcome"])
+        self.assertEqual(found["outcome"], record["outcome"])
         self.assertAlmostEqual(found["time"], 40.5953, delta=1e-4)
         last = dict(zip(("t", "x0", "y0", "theta0", "x1", "y1", "theta1"), found["path"][-1]))
         for name, value in last.items():

@@ -62,9 +62,9 @@ class PageTest(ProgramTest):
         self.page.evaluate(f"document.querySelector({json.dumps(selector)}).focus()")
 
     def control(self, key, shift=False):
-        told = {"key": key, "code": f"Key{key.upper()}", "windowsVirtualKeyCode": ord(key.upper()), "modifiers": 2 + (8 if shift else 0)}
-        self.page.send("Input.dispatchKeyEvent", type="rawKeyDown", **told)
-        self.page.send("Input.dispatchKeyEvent", type="keyUp", **told)
+        event = {"key": key, "code": f"Key{key.upper()}", "windowsVirtualKeyCode": ord(key.upper()), "modifiers": 2 + (8 if shift else 0)}
+        self.page.send("Input.dispatchKeyEvent", type="rawKeyDown", **event)
+        self.page.send("Input.dispatchKeyEvent", type="keyUp", **event)
 
 
 class PointerTest(PageTest):
@@ -120,10 +120,10 @@ class PointerTest(PageTest):
         x, y = self.at("#diagram-stage canvas")
         self.page.move(x + 80, y - 60)
         self.assertRegex(self.page.text("#diagram-tip"), r"^x₁ = [\d.]+, κ = [\d.]+: (contact|pursuit|orbit|escape|undecided)")
-        told = re.search(r": (\w+)", self.page.text("#diagram-tip"))[1]
+        outcome = re.search(r": (\w+)", self.page.text("#diagram-tip"))[1]
         self.page.click(x + 80, y - 60)
         self.frame()
-        self.assertEqual(self.page.text("#badge"), told)
+        self.assertEqual(self.page.text("#badge"), outcome)
         self.assertGreater(self.state("x1"), 0)
         shares = self.page.evaluate("rodwake.page.diagram.shares()")
         self.assertAlmostEqual(sum(shares), 1.0)
@@ -358,12 +358,12 @@ class FilesTest(PageTest):
         self.page.press("#save-scene")
         self.write("encounter.toml", self.page.downloaded("encounter.toml"))
         self.expect(0, "rods", "encounter.toml", "-o", "out", "--quiet")
-        told = json.loads((self.folder / "out/outcome.json").read_text())
+        record = json.loads((self.folder / "out/outcome.json").read_text())
         self.page.press("#paths-csv")
         path = list(csv.DictReader(io.StringIO(self.page.downloaded("rods.csv"))))
         rods = list(csv.DictReader(io.StringIO((self.folder / "out/rods.csv").read_text())))
         self.assertEqual(list(path[0]), list(rods[0])[:7])
-        self.assertEqual(told["outcome"], self.page.text("#badge"))
+        self.assertEqual(record["outcome"], self.page.text("#badge"))
         for name, value in path[-1].items():
             self.assertAlmostEqual(float(value), float(rods[-1][name]), delta=1e-6)
 

@@ -26,23 +26,23 @@ class ExtremesTest(ProgramTest):
         return subprocess.run([sys.executable, TOOL, "--program", program, "--quick", "--keep", self.folder / "out", *arguments],
                               text=True, capture_output=True, timeout=300, env=os.environ, check=False)
 
-    def told(self):
+    def record(self):
         return json.loads((self.folder / "out" / "extremes.json").read_text())
 
     def test_quick_cells(self):
         done = self.tool(PROGRAM, "--seed", "2")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        told = self.told()
-        self.assertEqual((told["bad"], told["seed"], told["quick"]), (0, 2, True))
-        self.assertGreater(told["cells"], 400)
+        record = self.record()
+        self.assertEqual((record["bad"], record["seed"], record["quick"]), (0, 2, True))
+        self.assertGreater(record["cells"], 400)
         with open(self.folder / "out" / "cells.csv", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
-        self.assertEqual(len(rows), told["cells"])
+        self.assertEqual(len(rows), record["cells"])
         self.assertEqual([row for row in rows if "unnamed" in row["status"] or row["verdict"] == "bad"], [])
         for group in ("field: anywhere", "pairs, extremes: batch", "rods: one rod", "beds: frequency", "fits: few points"):
-            self.assertIn(group, told["groups"])
+            self.assertIn(group, record["groups"])
         again = self.tool(self.stub("exit 9\n"), "--seed", "2") # goes on where all is done: runs nothing
-        self.assertEqual((again.returncode, self.told()["cells"]), (0, told["cells"]))
+        self.assertEqual((again.returncode, self.record()["cells"]), (0, record["cells"]))
 
     def test_a_nan_is_bad(self):
         names = "Ux,Uy,exx,exy,eyy,lapx,lapy,gradx_tr,grady_tr,dipUx,dipUy"
@@ -56,7 +56,7 @@ class ExtremesTest(ProgramTest):
         done = self.tool(program, "--only", only)
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn(f": {status}", done.stderr)
-        self.assertGreater(self.told()["bad"], 0)
+        self.assertGreater(self.record()["bad"], 0)
 
     def test_a_time_exceeded_is_bad(self):
         lab = Lab(self.stub("exec sleep 60\n"), self.folder / "lab", 1, True)

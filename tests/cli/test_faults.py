@@ -31,12 +31,12 @@ class Faults(unittest.TestCase):
                     seen += done.returncode == 1
         self.assertGreater(seen, 0, "no fault had any effect")
 
-    def test_a_full_disk_is_told_with_the_reason_of_the_system(self):
+    def test_a_full_disk_is_reported_with_the_reason_of_the_system(self):
         bench = self.bench("rods")
-        told = [bench.fault("write", number, errno.ENOSPC)[1].stderr for number in spread(bench.counts["write"], 8)]
-        self.assertRegex("".join(told), "out/.*: cannot write: No space left on device")
+        output = [bench.fault("write", number, errno.ENOSPC)[1].stderr for number in spread(bench.counts["write"], 8)]
+        self.assertRegex("".join(output), "out/.*: cannot write: No space left on device")
 
-    def test_a_fault_that_is_not_told_is_seen(self):
+    def test_a_fault_that_is_not_reported_is_seen(self):
         bench = self.bench("rods")
         place = bench.fresh()
         done = bench.run(place)
@@ -44,7 +44,7 @@ class Faults(unittest.TestCase):
         (place / "out/rods.csv").write_text("t\n0\n")
         self.assertRegex(" ".join(bench.judge(place, done)), "silent: .*rods.csv")
         done.returncode = 1
-        self.assertIn("failed, and told as finished", bench.judge(place, done))
+        self.assertIn("failed, but recorded as finished", bench.judge(place, done))
 
 
 for _verb in VERBS:

@@ -90,8 +90,8 @@ class FilmRods(ProgramTest):
                 self.expect(0, "measure", f"{folder}.toml", "-o", folder, "--force", "--quiet")
             self.assertEqual(self.results("bed")["displacement"], self.results("film")["displacement"], method)
             self.assertEqual((self.folder / "bed/displacement.vti").read_bytes(), (self.folder / "film/displacement.vti").read_bytes(), method)
-        told = json.loads((self.folder / "film/tracks.json").read_text())
-        self.assertEqual([(rod["frames"], rod["known"]) for rod in told["rod_tracks"]], [(61, 61), (61, 61)])
+        record = json.loads((self.folder / "film/tracks.json").read_text())
+        self.assertEqual([(rod["frames"], rod["known"]) for rod in record["rod_tracks"]], [(61, 61), (61, 61)])
         text = (self.folder / "film.csv").read_text().splitlines()
         self.write("film.csv", "\n".join(line for k, line in enumerate(text) if k % 11 != 5) + "\n")  # a tenth is lost: numbers differ, and are there
         self.expect(0, "measure", "film.toml", "-o", "gaps", "-s", "measure.displacement=phase")
@@ -148,10 +148,10 @@ class FilmRods(ProgramTest):
                     "-s", 'tracks.columns.ends=["x1","y1","x2","y2"]')
         self.refuse(2, "pairs of .tracks. needs contact_distance", "check", "film.toml", "-s", "measure.pairs=true")
         self.refuse(2, "phonons needs a bed .* positions and headings", "check", "film.toml", "-s", "measure.phonons=true")
-        for keys, told in ((("measure.rod=1",), "no rod 1: it has 1, numbered from 0"), (("tracks.columns.kind=nothing",), "no column"),
+        for keys, expected in ((("measure.rod=1",), "no rod 1: it has 1, numbered from 0"), (("tracks.columns.kind=nothing",), "no column"),
                            (("tracks.columns.ends=[\"x1\",\"y1\",\"x2\",\"z\"]",), 'no column "z"')):
             done = self.expect(2, "measure", "film.toml", "-o", "no", "--force", *(word for key in keys for word in ("-s", key)))
-            self.assertIn(told, done.stderr)
+            self.assertIn(expected, done.stderr)
 
     def test_from_a_film_with_gaps_to_the_couplings(self):
         self.write("pair.toml", PAIR)

@@ -212,11 +212,11 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
     def test_places_and_displacements_in_different_units_are_noticed(self):
         self.make_profile(at=4.0)
         data = columns(self.folder / "ux.csv")
-        for factor, told in ((1000.0, True), (1e-5, True), (1.0, False)):
+        for factor, expected in ((1000.0, True), (1e-5, True), (1.0, False)):
             self.write("ux.csv", profile_text(data["x"], data["value"] * factor, SIGMA * factor))
             found, done = self.fit(FIT + "at = 4.0\n", out=f"out{factor}")
-            self.assertEqual("give place_unit or value_unit" in done.stderr, told)
-            self.assertEqual(any("value_unit" in remark for remark in found["remarks"]), told)
+            self.assertEqual("give place_unit or value_unit" in done.stderr, expected)
+            self.assertEqual(any("value_unit" in remark for remark in found["remarks"]), expected)
 
     def test_a_point_without_a_sigma_is_left_out_and_said(self):
         self.make_profile()

@@ -205,8 +205,8 @@ class RefusalTest(MapTest):
             self.write("run0.csv", "\n".join([lines[0], *map(",".join, rows)]) + "\n")
             found, _ = self.fit(one, out=name)
             self.assertEqual(found["points"] if "points" in found else found["dof"], whole["points"] if "points" in whole else whole["dof"])
-            for key, told in whole["parameters"].items():  # places are off by 5e-4 of a step at most
-                self.assertAlmostEqual(found["parameters"][key]["value"], told["value"], delta=0.05 * (told["stderr"] or 1.0))
+            for key, parameter in whole["parameters"].items():  # places are off by 5e-4 of a step at most
+                self.assertAlmostEqual(found["parameters"][key]["value"], parameter["value"], delta=0.05 * (parameter["stderr"] or 1.0))
 
     def test_a_constant_that_cannot_be_moved_by_its_error_is_said(self):
         self.make_runs()

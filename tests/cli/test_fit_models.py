@@ -75,14 +75,14 @@ class ModelsTest(FitTest):
     def test_the_mechanism_that_made_the_tracks_has_the_most_weight(self):
         for name, coupling in (("strain", "kappa = 0.8"), ("flow", "gamma_flow = 1.5"), ("rows", "gamma_rows = 0.1")):
             self.make_pair(coupling)
-            found, told, done = self.weigh()
-            models = {one["name"]: one for one in told["models"]}
+            found, record, done = self.weigh()
+            models = {one["name"]: one for one in record["models"]}
             self.assertEqual(list(models), ["strain", "flow", "rows", "none"])
             self.assertEqual(max(models, key=lambda one: models[one]["weight"]), name)
             self.assertAlmostEqual(sum(one["weight"] for one in models.values()), 1.0, places=12)
-            self.assertEqual(told["weight_from"], "aic")
+            self.assertEqual(record["weight_from"], "aic")
             self.assertAlmostEqual(models["strain"]["aic"], found["chi2"] + 2 * models["strain"]["free"], places=9)
-            self.assertAlmostEqual(models["strain"]["bic"], found["chi2"] + models["strain"]["free"] * math.log(told["values"]), places=9)
+            self.assertAlmostEqual(models["strain"]["bic"], found["chi2"] + models["strain"]["free"] * math.log(record["values"]), places=9)
             self.assertEqual(models["none"]["free"] + 1, models["flow"]["free"])
             self.assertEqual(models["strain"]["misfit"], found["misfit"])
             self.assertIsNone(models[name]["log_evidence"])
@@ -93,12 +93,12 @@ class ModelsTest(FitTest):
 
     def test_a_table_and_a_folder_of_each_rival(self):
         self.make_pair("kappa = 0.8")
-        _, told, _ = self.weigh()
+        _, record, _ = self.weigh()
         out = self.folder / "out"
         rows = list(csv.DictReader((out / "models.csv").read_text().splitlines()))
-        self.assertEqual([row["name"] for row in rows], [one["name"] for one in told["models"]])
-        self.assertEqual([float(row["aic"]) for row in rows], [one["aic"] for one in told["models"]])
-        for one in told["models"]:
+        self.assertEqual([row["name"] for row in rows], [one["name"] for one in record["models"]])
+        self.assertEqual([float(row["aic"]) for row in rows], [one["aic"] for one in record["models"]])
+        for one in record["models"]:
             fit = json.loads((out / one["folder"] / "fit.json").read_text())
             self.assertEqual(fit["chi2"], one["chi2"])
         self.assertIn("models.csv", json.loads((out / "manifest.json").read_text())["files"])
@@ -107,9 +107,9 @@ class ModelsTest(FitTest):
 
     def test_data_of_no_rival_are_said_to_be_of_none(self):
         self.make_pair("kappa = 0.8", bend=0.1)
-        found, told, done = self.weigh()
+        found, record, done = self.weigh()
         self.assertFalse(found["misfit"]["describes"])
-        self.assertRegex(told["text"][1], "No model offered describes the data: .* \\(p < 0.001\\)")
+        self.assertRegex(record["text"][1], "No model offered describes the data: .* \\(p < 0.001\\)")
         self.assertRegex(done.stderr, "No model offered describes the data")
 
     def test_evidence_weighs_where_all_have_it(self):
@@ -118,15 +118,15 @@ class ModelsTest(FitTest):
         text = text.replace("fixed =", "start = { kappa = 0.5 }\nbounds = { kappa = [0.0, 5.0] }\nfixed =")
         text += '[fit.posterior]\nsamples = 400\nevidence = true\n[[fit.models]]\nname = "flow"\nset = { "fit.parameters" = ["gamma_flow"], "fit.bounds.gamma_flow" = [0.0, 5.0] }\n'
         text += '[[fit.models]]\nname = "none"\nset = { "fit.parameters" = [] }\n'
-        _, told, _ = self.weigh(text)
-        self.assertEqual(told["weight_from"], "evidence")
-        first, second, none = told["models"]
+        _, record, _ = self.weigh(text)
+        self.assertEqual(record["weight_from"], "evidence")
+        first, second, none = record["models"]
         self.assertEqual(none["log_evidence_stderr"], 0.0)  # of a model without parameters it is the likelihood, here of 96 values
         self.assertAlmostEqual(none["log_evidence"], -0.5 * none["chi2"] - 96 * math.log(SIGMA * math.sqrt(2.0 * math.pi)), places=6)
-        for one in told["models"]:
+        for one in record["models"]:
             posterior = json.loads((self.folder / "out" / one["folder"] / "posterior.json").read_text())
             self.assertEqual(posterior["log_evidence"]["value"], one["log_evidence"])
-        shares = [math.exp(one["log_evidence"] - first["log_evidence"]) for one in told["models"]]
+        shares = [math.exp(one["log_evidence"] - first["log_evidence"]) for one in record["models"]]
         self.assertAlmostEqual(first["weight"], 1.0 / sum(shares), places=9)
         self.assertGreater(first["weight"], 0.99)
 
@@ -198,9 +198,9 @@ class ModelsTest(FitTest):
         self.make_profile()
         text = NESTED.replace("samples = 4000", "samples = 32").replace('"fit.fixed.xi" = 40.0', '"fit.fixed.xi" = 40.0, "fit.posterior.evidence" = false')
         _, done = self.fit(FIT + text)
-        told = json.loads((self.folder / "out/models.json").read_text())
-        self.assertEqual(told["weight_from"], "aic")
-        self.assertIsNone(told["models"][2]["log_evidence"])
+        record = json.loads((self.folder / "out/models.json").read_text())
+        self.assertEqual(record["weight_from"], "aic")
+        self.assertIsNone(record["models"][2]["log_evidence"])
         self.assertIn("not every model has an evidence", done.stderr)
         self.assertRegex(done.stderr, "posterior of model first: the chains of")  # 32 samples are too few
 

@@ -123,17 +123,17 @@ class TrajectoryTest(FitTest):
 
     def test_rows_before_zero_count_unless_the_rods_are_held(self):
         self.tracks()
-        told = {}
+        fits = {}
         for name, shift in (("whole", 0.0), ("early", -7.25)):
             lines = (self.folder / "tracks.csv").read_text().splitlines()
             rows = [line.split(",") for line in lines[1:]]
             held = [[str(t), *rows[0][1:]] for t in (-3.0, -1.0)] if name == "whole" else []  # as a bed that settles
             moved = [[repr(float(row[0]) + shift), *row[1:]] for row in rows]
             self.write("tracks.csv", "\n".join([lines[0], *(",".join(row) for row in held + moved)]) + "\n")
-            told[name] = self.fit(self.TRACKS, out=name)[0]
+            fits[name] = self.fit(self.TRACKS, out=name)[0]
             self.write("tracks.csv", "\n".join(lines) + "\n")
-        for found in told.values():
-            self.assertEqual(found["dof"], told["whole"]["dof"])
+        for found in fits.values():
+            self.assertEqual(found["dof"], fits["whole"]["dof"])
             self.assertAlmostEqual(found["parameters"]["kappa"]["value"], 0.5, delta=1e-6)
         self.assertEqual(len(columns(self.folder / "early/fit_trajectory_0.csv")["t"]), len(rows))
 
@@ -199,7 +199,7 @@ class TrajectoryTest(FitTest):
             self.write("fit.toml", self.TRACKS.replace("tracks.csv", "changed.csv"))
             self.assertRegex(self.run_program("fit", "fit.toml", "-o", change.__name__, *few).stderr, words)  # it may fail
         self.changed(slow)  # 0.5 in the file, which is twice the speed that the scene says
-        stderr = self.run_program("fit", "fit.toml", "-o", "told", *few, "-s", "fit.trajectories.0.speed=0.25").stderr
+        stderr = self.run_program("fit", "fit.toml", "-o", "reported", *few, "-s", "fit.trajectories.0.speed=0.25").stderr
         self.assertRegex(stderr, r"the rods move at 2 in reduced units.* speed = 0\.5 would do")
 
     def test_rods_of_an_si_scene_are_fitted_by_the_same_scene(self):

@@ -47,7 +47,7 @@ class Streams(Surroundings):
         self.assertEqual(done.returncode, 0)
         self.assertTrue((self.folder / "out/report.html").exists())
 
-    def test_a_full_standard_output_is_told(self):
+    def test_a_full_standard_output_is_reported(self):
         self.expect(0, "rods", "pair.toml", "-o", "out", "--quiet")
         for verb in ("info --schema", "info", "info --completion bash", "info out", "help", "help kappa", "help run", "--version", "run --help",
                      "scenes", "new", "check pair.toml"):
@@ -88,7 +88,7 @@ class Locks(Surroundings):
 
 
 class Drawing(Surroundings):
-    def test_figures_that_failed_are_told_where_children_are_ignored(self):
+    def test_figures_that_failed_are_reported_where_children_are_ignored(self):
         self.expect(0, "rods", "pair.toml", "-o", "out")
         (self.folder / "out/figures").write_text("in the way\n")
         done = self.shell("trap '' CHLD; $RODWAKE plot out")
@@ -109,7 +109,7 @@ class Drawing(Surroundings):
 
 
 class Limits(Surroundings):
-    def test_a_file_that_is_too_large_is_told(self):
+    def test_a_file_that_is_too_large_is_reported(self):
         self.write("scan.toml", GRID)
         for verb, scene in (("rods", "pair.toml"), ("scan", "scan.toml")):
             done = self.shell(f"ulimit -f 8; $RODWAKE {verb} {scene} -o {verb}")

@@ -220,8 +220,8 @@ class NumbersTest(MeasureTest):
         summary = json.loads((self.run_folder / "summary.json").read_text())
         self.assertEqual(self.found["phi_b"], summary["phi_b"])
         self.assertAlmostEqual(self.found["force"]["speed"]["value"] * A, summary["rods"][0]["mean_speed"], delta=1e-12)  # of some mm/s
-        told = {value["name"]: value["unit"] for value in json.loads((self.run_folder / "manifest.json").read_text())["files"]["measure.json"]["values"]}
-        self.assertEqual([told[name] for name in ("force.speed", "force.force", "microrheology.spring", "microrheology.stiffness", "order.psi6")],
+        units = {value["name"]: value["unit"] for value in json.loads((self.run_folder / "manifest.json").read_text())["files"]["measure.json"]["values"]}
+        self.assertEqual([units[name] for name in ("force.speed", "force.force", "microrheology.spring", "microrheology.stiffness", "order.psi6")],
                          ["a/s", "N", "N/m", "a^-2", "1"])
 
 
@@ -322,12 +322,12 @@ class RefusalTest(MeasureTest):
         far = ("-s", "measure.from=1000 a")
         self.made("stored")
         self.made("recorded", *far)
-        told = "no frame to measure: the rod travels less than measure.from = 1000 a; run longer"
-        self.assertIn("trajectory.h5md: " + told, self.expect(2, "measure", "bed.toml", "-o", "stored", "--quiet", *far).stderr)
-        self.assertIn("order: " + told, self.expect(1, "measure", "bed.toml", "-o", "recorded", "--quiet", *far).stderr)
+        message = "no frame to measure: the rod travels less than measure.from = 1000 a; run longer"
+        self.assertIn("trajectory.h5md: " + message, self.expect(2, "measure", "bed.toml", "-o", "stored", "--quiet", *far).stderr)
+        self.assertIn("order: " + message, self.expect(1, "measure", "bed.toml", "-o", "recorded", "--quiet", *far).stderr)
         found = json.loads((self.folder / "recorded/measure.json").read_text())
         self.assertIn("force", found)  # what needs no frames is kept
-        self.assertIn(told, found["not_measured"]["order"])
+        self.assertIn(message, found["not_measured"]["order"])
 
     def test_truncated(self):
         run = self.made()

@@ -82,13 +82,13 @@ class MeasuredFieldTest(ProgramTest):
         self.make(sigma=0.1)
         self.write("scene.toml", SCENE)
         found = self.rods("out", "-j", "1")
-        told = self.outcome("out")["ensemble"]
+        record = self.outcome("out")["ensemble"]
         samples = self.samples("out")
-        self.assertEqual(told["samples"], 6)
-        self.assertEqual(sum(told[key] for key in ("contact", "pursuit", "escape", "undecided", "failed")), 6)
+        self.assertEqual(record["samples"], 6)
+        self.assertEqual(sum(record[key] for key in ("contact", "pursuit", "escape", "undecided", "failed")), 6)
         last = samples["final_separation"]
-        self.assertAlmostEqual(told["final_separation"]["mean"], last.mean(), places=12)
-        self.assertAlmostEqual(told["final_separation"]["spread"], last.std(ddof=1), places=12)
+        self.assertAlmostEqual(record["final_separation"]["mean"], last.mean(), places=12)
+        self.assertAlmostEqual(record["final_separation"]["spread"], last.std(ddof=1), places=12)
         central = np.hypot(found["x0"] - found["x1"], found["y0"] - found["y1"])[-1]
         self.assertLess(abs(last.mean() - central), 5 * last.std(ddof=1))
         with h5py.File(self.folder / "out/result.h5") as h5:

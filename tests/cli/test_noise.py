@@ -55,23 +55,23 @@ class NoiseTest(ProgramTest):
     def results(self, run):
         return {name: (self.folder / run / name).read_bytes() for name in RESULTS}
 
-    def told(self, run="out"):
+    def record(self, run="out"):
         return json.loads((self.folder / run / "noise.json").read_text())
 
     def test_free_rods(self):
         self.write("free.toml", FREE)
         self.expect(0, "rods", "free.toml", "-o", "out")
-        told = self.told()
-        self.assertEqual((told["runs"], told["times"], told["runs_at_time"]), (4000, [0.0, 1.0, 4.0], [4000.0] * 3))
-        self.assertEqual((told["mean_square_displacement"][0], told["heading_correlation"][0]), ([0.0, 0.0], [1.0, 1.0]))
+        record = self.record()
+        self.assertEqual((record["runs"], record["times"], record["runs_at_time"]), (4000, [0.0, 1.0, 4.0], [4000.0] * 3))
+        self.assertEqual((record["mean_square_displacement"][0], record["heading_correlation"][0]), ([0.0, 0.0], [1.0, 1.0]))
         D = 0.5
         for k in (1, 2):
-            t = told["times"][k]
+            t = record["times"][k]
             expected = {"mean_square_displacement": 2 / D**2 * (D * t - 1 + math.exp(-D * t)) + 4 * 0.05 * t, "heading_correlation": math.exp(-D * t)}
             for key, value in expected.items():
                 for rod in (0, 1):  # 8 comparisons: 3.5 standard errors fail once in 270 seeds
-                    self.assertLess(abs(told[key][k][rod] - value), 3.5 * told[f"{key}_error"][k][rod], key)
-        self.assertEqual(told["endings"]["contact"], 0)
+                    self.assertLess(abs(record[key][k][rod] - value), 3.5 * record[f"{key}_error"][k][rod], key)
+        self.assertEqual(record["endings"]["contact"], 0)
 
     def test_capture_and_threads(self):
         self.write("pair.toml", PAIR.format(runs=40))
@@ -79,23 +79,23 @@ class NoiseTest(ProgramTest):
             done = self.expect(0, "rods", "pair.toml", "-o", f"out{threads}", "-j", threads)
         self.assertEqual(self.results("out1"), self.results("out2"))
         self.assertEqual(json.loads((self.folder / "out1/provenance.json").read_text())["seed"], 1)
-        told = self.told("out1")
-        captures = sum(told["endings"][one] for one in ("contact", "pursuit"))
+        record = self.record("out1")
+        captures = sum(record["endings"][one] for one in ("contact", "pursuit"))
         self.assertIn(f"noise: {captures} of 40 runs end in contact or pursuit, capture probability", done.stdout + done.stderr)
         with open(self.folder / "out1/ensemble.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         captured = sum(row["outcome"] in ("0", "1") for row in rows)
-        self.assertEqual((len(rows), told["capture_probability"]), (40, captured / 40))
+        self.assertEqual((len(rows), record["capture_probability"]), (40, captured / 40))
         for key, value in zip(("capture_low", "capture_high"), wilson(captured, 40)):
-            self.assertAlmostEqual(told[key], value, 12)
+            self.assertAlmostEqual(record[key], value, 12)
         self.assertTrue(0 < captured < 40, "the scene tells nothing")
         contacts = [float(row["time"]) for row in rows if row["outcome"] == "0"]
-        self.assertAlmostEqual(told["first_contact_time"]["mean"], sum(contacts) / len(contacts), 12)
-        self.assertEqual(told["first_contact_time"]["runs"], len(contacts))
+        self.assertAlmostEqual(record["first_contact_time"]["mean"], sum(contacts) / len(contacts), 12)
+        self.assertEqual(record["first_contact_time"]["runs"], len(contacts))
         outcome = json.loads((self.folder / "out1/outcome.json").read_text())
         self.assertEqual((outcome["time"], outcome["outcome"] == "contact"), (float(rows[0]["time"]), rows[0]["outcome"] == "0"))
 
-    def test_too_few_runs_for_the_error_asked_for_are_told(self):
+    def test_too_few_runs_for_the_error_asked_for_are_reported(self):
         self.write("pair.toml", PAIR.format(runs=8).replace("runs = 8", "runs = 8\ncapture_error = 0.01\nmost_runs = 20"))
         done = self.expect(0, "rods", "pair.toml", "-o", "out")
         self.assertIn("stopped at noise.most_runs = 20 before the error of the capture probability fell to noise.capture_error = 0.01", done.stdout + done.stderr)
@@ -105,7 +105,7 @@ class NoiseTest(ProgramTest):
         for seed in ("1", "2"):
             self.expect(0, "rods", "pair.toml", "-o", f"out{seed}", "--seed", seed)
         self.assertNotEqual(self.results("out1"), self.results("out2"))
-        self.assertEqual(self.told("out2")["seed"], 2)
+        self.assertEqual(self.record("out2")["seed"], 2)
 
     def test_without_noise_nothing_changes(self):
         quiet = PAIR.format(runs=1).replace("[noise]\nrotational_diffusion = 0.03\nruns = 1\n", "")
@@ -158,7 +158,7 @@ values = [0.0, 0.03, 1.0]
         self.assertEqual(still, [1.0, 1.0, 1.0])
         self.write("pair.toml", PAIR.format(runs=12).replace("output_interval = 1.0\n", "output_times = [20.0]\n"))
         self.expect(0, "rods", "pair.toml", "-o", "one")
-        self.assertEqual(some, [self.told("one")[key] for key in ("capture_probability", "capture_low", "capture_high")])
+        self.assertEqual(some, [self.record("one")[key] for key in ("capture_probability", "capture_low", "capture_high")])
         self.assertLess(wild[0], some[0])
         self.refuse(2, "take no noise", "scan", "scan.toml", "-s", "rods_run.method=bdf", "-o", "bdf")
 
@@ -186,7 +186,7 @@ values = [0.0, 0.03, 1.0]
     def test_stopped_and_resumed_runs_are_those_in_one_go(self):
         self.write("pair.toml", PAIR.format(runs=6).replace("runs = 6", "runs = 6\ncapture_error = 0.03"))
         self.expect(0, "rods", "pair.toml", "-o", "whole", "--quiet")
-        self.assertGreater(self.told("whole")["runs"], 100)
+        self.assertGreater(self.record("whole")["runs"], 100)
         progress = self.folder / "parts/noise.log"
         with self.started("rods", "pair.toml", "-o", "parts", "-j", "1", "--quiet") as process:
             wait_until(lambda: (progress.exists() and len(journal_of(progress)) > 1) or process.poll() is not None, 60)
@@ -195,12 +195,12 @@ values = [0.0, 0.03, 1.0]
         self.expect(0, "rods", "pair.toml", "-o", "parts", "-j", "2", "--quiet")
         self.assertEqual(self.results("whole"), self.results("parts"))
 
-    def test_runs_that_fail_are_told(self):
+    def test_runs_that_fail_are_reported(self):
         self.write("pair.toml", PAIR.format(runs=5))
         done = self.expect(1, "rods", "pair.toml", "-s", "rods_run.max_steps=20", "-o", "out")
         self.assertIn("5 of 5 runs failed, the first: ", done.stderr)
-        self.assertEqual(self.told()["endings"]["failed"], 5)
-        self.assertIsNone(self.told()["capture_probability"])
+        self.assertEqual(self.record()["endings"]["failed"], 5)
+        self.assertIsNone(self.record()["capture_probability"])
 
 
 if __name__ == "__main__":

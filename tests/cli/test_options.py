@@ -65,9 +65,9 @@ class HelpTest(ProgramTest):
                 ("outcome", r"^contact: how(.*\n)*pursuit: how(.*\n)*escape: how(.*\n)*undecided: how(.*\n)*capture: how"),
                 ("outcome", r"(?m)^outcome: column of scan\.csv"), ("error", r"(?m)^  unit +as in the row"),
                 ("measure.json", r"(?m)^    psi6 ")):
-            told = self.expect(0, "help", name).stdout
-            self.assertRegex(told, pattern)
-            self.assertNotRegex(told, r"unit +\S*\{")
+            output = self.expect(0, "help", name).stdout
+            self.assertRegex(output, pattern)
+            self.assertNotRegex(output, r"unit +\S*\{")
         self.assertRegex(self.expect(0, "new", "--help").stdout, r"--start(.*\n)+? .*for --kind scan \[perpendicular\]")
         self.refuse(2, "coupling.kapa: no command.*near it: coupling.kappa", "help", "coupling.kapa")
         self.refuse(2, "near it: .*mean_speed", "help", "mean_sped")
@@ -165,22 +165,22 @@ class InfoTest(ProgramTest):
         self.refuse(2, "folder: holds no rodwake run", "info", "folder")
         self.refuse(2, "nope: no such file or folder", "info", "nope")
 
-    def test_long_files_are_told_in_short(self):
+    def test_long_files_are_reported_in_short(self):
         rows = "".join(f"{k},{'contact' if k % 4 else 'escape'},{k / 8 if k % 2 else ''}\n" for k in range(4096))
         self.write("run/scan.csv", "coupling.kappa,outcome,time\n" + rows)
-        told = self.expect(0, "info", "run/scan.csv").stdout
-        self.assertLess(len(told.splitlines()), 20)
-        self.assertRegex(told, r"^4096 rows, 3 columns\n  coupling\.kappa +mu v0/f +0 to 4095 +\S.*\n  outcome +1 +contact 3072, escape 1024 +contact, pursuit")
-        self.assertRegex(told, r"  time +0\.125 to 511\.875, 2048 empty +of contact")
-        self.assertIn("\n0,escape,\n1,contact,0.125\n2,contact,\n... 4090 rows ...\n4093,", told)
+        output = self.expect(0, "info", "run/scan.csv").stdout
+        self.assertLess(len(output.splitlines()), 20)
+        self.assertRegex(output, r"^4096 rows, 3 columns\n  coupling\.kappa +mu v0/f +0 to 4095 +\S.*\n  outcome +1 +contact 3072, escape 1024 +contact, pursuit")
+        self.assertRegex(output, r"  time +0\.125 to 511\.875, 2048 empty +of contact")
+        self.assertIn("\n0,escape,\n1,contact,0.125\n2,contact,\n... 4090 rows ...\n4093,", output)
         self.write("data.csv", "# a comment\nx,y\n1,2\n3,four\n")
         self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +1 to 3 *\n  y +2, four 1 *\n\nx,y\n1,2\n3,four\n$")
         self.write("data.csv", ";x;y\n% theirs\n0;1,5;2\n1;3;4;\n")  # an index without a name, a comma in a field, a separator at the end
         self.assertRegex(self.expect(0, "info", "data.csv").stdout, r"^2 rows, 2 columns\n  x +3, 1,5 1 *\n  y +2 to 4 *\n\n;x;y\n0;1,5;2\n")
         self.write("long.json", json.dumps({"list": list(range(1000)), "table": {f"k{k}": k for k in range(1000)}}))
-        told = self.expect(0, "info", "long.json").stdout
-        self.assertEqual(json.loads(told)["list"], [0, 1, 2, "... 1000 in all ...", 999])
-        self.assertEqual(len(json.loads(told)["table"]), 41)
+        output = self.expect(0, "info", "long.json").stdout
+        self.assertEqual(json.loads(output)["list"], [0, 1, 2, "... 1000 in all ...", 999])
+        self.assertEqual(len(json.loads(output)["table"]), 41)
         self.write("log.txt", "".join(f"line {k}\n" for k in range(5000)))
         self.assertIn("line 179\n... 4800 lines ...\nline 4980\n", self.expect(0, "info", "log.txt").stdout)
         (self.folder / "figure.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
@@ -201,10 +201,10 @@ class InfoTest(ProgramTest):
     def test_schema_is_the_file_that_the_plots_read(self):
         text = (rodwake.SOURCE / "plots/rodwake_plots/schema.json").read_text(encoding="utf-8")
         self.assertEqual(self.expect(0, "info", "--schema").stdout, text)
-        told = json.loads(text)
-        self.assertEqual(set(told), {"schema", "tables", "keys", "figures", "fit_parameters", "measures"})
+        record = json.loads(text)
+        self.assertEqual(set(record), {"schema", "tables", "keys", "figures", "fit_parameters", "measures"})
         self.assertIn({"measure": "force", "key": "speed", "title": "Speed", "unit": "a/s", "factor": 1.0,
-                       "meaning": "of the rod along its heading"}, told["measures"])
+                       "meaning": "of the rod along its heading"}, record["measures"])
 
 
 class PlotTest(ProgramTest):

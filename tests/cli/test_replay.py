@@ -28,8 +28,8 @@ class ReplayTest(BedTest):
     def test_frames_to_the_bit(self):
         self.expect(0, "dem", "bed.toml", "-o", "bed", *KEPT, "--quiet")
         stored = self.frames("bed/trajectory.h5md")
-        told = self.expect(0, "replay", "bed", "--from", "0.07", "--to", "0.15").stdout
-        self.assertIn("bed/replay/trajectory.h5md: 9 frames from 0.07 to 0.15 s, made from the state at 0.05 s", told)
+        output = self.expect(0, "replay", "bed", "--from", "0.07", "--to", "0.15").stdout
+        self.assertIn("bed/replay/trajectory.h5md: 9 frames from 0.07 to 0.15 s, made from the state at 0.05 s", output)
         made = self.frames("bed/replay/trajectory.h5md")
         self.assertEqual(len(made), 9)
         self.assert_same_frames(made, stored)

@@ -20,10 +20,10 @@ class AdaptiveTest(ScanTest):
         super().setUp()
         self.done = self.scan("scan.toml", "out")
         self.table = self.rows("out")
-        self.told = self.json("out")
+        self.record = self.json("out")
 
     def test_all_of_it(self):  # one scan for them all
-        self.files_are_told()
+        self.files_are_reported()
         self.rows_are_as_the_summary_says()
         self.cells_cover_the_axes()
         self.boundaries_lie_between_outcomes()
@@ -31,7 +31,7 @@ class AdaptiveTest(ScanTest):
         self.the_ledger_is_the_table()
         self.rows_are_single_runs()
 
-    def files_are_told(self):
+    def files_are_reported(self):
         names = {path.name for path in (self.folder / "out").iterdir()}
         self.assertEqual(names, FILES | {"cells.csv", "boundary.csv"})
         files = json.loads((self.folder / "out/manifest.json").read_text())["files"]
@@ -44,16 +44,16 @@ class AdaptiveTest(ScanTest):
 
     def rows_are_as_the_summary_says(self):
         self.assertEqual(list(self.table[0]), AXES + COLUMNS)
-        told = self.told
-        self.assertEqual((told["design"], told["requested"], told["resolution"]), ("adaptive", 33 * 33, 32))
-        self.assertEqual((told["evaluated"], told["failed"], told["left"], told["causes"]), (len(self.table), 0, 0, {}))
+        record = self.record
+        self.assertEqual((record["design"], record["requested"], record["resolution"]), ("adaptive", 33 * 33, 32))
+        self.assertEqual((record["evaluated"], record["failed"], record["left"], record["causes"]), (len(self.table), 0, 0, {}))
         self.assertLess(len(self.table), 33 * 33)
-        self.assertEqual((told["audited"], told["missed"], told["missed_rate"]), (100, 0, 0.0))
-        self.assertAlmostEqual(told["missed_rate_high"], 1.0 - 0.05**0.01, places=12)  # Clopper and Pearson
-        for outcome, count in told["outcomes"].items():
+        self.assertEqual((record["audited"], record["missed"], record["missed_rate"]), (100, 0, 0.0))
+        self.assertAlmostEqual(record["missed_rate_high"], 1.0 - 0.05**0.01, places=12)  # Clopper and Pearson
+        for outcome, count in record["outcomes"].items():
             self.assertEqual(sum(row["outcome"] == outcome for row in self.table), count)
             self.assertIn(f"{outcome} {count}" if count else "", self.done.stderr)
-        self.assertGreater(min(told["outcomes"][name] for name in ("contact", "escape")), 50)
+        self.assertGreater(min(record["outcomes"][name] for name in ("contact", "escape")), 50)
         for row in self.table:
             self.assertEqual((row["status"], row["retries"]), ("ok", "0"))
             self.assertTrue(all(math.isfinite(float(row[name])) for name in AXES + ["time", "min_separation", "turn1"]))
@@ -73,10 +73,10 @@ class AdaptiveTest(ScanTest):
         """A bracket beyond each point of a curve the outcomes are those that the curve is between."""
         rows = self.rows("out", "boundary.csv")
         self.assertEqual(list(rows[0]), ["curve", "between", *AXES, "error"])
-        traced = self.told["boundary"].pop("evaluated")
+        traced = self.record["boundary"].pop("evaluated")
         self.assertGreater(traced, 5 * len(rows))  # 32 cells a side down to 1e-4: nine halvings of an edge
         self.assertLessEqual(traced, 9 * len(rows))
-        self.assertEqual(self.told["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4, "gaps": 0})
+        self.assertEqual(self.record["boundary"], {"curves": len({row["curve"] for row in rows}), "points": len(rows), "tolerance": 1e-4, "gaps": 0})
         self.assertTrue(all(float(row["error"]) <= 0.5e-4 for row in rows))
         row = next(row for row in rows if row["between"] == "contact|escape")
         found = set()
@@ -149,11 +149,11 @@ class DesignTest(ScanTest):
         self.assertEqual([float(row[AXES[1]]) for row in rows[:9]], list(np.linspace(-6.0, 6.0, 9)))  # the last axis runs fastest
         np.testing.assert_allclose([float(row[AXES[0]]) for row in rows[::9]], np.geomspace(0.1, 100.0, 9), rtol=1e-14)
         self.assertEqual({path.name for path in (self.folder / "out").iterdir()}, FILES)
-        told = self.json("out")
-        self.assertEqual((told["requested"], told["evaluated"], told["missed_rate"], told["resolution"], told["boundary"]),
+        record = self.json("out")
+        self.assertEqual((record["requested"], record["evaluated"], record["missed_rate"], record["resolution"], record["boundary"]),
                          (81, 81, None, None, None))
-        self.assertEqual([one["spacing"] for one in told["axes"]], ["log", "linear"])
-        self.assertEqual([one["symbol"] for one in told["axes"]][0], r"\kappa")
+        self.assertEqual([one["spacing"] for one in record["axes"]], ["log", "linear"])
+        self.assertEqual([one["symbol"] for one in record["axes"]][0], r"\kappa")
 
     def test_samples(self):
         for design in ("lhs", "sobol"):
@@ -198,17 +198,17 @@ class DesignTest(ScanTest):
         self.assertEqual(self.json("plain")["certified_area"], {"verified": 0.0, "checked": 0.0, "open": 1.0})
         self.assertEqual({row["certificate"] for row in self.rows("straight")}, {"verified"})
         self.assertIsNone(self.json("straight")["certified_area"])
-        rows, told = self.rows("asked"), self.json("asked")
+        rows, record = self.rows("asked"), self.json("asked")
         self.assertEqual([row["outcome"] for row in rows], [row["outcome"] for row in self.rows("plain")])
-        self.assertEqual(told["certificates"], {name: sum(row["certificate"] == name for row in rows) for name in ("verified", "checked", "open")})
-        self.assertGreater(told["certificates"]["verified"], 20)
+        self.assertEqual(record["certificates"], {name: sum(row["certificate"] == name for row in rows) for name in ("verified", "checked", "open")})
+        self.assertGreater(record["certificates"]["verified"], 20)
         area = dict.fromkeys(("verified", "checked", "open"), 0.0)
         for cell in self.rows("asked", "cells.csv"):
             self.assertFalse(cell["outcome"] == "mixed" and cell["certificate"] != "open")
             area[cell["certificate"]] += (math.log(float(cell[f"{AXES[0]}_to"]) / float(cell[f"{AXES[0]}_from"])) / math.log(1000.0)
                                           * (float(cell[f"{AXES[1]}_to"]) - float(cell[f"{AXES[1]}_from"])) / 12.0)
         for name, share in area.items():
-            self.assertAlmostEqual(told["certified_area"][name], share, places=9)  # rounding of each cell 1e-14
+            self.assertAlmostEqual(record["certified_area"][name], share, places=9)  # rounding of each cell 1e-14
         self.assertGreater(area["verified"] + area["checked"], 0.2)
 
     def test_which_two_of_three_rods_met(self):
@@ -223,9 +223,9 @@ class DesignTest(ScanTest):
             self.write("one.toml", three)
             self.expect(0, "rods", "one.toml", "-o", "one", "--force", "--quiet", *[word for key in ("rods.1.position.0", "coupling.kappa")
                                                                                     for word in ("-s", f"{key}={float(row[key])}")])
-            told = json.loads((self.folder / "one/outcome.json").read_text())
-            if told["outcome"] in ("contact", "pursuit"):
-                self.assertEqual([int(row["pair_i"]), int(row["pair_j"])], told["pair"])
+            record = json.loads((self.folder / "one/outcome.json").read_text())
+            if record["outcome"] in ("contact", "pursuit"):
+                self.assertEqual([int(row["pair_i"]), int(row["pair_j"])], record["pair"])
         self.write("two.toml", CROSSING + "[scan]\n" + axis("rods.1.position.0", -5.0, 5.0, 2))
         self.scan("two.toml", "two")
         self.assertNotIn("pair_i", self.rows("two")[0])
@@ -237,8 +237,8 @@ class DesignTest(ScanTest):
         rows = self.rows("out")
         self.assertEqual([(row["rods_run.method"], row["coupling.gamma1"]) for row in rows],
                          [(method, gamma) for method in ("bdf", "adams", "erk") for gamma in ("1", "2")])
-        told = self.json("out")["axes"]
-        self.assertEqual((told[0]["values"], told[1]["keys"], told[1]["factors"]),
+        record = self.json("out")["axes"]
+        self.assertEqual((record[0]["values"], record[1]["keys"], record[1]["factors"]),
                          (["bdf", "adams", "erk"], ["coupling.gamma1", "coupling.gamma2"], [1.0, -1.0]))
         self.assertEqual({outcome for row in rows[::2] for outcome in [row["outcome"]]}, {rows[0]["outcome"]})
         with h5py.File(self.folder / "out/scan.h5") as file:

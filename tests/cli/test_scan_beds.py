@@ -175,10 +175,10 @@ class TableTest(BedScanTest):
 
 class CheckTest(BedScanTest):
     def test_check_counts_points_and_runs_and_tells_the_cost(self):
-        told = self.expect(0, "check", "beds.toml").stdout
-        self.assertIn("6 points (grid) of 3 runs of the bed each, 18 runs in all", told)
-        self.assertRegex(told, r"scan: 18 runs, about .* CPU seconds each \(the bed as written\), .* in all")
-        self.assertIn("20 beads of radius", told)
+        output = self.expect(0, "check", "beds.toml").stdout
+        self.assertIn("6 points (grid) of 3 runs of the bed each, 18 runs in all", output)
+        self.assertRegex(output, r"scan: 18 runs, about .* CPU seconds each \(the bed as written\), .* in all")
+        self.assertIn("20 beads of radius", output)
 
     def test_refused(self):
         for pattern, lines in (("granular.runs is how many runs each point of the scan has", axis("granular.runs", 1, 5, 5)),

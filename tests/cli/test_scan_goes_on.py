@@ -54,12 +54,12 @@ class ExtendTest(ScanTest):
 
     def test_a_changed_scene_is_refused_with_what_changed(self):
         self.scan("grid.toml", "out")
-        for setting, told in (("coupling.gamma1=1", r"gamma1 = 0.0 there, gamma1 = 1.0 here"),
+        for setting, expected in (("coupling.gamma1=1", r"gamma1 = 0.0 there, gamma1 = 1.0 here"),
                               ("scan.axes.0.to=10", r"to = 100.0 there, to = 10 here"),
                               ("scan.axes.1.count=5", "count = 9 there, count = 5 here"),
                               ("rods_run.t_end=61", "t_end = 60.0 there, t_end = 61.0 here"),
                               ("scan.design=sobol", 'design = "grid" there, design = "sobol" here')):
-            self.refuse_scan(rf"another (scene|scan) \({told}\); choose another folder",
+            self.refuse_scan(rf"another (scene|scan) \({expected}\); choose another folder",
                              "grid.toml", "out", "-s", setting)
         self.refuse_scan("another (scene|scan)", "scan.toml", "out")
         self.scan("grid.toml", "out", "-s", "coupling.gamma1=1", "--force")
@@ -118,17 +118,17 @@ class ShareTest(ScanTest):
 
 
 class FailureTest(ScanTest):
-    def test_points_that_fail_are_told_and_evaluated_again(self):
+    def test_points_that_fail_are_reported_and_evaluated_again(self):
         self.scan("grid.toml", "clean")
         done = self.scan("grid.toml", "out", *FAILING, code=3)
-        told, rows = self.json("out"), self.rows("out")
+        record, rows = self.json("out"), self.rows("out")
         failed = [row for row in rows if row["status"] == "failed"]
-        self.assertEqual((told["evaluated"], told["failed"], told["left"]), (81, len(failed), 0))
+        self.assertEqual((record["evaluated"], record["failed"], record["left"]), (81, len(failed), 0))
         self.assertGreater(len(failed), 5)
         self.assertLess(len(failed), 81)
-        self.assertEqual(sum(told["causes"].values()), len(failed))
+        self.assertEqual(sum(record["causes"].values()), len(failed))
         self.assertIn(f"{len(failed)} points failed; --rerun-failed evaluates them again", done.stderr)
-        for cause, count in told["causes"].items():
+        for cause, count in record["causes"].items():
             self.assertIn("the steps allowed were used up", cause)
             self.assertRegex(done.stderr, rf"{count}  failed: ")
         for row in failed:
@@ -190,7 +190,7 @@ class FailureTest(ScanTest):
 
 
 class LedgerTest(ScanTest):
-    """Ledgers that cannot be gone on with are told before anything in the folder is touched."""
+    """Ledgers that cannot be gone on with are reported before anything in the folder is touched."""
 
     def setUp(self):
         super().setUp()

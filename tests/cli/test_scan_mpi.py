@@ -44,9 +44,9 @@ class DeathTest(ScanRanksTest):
             self.assertTrue(rodwake.wait_until(lambda: self.points("run") > (300_000 if to_rank else 150_000), 200))
             target = next(one for one in processes_below(process.pid) if rank_of(one) == 0) if to_rank else process.pid
             os.kill(target, signal.SIGINT)
-            told = process.communicate(timeout=60)[1]
-            self.assertIn("stopped by a signal; results so far are in run", told)
-            self.assertEqual(process.returncode, 130 if to_rank else 1, told)  # mpiexec's own code of a job that it ended is 1
+            output = process.communicate(timeout=60)[1]
+            self.assertIn("stopped by a signal; results so far are in run", output)
+            self.assertEqual(process.returncode, 130 if to_rank else 1, output)  # mpiexec's own code of a job that it ended is 1
             self.assertFalse((self.folder / "run/rodwake.lock").exists())
             self.assertIn(self.status("run"), ("interrupted", "unfinished"))
 

@@ -71,11 +71,11 @@ class BadScanTest(ScanTest):
 
 class CheckTest(ScanTest):
     def test_a_scan_is_described_with_its_cost(self):
-        told = self.expect(0, "check", "scan.toml").stdout
-        self.assertRegex(told, r"scan: coupling.kappa from 0.1 to 100, .* refined to 32 cells a side")
-        self.assertRegex(told, r"scan: .* a point, 1.7e\+03 points if one boundary crosses it, about .* CPU seconds")
+        output = self.expect(0, "check", "scan.toml").stdout
+        self.assertRegex(output, r"scan: coupling.kappa from 0.1 to 100, .* refined to 32 cells a side")
+        self.assertRegex(output, r"scan: .* a point, 1.7e\+03 points if one boundary crosses it, about .* CPU seconds")
         self.assertRegex(self.expect(0, "check", "grid.toml").stdout, r"scan: .* a point, 81 points")
-        self.assertIn('[[scan.axes]]\nkey = "coupling.kappa"', told)
+        self.assertIn('[[scan.axes]]\nkey = "coupling.kappa"', output)
 
     def test_dry_run(self):
         done = self.expect(0, "scan", "scan.toml", "-o", "out", "--dry-run")
@@ -86,18 +86,18 @@ class CheckTest(ScanTest):
 class InfoTest(ScanTest):
     def test_a_finished_scan(self):
         self.scan("grid.toml", "out", "--quiet")
-        told = self.expect(0, "info", "out").stdout
+        output = self.expect(0, "info", "out").stdout
         for part in ("out: finished run", "points.log", '"requested": 81', '"evaluated": 81', '"failed": 0', '"left": 0'):
-            self.assertIn(part, told)
+            self.assertIn(part, output)
 
     def test_a_scan_that_was_killed(self):
         with self.started("scan", "scan.toml", "-o", "out", "-s", "scan.resolution=4096", "--quiet") as process:
             self.assertTrue(rodwake.wait_until(lambda: self.points("out") > 100, 60))
             process.kill()
             process.wait()
-        told = self.expect(0, "info", "out").stdout
-        self.assertIn("out: unfinished run", told)
-        self.assertRegex(told, r"[1-9]\d+ points evaluated, 0 of them failed, .* CPU seconds; the scan has not ended")
+        output = self.expect(0, "info", "out").stdout
+        self.assertIn("out: unfinished run", output)
+        self.assertRegex(output, r"[1-9]\d+ points evaluated, 0 of them failed, .* CPU seconds; the scan has not ended")
 
 
 if __name__ == "__main__":

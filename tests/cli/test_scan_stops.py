@@ -41,10 +41,10 @@ class SignalTest(ScanTest):
             run = f"run{code}"
             self.assertEqual(self.stop_at_work(number, run, "--quiet"), (code, "", ""))
             self.assertEqual(self.status(run), "interrupted")
-            rows, told = self.rows(run), self.json(run)
+            rows, record = self.rows(run), self.json(run)
             self.assertEqual(len(rows), self.points(run))
-            self.assertEqual((told["complete"], told["evaluated"]), (False, len(rows)))
-            self.assertGreater(told["left"], 0)
+            self.assertEqual((record["complete"], record["evaluated"]), (False, len(rows)))
+            self.assertGreater(record["left"], 0)
             self.assertEqual(list(rows[0])[2:], COLUMNS)
             self.assertTrue((self.folder / run / "scan.h5").exists())
             self.assert_no_temporaries()

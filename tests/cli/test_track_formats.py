@@ -48,8 +48,8 @@ class TrackFormats(ProgramTest):
     def numbers(self, out):
         """Of all measures and of the film, and the tables."""
         found = {name: (self.folder / out / name).read_bytes() for name in ("gr.csv", "gB.csv", "msd.csv", "stiffness.csv")}
-        told = json.loads((self.folder / out / "tracks.json").read_text())
-        return found, json.loads((self.folder / out / "measure.json").read_text()), {key: told[key] for key in ("frames", "particles", "rods", "window")}
+        record = json.loads((self.folder / out / "tracks.json").read_text())
+        return found, json.loads((self.folder / out / "measure.json").read_text()), {key: record[key] for key in ("frames", "particles", "rods", "window")}
 
     def as_csv(self, keys=PERIODIC, out="csv"):
         lines = [f"{t},{i},{self.place[t, i, 0]!r},{self.place[t, i, 1]!r}" for t in range(len(self.place)) for i in self.rows(t)]
@@ -59,11 +59,11 @@ class TrackFormats(ProgramTest):
 
     def assert_like_csv(self, file, keys, out, csv=None):
         self.measure(file, keys, out)
-        tables, values, told = csv or self.as_csv()
+        tables, values, record = csv or self.as_csv()
         found = self.numbers(out)
         self.assertTrue(found[0] == tables, out)  # assertEqual would look for the differences for a minute
         self.assertEqual(found[1]["order"], values["order"])
-        self.assertEqual(found[2], told)
+        self.assertEqual(found[2], record)
 
     def test_dumps_and_extended_xyz(self):
         dump, xyz = "", ""
@@ -81,8 +81,8 @@ class TrackFormats(ProgramTest):
         self.assert_like_csv("film.xyz", KEYS, "rate", csv)
         for out, keys in (("own", 'pixel = "1 a"'), ("steps", 'pixel = "1 a"\nframes_per_second = 5000')):  # scaled places are rounded, in the last digits
             self.measure("film.lammpstrj", keys, out)
-            tables, values, told = self.numbers(out)
-            self.assertEqual(told, csv[2])
+            tables, values, record = self.numbers(out)
+            self.assertEqual(record, csv[2])
             self.assertAlmostEqual(values["order"]["psi6"]["value"], csv[1]["order"]["psi6"]["value"], delta=1e-12)
             np.testing.assert_allclose(columns(self.folder / out / "msd.csv")["msd"], columns(self.folder / "csv" / "msd.csv")["msd"], rtol=1e-9)
 
@@ -190,8 +190,8 @@ position = ["8 a", "8 a"]
         for name, names in (("image.dump", "id x y ix iy"), ("free.dump", "id xu yu")):
             self.dump(name, walk, names, rows=lambda t: seen[t])
             self.measure(name, 'pixel = "1 a"', f"of_{name}")
-            told = json.loads((self.folder / f"of_{name}" / "tracks.json").read_text())
-            self.assertEqual((told["particles"], told["left_out"]), (110, []))
+            record = json.loads((self.folder / f"of_{name}" / "tracks.json").read_text())
+            self.assertEqual((record["particles"], record["left_out"]), (110, []))
             self.assertAlmostEqual(columns(self.folder / f"of_{name}" / "msd.csv")["msd"][0], first, delta=1e-9 * first)
         self.assertGreater(first, 60)  # the shortest way would give some 45
 
@@ -245,8 +245,8 @@ position = ["8 a", "8 a"]
             psi.append(abs((sums / np.maximum(counts, 1)).mean()))
         ideal = len(self.place) * n * (n - 1) / SIDES.prod() * np.pi * np.diff(edges**2)
         np.testing.assert_allclose(found["g"], g / ideal, rtol=1e-9, atol=1e-12)
-        told = json.loads((self.folder / "csv" / "measure.json").read_text())["order"]
-        self.assertAlmostEqual(told["psi6"]["value"], np.mean(psi), delta=1e-9)
+        record = json.loads((self.folder / "csv" / "measure.json").read_text())["order"]
+        self.assertAlmostEqual(record["psi6"]["value"], np.mean(psi), delta=1e-9)
         step = np.diff(self.place, axis=0)
         walk = np.concatenate([self.place[:1], self.place[0] + np.cumsum(step - SIDES * np.round(step / SIDES), axis=0)])
         walk -= walk.mean(axis=1, keepdims=True)

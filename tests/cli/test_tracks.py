@@ -1,5 +1,5 @@
 """[tracks]: a bed written as tracks and read back has the bed's own numbers; a peer's numbers in an open window; what is odd in a
-file is told."""
+file is reported."""
 
 import csv
 import json
@@ -127,9 +127,9 @@ class Tracks(ProgramTest):
         ideal = 2 * 300 * 299 * np.pi * np.diff(edges**2) / sides.prod()
         found = columns(self.folder / "seen" / "gr.csv")
         np.testing.assert_allclose(found["g"], g / ideal, rtol=1e-9, atol=1e-12)
-        told = self.results("seen")["order"]
-        self.assertAlmostEqual(told["psi6"]["value"], np.mean(psi), delta=1e-9)
-        self.assertAlmostEqual(told["at_border"], np.mean(border), delta=1e-12)
+        record = self.results("seen")["order"]
+        self.assertAlmostEqual(record["psi6"]["value"], np.mean(psi), delta=1e-9)
+        self.assertAlmostEqual(record["at_border"], np.mean(border), delta=1e-12)
 
     def film(self, frames, keys='window = "hull"', measure="", step=0.02, keep=1.0, rods=0):
         """100 discs on a shaken lattice, 2.2 a apart, with a rod in the first `rods` of these frames or steps."""
@@ -153,9 +153,9 @@ class Tracks(ProgramTest):
         for frames, lags in ((range(60), [1, 2, 3, 4]), ([f for f in range(180) if f % 30 < 10], [1, 2, 3, 4]), ([0, *(2**k for k in range(20))], [1, 2, 4, 8]),
                              ([0, *(27 + 1000 * k for k in range(40))], [27, 1000]), ([0, 1, 10**9], [1, 10**9])):
             self.film(frames, measure="microrheology = true\n")
-            text, told, found = self.seen()
-            self.assertEqual((told["frames"], told["beads_per_frame"], told["lost_share"]), (len(frames), 100, 0), text)
-            self.assertAlmostEqual(told["phi_b"] * told["area"], 100 * np.pi, delta=1e-9)
+            text, record, found = self.seen()
+            self.assertEqual((record["frames"], record["beads_per_frame"], record["lost_share"]), (len(frames), 100, 0), text)
+            self.assertAlmostEqual(record["phi_b"] * record["area"], 100 * np.pi, delta=1e-9)
             msd = columns(self.folder / "seen/msd.csv")
             self.assertTrue(all(np.isclose(10 * np.array(msd["lag"]), lag, rtol=0.04).any() for lag in lags), msd["lag"])
             if msd["lag"][0] == 0.1 and len(frames) >= 60:
@@ -169,25 +169,25 @@ class Tracks(ProgramTest):
     def test_who_is_cut_where(self):
         box = 'window = "periodic"\nbox = ["22 a", "19.052 a"]'
         self.film(range(80), box, "microrheology = true\n", step=1.0, keep=0.8)
-        text, told, found = self.seen()
-        self.assertEqual((told["particles"], told["left_out"]), (100, []), text)
+        text, record, found = self.seen()
+        self.assertEqual((record["particles"], record["left_out"]), (100, []), text)
         self.assertAlmostEqual(columns(self.folder / "seen/msd.csv")["msd"][0] / 2, 0.99, delta=0.06)  # the drift is taken off
-        text, told, found = self.seen("-s", 'tracks.longest_step="1.5 a"')
+        text, record, found = self.seen("-s", 'tracks.longest_step="1.5 a"')
         self.assertRegex(text, r"\d+ tracks cut where they jump: their number goes on more than tracks.longest_step = 1.5 a away")
         self.film(range(80), step=1.0, keep=0.8)
         self.assertIn("more than 3 mean spacings of", self.seen()[0])
         self.assertEqual(self.seen("-s", "tracks.longest_step=unlimited")[1]["particles"], 100)
         self.refuse(2, 'expected a length \\("2 a"\\), "auto" or "unlimited"', "check", "tracks.toml", "-s", "tracks.longest_step=never")
 
-    def test_a_far_spot_and_a_wrong_unit_are_told_at_once(self):
+    def test_a_far_spot_and_a_wrong_unit_are_reported_at_once(self):
         self.film(range(3), step=0.05)
         text = (self.folder / "tracks.csv").read_text().splitlines()
         self.write("tracks.csv", "\n".join([*text[:150], "1,49,3.0,1e7,0,0", *text[151:]]) + "\n")
-        words, told, found = self.seen()
+        words, record, found = self.seen()
         self.assertRegex(words, r"frame 1: a spot at \(3, 1e\+07\) of the file lies far from all others.* set tracks.window")
-        self.assertEqual([one["rows"] for one in told["left_out"]][-2:], [0, 0])
+        self.assertEqual([one["rows"] for one in record["left_out"]][-2:], [0, 0])
         self.film(range(10))
-        words, told, found = self.seen("-s", "tracks.pixel=28 mm", "-s", "measure.order_cutoff=3 a")
+        words, record, found = self.seen("-s", "tracks.pixel=28 mm", "-s", "measure.order_cutoff=3 a")
         self.assertRegex(words, r"beads cover 0.0001\d of the window: is tracks.pixel or tracks.bead_radius right\?")
 
     def test_two_frames_have_no_errors_and_rods_may_be_seen_longer_than_beads(self):
@@ -200,7 +200,7 @@ class Tracks(ProgramTest):
             for window in ('window = "hull"', 'window = "periodic"\nbox = ["30 a", "30 a"]'):
                 self.film(frames, window, everything, rods=rods)
                 done = self.run_program("measure", "tracks.toml", "-o", "seen", "--force")
-                self.assertIn(done.returncode, (0, 1), done.stderr)  # what cannot be had is told; nothing crashes
+                self.assertIn(done.returncode, (0, 1), done.stderr)  # what cannot be had is reported; nothing crashes
                 self.assertTrue((self.folder / "seen/measure.json").is_file(), done.stderr)
 
     def test_trackmate_xml(self):
@@ -213,11 +213,11 @@ class Tracks(ProgramTest):
         self.write("film.xml", f'<?xml version="1.0"?><TrackMate><Model spatialunits="pixel"><AllSpots>{spots}</AllSpots>'
                                f"<AllTracks>{edges}</AllTracks></Model></TrackMate>")
         self.expect(0, "measure", "tracks.toml", "-o", "seen", "-s", "tracks.file=film.xml")
-        told = json.loads((self.folder / "seen" / "tracks.json").read_text())
-        self.assertEqual((told["frames"], told["particles"], told["mean_length"], told["length_unit"]), (3, 24, 3.0, "pixel"))
-        self.assertEqual(told["left_out"], [{"why": "rows in no track, used where one frame is enough", "rows": 3}])
+        record = json.loads((self.folder / "seen" / "tracks.json").read_text())
+        self.assertEqual((record["frames"], record["particles"], record["mean_length"], record["length_unit"]), (3, 24, 3.0, "pixel"))
+        self.assertEqual(record["left_out"], [{"why": "rows in no track, used where one frame is enough", "rows": 3}])
 
-    def test_what_cannot_be_is_told_before_anything_is_written(self):
+    def test_what_cannot_be_is_reported_before_anything_is_written(self):
         self.write("tracks.toml", OPEN)
         self.refuse(2, r'tracks.file = "tracks.csv": no such file; looked for', "run", "tracks.toml", "-o", "seen")
         self.refuse(2, r'tracks.toml:2:1: window = "periodic" needs box, for example box = "78 a"', "check", "tracks.toml", "-s", "tracks.window=periodic")
@@ -231,18 +231,18 @@ class Tracks(ProgramTest):
 
     def test_check_reads_the_header_as_the_run_does(self):
         self.write("tracks.toml", OPEN)
-        for text, told in (("frame,particle,a,y\n0,1,1,1\n", r"tracks\.csv:1: no column for x \(usual: x\); the file has frame, particle, a, y"),
+        for text, expected in (("frame,particle,a,y\n0,1,1,1\n", r"tracks\.csv:1: no column for x \(usual: x\); the file has frame, particle, a, y"),
                            ("frame,particle,x,y\n0,1,1\n", r'tracks\.csv:2: has 3 fields, and column "y" would be number 4')):
             self.write("tracks.csv", text)
-            errors = {self.refuse(2, told, verb, "tracks.toml").stderr for verb in ("check", "run")}
+            errors = {self.refuse(2, expected, verb, "tracks.toml").stderr for verb in ("check", "run")}
             self.assertEqual(len(errors), 1, errors)
         rows = [(f, k, 3.0 * (k % 5), 3.0 * (k // 5)) for f in range(3) for k in range(25)]
         self.write_rows("frame,particle,x,y", rows)
         self.write("rods.csv", "frame,id,X1,Y1,X2,Y2\n" + "".join(f"{f},0,7,6,5,6\n" for f in range(3)))
         rods = ("-s", "tracks.rods_file=rods.csv", "-s", "tracks.frames_per_second=1", "-s", "measure.block=2 s", "-s", "tracks.angle=1 deg")
-        told = "columns X1, Y1, X2, Y2 are taken for the ends of a rod, the thin end first"
-        self.assertIn(f"rods.csv: {told}", self.expect(0, "check", "tracks.toml", *rods).stdout)
-        self.assertIn(told, self.expect(0, "measure", "tracks.toml", "-o", "seen", *rods).stderr)
+        expected = "columns X1, Y1, X2, Y2 are taken for the ends of a rod, the thin end first"
+        self.assertIn(f"rods.csv: {expected}", self.expect(0, "check", "tracks.toml", *rods).stdout)
+        self.assertIn(expected, self.expect(0, "measure", "tracks.toml", "-o", "seen", *rods).stderr)
         with open(self.folder / "seen" / "rod_tracks.csv") as file:
             poses = [(float(row["x0"]) / A, float(row["theta0"])) for row in csv.DictReader(file)]
         np.testing.assert_allclose(poses, [(6.0, 0.0)] * 3, rtol=1e-9)

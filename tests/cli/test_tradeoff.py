@@ -25,7 +25,7 @@ class TradeoffTest(ProgramTest):
         self.the_figure_is_there()
         self.answers_come_from_the_table()
         self.keys_make_the_run()
-        self.what_is_out_of_reach_is_told()
+        self.what_is_out_of_reach_is_reported()
 
     def table_is_as_promised(self):
         self.assertEqual(list(self.rows[0])[:7], CONTRACT)
@@ -33,8 +33,8 @@ class TradeoffTest(ProgramTest):
         self.assertEqual({row["method"] for row in self.rows}, {"erk", "adams", "bdf"})
         self.assertEqual({row["form"] for row in self.rows}, {"angle", "director", "dae"})
         self.assertEqual({row["field"] for row in self.rows}, {"exact", "table"})
-        told = json.loads((self.folder / "out/tradeoff.json").read_text())
-        agreement, least = (told["reference"][key]["final_state"] for key in ("agreement", "least_error_quoted"))
+        record = json.loads((self.folder / "out/tradeoff.json").read_text())
+        agreement, least = (record["reference"][key]["final_state"] for key in ("agreement", "least_error_quoted"))
         self.assertAlmostEqual(least / agreement, 10, delta=1e-6)
         self.assertGreaterEqual(min(float(row["error"]) for row in self.rows), 0.999 * least)  # six digits in the table
 
@@ -59,8 +59,8 @@ class TradeoffTest(ProgramTest):
         self.assertIn(f"rods_run.rtol = {float(best['tolerance']):g}\n", answer)
 
     def keys_make_the_run(self):
-        told = [part for key in self.keys for part in ("-s", key)]
-        self.expect(0, "rods", "pair.toml", "-o", "fast", "--quiet", *told)
+        settings = [part for key in self.keys for part in ("-s", key)]
+        self.expect(0, "rods", "pair.toml", "-o", "fast", "--quiet", *settings)
         tight = ("-s", "rods_run.rtol=1e-12", "-s", "rods_run.method=adams")
         self.expect(0, "rods", "pair.toml", "-o", "tight", "--quiet", *tight)
         fast, exact = (self.last_row(name) for name in ("fast", "tight"))
@@ -69,7 +69,7 @@ class TradeoffTest(ProgramTest):
     def last_row(self, name):
         return [float(cell) for cell in (self.folder / name / "rods.csv").read_text().splitlines()[-1].split(",")[1:]]
 
-    def what_is_out_of_reach_is_told(self):
+    def what_is_out_of_reach_is_reported(self):
         self.refuse(1, "most accurate one has an error of", "tradeoff", "pair.toml", "-o", "out", "--for", "1e-30")
         self.refuse(1, "fastest one has an error of", "tradeoff", "pair.toml", "-o", "out", "--within", "1us")
         self.refuse(1, "no setting has a contact_time", "tradeoff", "pair.toml", "-o", "out", "--for", "1", "--error", "contact_time")
@@ -84,8 +84,8 @@ class TradeoffTest(ProgramTest):
         self.refuse(2, "no .rods_run. table", "tradeoff", "bed.toml", "--of", "rods")
 
     def test_dry_run_does_nothing(self):
-        told = self.expect(0, "tradeoff", "pair.toml", "--dry-run").stdout
-        self.assertRegex(told, r"^\d+ settings would be timed")
+        output = self.expect(0, "tradeoff", "pair.toml", "--dry-run").stdout
+        self.assertRegex(output, r"^\d+ settings would be timed")
         self.assertFalse((self.folder / "results").exists())
 
 

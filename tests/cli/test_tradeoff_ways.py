@@ -102,13 +102,13 @@ class WaysTest(ProgramTest):
         answer = self.tradeoff(0, "bed.toml", "--limit", "0.2s", "--for", "T_z 5%")
         self.assertIn("from the scatter of", answer.stderr)
         self.assertRegex(answer.stdout, r'granular.time_step = "\S+ s"\ngranular.duration = "\S+ s"\nmeasure.interval = "\S+ s"\ngranular.runs = \d+\n')
-        told = self.ways("bed")
-        self.assertTrue(told["finished"])
-        names = [f["quantity"] for f in told["ways"][0]["found"]]
+        record = self.ways("bed")
+        self.assertTrue(record["finished"])
+        names = [f["quantity"] for f in record["ways"][0]["found"]]
         self.assertEqual(names[:4], ["rod_speed", "T_xy", "T_z", "psi6"])
         self.assertIn("order.psi6", names)
-        self.assertTrue(all(way["runs"] >= 4 for way in told["ways"]))
-        self.the_table_follows_from_the_runs(told["ways"])
+        self.assertTrue(all(way["runs"] >= 4 for way in record["ways"]))
+        self.the_table_follows_from_the_runs(record["ways"])
         self.assertIn("--for: much is not a number", self.tradeoff(2, "bed.toml", "--limit", "0.2s", "--for", "T_z much").stderr)
 
     def test_a_longer_limit_adds_runs(self):

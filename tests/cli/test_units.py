@@ -166,9 +166,9 @@ class UnitsTest(ProgramTest):
             shutil.rmtree(self.folder / folder, ignore_errors=True)
             for verb in verbs:
                 self.expect(0, verb, f"{folder}.toml", "-o", folder, "--quiet", "-j", 1)
-        told = json.loads((self.folder / "one/manifest.json").read_text())["files"]
+        files = json.loads((self.folder / "one/manifest.json").read_text())["files"]
         self.checked, self.wrong = 0, []
-        for name, entry in told.items():
+        for name, entry in files.items():
             if name.endswith(".csv"):
                 self.table(name, {column["name"]: column["unit"] for column in entry["columns"]})
             elif name.endswith(".json") and "values" in entry:
@@ -176,7 +176,7 @@ class UnitsTest(ProgramTest):
             elif name.endswith((".h5", ".h5md")):
                 self.datasets(name)
         self.assertFalse(self.wrong, "\n".join(self.wrong))
-        return set(told)
+        return set(files)
 
     def pair(self, name):
         return self.folder / "one" / name, self.folder / "other" / name

@@ -38,7 +38,7 @@ TEST_CASE("words of others are shown without what a terminal would obey, and cut
     CHECK(shown(std::string(59, 'x') + "ä") == std::string(59, 'x') + "..."); // not within a character
 }
 
-TEST_CASE("The first line that differs is told with both its forms") {
+TEST_CASE("The first line that differs is reported with both its forms") {
     CHECK(first_difference("a = 1\nb = 2\nc = 3\n", "a = 1\nb = 4\nc = 5\n") == "b = 2 there, b = 4 here");
     CHECK(first_difference("a = 1\n", "a = 1\nb = 2\n") == "nothing there, b = 2 here");
     CHECK(first_difference("a = 1\n\nb = 2", "a = 1\n") == "b = 2 there, nothing here");

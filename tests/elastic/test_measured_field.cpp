@@ -278,9 +278,9 @@ TEST_CASE("cross-validation smooths as much as the errors ask for") {
 TEST_CASE("errors that neighbours share are not taken for signal") {
     constexpr double R = 1.7;
     const MeasuredGrid grid = with_correlated_errors(32, 1e-2, R);
-    MeasuredOptions told = options();
-    told.window = R;
-    const MeasuredDisplacement with(grid, theory, told), without(grid, theory, options());
+    MeasuredOptions windowed = options();
+    windowed.window = R;
+    const MeasuredDisplacement with(grid, theory, windowed), without(grid, theory, options());
     CHECK(with.report_x().lambda > 10.0 * without.report_x().lambda);
     CHECK(strain_error(with) < 0.7 * strain_error(without));
 }

@@ -38,7 +38,7 @@ TEST_CASE("couplings that are none are said, and remarks about the data come fir
 }
 
 TEST_CASE("nearly flat directions are named too, with finite errors") {
-    // y at two places only 1e-4 apart: level and slope can hardly be told apart
+    // y at two places only 1e-4 apart: level and slope can hardly be distinguished
     Problem problem;
     problem.parameters = {toy::positive("level", 1.0), toy::positive("slope", 1.0)};
     problem.residuals = 4;

@@ -1,4 +1,4 @@
-// Fits of maps: truth comes back, derivatives are right, masks and errors in the data are told.
+// Fits of maps: truth comes back, derivatives are right, masks and errors in the data are reported.
 
 #include "made_up_map.hpp"
 

@@ -73,8 +73,8 @@ TEST_CASE("of a wrong model the misfit speaks, whether sigmas are known or not")
     CHECK_FALSE(found.worst.empty());
 }
 
-TEST_CASE("runs of one sign are told as they are: too long, too short, or as of noise") {
-    const auto told = [](const std::vector<double>& data) {
+TEST_CASE("runs of one sign are reported as they are: too long, too short, or as of noise") {
+    const auto verdict = [](const std::vector<double>& data) {
         Problem problem = polynomial(1, 0.0, 1);
         problem.residuals = data.size();
         problem.evaluate = [data](auto p, auto r, Eigen::MatrixXd* jacobian) {
@@ -87,10 +87,10 @@ TEST_CASE("runs of one sign are told as they are: too long, too short, or as of 
                 return test.text;
         return std::string();
     };
-    CHECK_THAT(told({1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1}), Catch::Contains("too long"));
-    CHECK_THAT(told({1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}),
+    CHECK_THAT(verdict({1, 1, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1}), Catch::Contains("too long"));
+    CHECK_THAT(verdict({1, -1, 1, -1, 1, -1, 1, -1, 1, -1, 1, -1}),
                Catch::Contains("too often, 12 runs where 7"));
-    CHECK_THAT(told({1, 1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1}), Catch::Contains("as noise does"));
+    CHECK_THAT(verdict({1, 1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1}), Catch::Contains("as noise does"));
 }
 
 TEST_CASE("without a degree of freedom, and without noise, the misfit says nothing") {

@@ -213,7 +213,7 @@ void expect_other_valley(const char* name, double start, double truth) {
 
 } // namespace
 
-TEST_CASE("a start in another valley ends at its floor, is told to try more, and more find the truth") {
+TEST_CASE("a start in another valley ends at its floor, advises to try more, and more find the truth") {
     expect_other_valley("kappa", 5.0, 0.5);
 }
 

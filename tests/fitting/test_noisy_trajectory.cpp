@@ -68,9 +68,9 @@ std::pair<double, double> pull(const Trajectory& data, double held_noise = -1.0)
         values["D_r"] = held_noise;
     const Problem problem = trajectory_problem({}, {data}, noisy_parameters(values, free));
     const Fit found = fit(problem, {});
-    const Report told = report(problem, found);
+    const Report reported = report(problem, found);
     const auto at = [&](const char* name) {
-        return *std::ranges::find(told.estimates, name, &fitting::ParameterEstimate::name);
+        return *std::ranges::find(reported.estimates, name, &fitting::ParameterEstimate::name);
     };
     return {(at("kappa").value - kappa) / at("kappa").standard_error, std::log(at("D_r").value / D_r)};
 }
@@ -258,8 +258,8 @@ TEST_CASE("the mechanism that made a track fits it, and comes back") {
                 const auto index = static_cast<std::size_t>(
                     std::ranges::find(problem.parameters, free.front(), &Parameter::name) -
                     problem.parameters.begin());
-                const Report told = report(problem, found);
-                const double error = told.estimates[index].standard_error;
+                const Report reported = report(problem, found);
+                const double error = reported.estimates[index].standard_error;
                 CHECK(std::abs(found.values[index] - strength.at(free.front())) < 4.0 * error);
             }
         }

@@ -137,7 +137,7 @@ TEST_CASE("a linear posterior has the mean, the covariance and the evidence of i
     const double scale = std::sqrt(truth.covariance(0, 0) * truth.covariance(1, 1));
     CHECK(std::abs(covariance(found, 0, 1) - truth.covariance(0, 1)) <
           4.0 * scale * std::sqrt(2.0 / found.marginals[0].ess));
-    CHECK(std::abs(found.log_evidence->value - truth.log_evidence) < 0.05); // what users are told
+    CHECK(std::abs(found.log_evidence->value - truth.log_evidence) < 0.05); // the error that users read
     CHECK(found.log_evidence->error < 0.0125);                              // a quarter of it
     CHECK(found.remarks.empty());
 }
@@ -276,7 +276,7 @@ TEST_CASE("samples are the same for any threads and after an interruption", "[th
     CHECK(sampled(problem, method).values != whole.values);
 }
 
-TEST_CASE("chains at different places are told from chains that mix") {
+TEST_CASE("chains at different positions are distinguished from chains that mix") {
     std::vector<std::vector<double>> chains(4, std::vector<double>(500));
     for (std::size_t c = 0; c < 4; ++c) {
         rodwake::RandomStream random(3, static_cast<std::uint32_t>(c));
@@ -291,7 +291,7 @@ TEST_CASE("chains at different places are told from chains that mix") {
     CHECK(marginal(chains).ess < 100.0);
 }
 
-TEST_CASE("data that no parameters reach are told, and others are sampled, whatever their errors") {
+TEST_CASE("data that no parameters reach are reported, and others are sampled, whatever their errors") {
     const std::vector<Prior> priors = {{PriorKind::uniform, 0.0, 5.0}, {PriorKind::uniform, -5.0, 5.0}};
     const auto sampled = [&](double off, double sigma, bool level, bool one, bool holes) {
         const Problem problem =

@@ -15,7 +15,7 @@ using toy::says;
 
 namespace {
 
-/// Where `bad(p)`, the residuals throw or are NaN, as told.
+/// Where `bad(p)`, the residuals throw or are NaN, as given.
 template<class Bad>
 Problem spoilt(Problem problem, Bad bad, bool throws) {
     problem.evaluate = [=, inner = problem.evaluate](auto p, auto r, Eigen::MatrixXd* jacobian) {

@@ -170,7 +170,7 @@ TEST_CASE("momentum and energy checks see an impulse that is not returned") {
     CHECK((motion(b, Vector3::Zero()).momentum - before.momentum).norm() > 1e-14 * before.momentum_scale);
 }
 
-TEST_CASE("what a rod gave to the beads is told") {
+TEST_CASE("what a rod gave to the beads is reported") {
     RandomStream random(34);
     for (int n = 0; n < 100; ++n) {
         Scene scene = random_scene(random, {0.1, 0.5});
@@ -236,7 +236,7 @@ TEST_CASE("of several contacts of a clump with one partner only the first to tou
     }
 }
 
-TEST_CASE("the worst overlap is told in radii, across the edge of the box too") {
+TEST_CASE("the worst overlap is reported in radii, across the edge of the box too") {
     Scene scene;
     scene.problem.beads = 2;
     scene.problem.box = box;
@@ -377,7 +377,7 @@ TEST_CASE("the search notices a list that is too old") {
     for (int n = 0; n < 300; ++n) {
         for (std::size_t i = 0; i < b.beads; ++i)
             row(b.position, i) +=
-                row(b.velocity, i) * problem.time_step; // and the finder is told that nothing moves
+                row(b.velocity, i) * problem.time_step; // and the finder is given velocities of zero
         missed +=
             finder.find(b, still, problem.time_step, team).size() == beds::all_overlaps(b, problem.box).size()
                 ? 0

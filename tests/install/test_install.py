@@ -11,7 +11,7 @@ import rodwake
 
 CMAKE = os.environ.get("RODWAKE_CMAKE", "cmake")
 EXAMPLES = rodwake.SOURCE / "examples"
-# Searches only what it is told: not /usr/local, where tools/quickstart has put rodwake, nor PATH, environment and registries.
+# Searches only the given folders, not /usr/local, where tools/quickstart has put rodwake, nor PATH, environment and registries.
 ALONE = "".join(f"set(CMAKE_FIND_USE_{place} OFF)\n" for place in ("CMAKE_SYSTEM_PATH", "SYSTEM_ENVIRONMENT_PATH", "CMAKE_ENVIRONMENT_PATH",
                                                                   "PACKAGE_ROOT_PATH", "PACKAGE_REGISTRY", "SYSTEM_PACKAGE_REGISTRY"))
 

@@ -70,7 +70,7 @@ TEST_CASE("heading diffusion: Brownian headings within 2 %, by the square and by
     CHECK(r.lag_high == Approx(1.0));
 }
 
-TEST_CASE("heading diffusion: rattling is told apart, a steady turn is told") {
+TEST_CASE("heading diffusion: rattling is distinguished, a steady turn is reported") {
     const HeadingDiffusion r = heading_diffusion(many(32, 200.0, 101, {0.1, 0.0}), options);
     CHECK(r.diffusion.value == Approx(D_true).margin(4.0 * r.diffusion.error));
     CHECK(r.diffusion.error < 0.05 * D_true);

@@ -139,7 +139,7 @@ struct Component {
     }
 };
 
-/// Runs of `seconds` each; with a force along x, its impulses are told.
+/// Runs of `seconds` each; with a force along x, its impulses are reported.
 std::vector<DriftPath> runs_of(std::uint64_t seed, std::size_t count, double seconds, double force = 0.0) {
     Normal normal(seed);
     std::vector<DriftPath> runs(count);
@@ -235,7 +235,7 @@ TEST_CASE("drift decay: the error of the drag goes in") {
     CHECK(r.rate.error == Approx(decay_of(runs).rate.error));
 }
 
-TEST_CASE("drift decay: what cannot be told is absent, with the reason") {
+TEST_CASE("drift decay: values that cannot be known are absent, with the reason") {
     std::vector<DriftPath> sparse = runs_of(3, 1, 20.0);
     for (double& t : sparse[0].time)
         t *= 10.0;

@@ -378,7 +378,7 @@ TEST_CASE("one frame, two beads and empty bins give numbers with unknown errors"
     CHECK(finite(reduced(accumulator_of(gas(5, 9, 8.0 * radius, 6), options()))));
 }
 
-TEST_CASE("blocks are counted by time and told apart", "[order]") {
+TEST_CASE("blocks are counted by time and distinguished", "[order]") {
     OrderOptions k = options();
     k.cutoff = 3.0 * radius;
     k.block = 2.0;

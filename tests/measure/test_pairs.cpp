@@ -26,7 +26,7 @@ struct Start {
     double x, y, heading;
 };
 
-/// Rods of constant speed whose headings turn as told from the time on.
+/// Rods of constant speed whose headings turn as given from the time on.
 PairTrack track_of(Start first, Start second, const std::function<double(int, double)>& turn_rate,
                    double duration) {
     PairTrack track;

@@ -286,7 +286,7 @@ TEST_CASE("Certain ids are never cut, those of a camera where they jump; image i
     }
 }
 
-TEST_CASE("A spot far off and a wrong unit are told; no grid grows with the emptiness") {
+TEST_CASE("A spot far off and a wrong unit are reported; no grid grows with the emptiness") {
     std::vector<Row> rows = bound_beads(3);
     std::erase_if(rows, [](const Row& row) { return row.id >= 112; });
     rows[150].y = 1e7;

@@ -96,7 +96,7 @@ DisplacementOptions options_with(DisplacementMethod method) {
     return options;
 }
 
-/// Largest error beyond 6 a, relative to the largest |U|. In a window U is told up to a linear function, of
+/// Largest error beyond 6 a, relative to the largest |U|. In a window U is known up to a linear function, of
 /// which it has none where it is far.
 double error_of(const DisplacementField& field, bool linear = true) {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();

@@ -171,7 +171,7 @@ TEST_CASE("a turning pair in a medium with inertia is that of another integrator
     }
 }
 
-TEST_CASE("what a rod's own field turned it by is told apart, also by a run that was taken up again") {
+TEST_CASE("what a rod's own field turned it by is distinguished, also by a run that was taken up again") {
     MediumProblem problem = pair(true, Start::rest);
     problem.rods.rods.resize(1);
     const MediumResult alone = simulate(problem, tolerance(1e-8));

@@ -20,10 +20,10 @@ class FitCase(PlotCase):
 
     def build(self, **keys):
         shutil.rmtree(self.folder)
-        self.told = write_fit(self.folder, **(self.KEYS | keys))
+        self.record = write_fit(self.folder, **(self.KEYS | keys))
 
     def rewrite(self, **changes):
-        (self.folder / "fit.json").write_text(json.dumps(self.told | changes))
+        (self.folder / "fit.json").write_text(json.dumps(self.record | changes))
 
     def ask(self, *figures, scene=SCENE):
         (self.folder / "scene.toml").write_text(scene + "".join(figures))

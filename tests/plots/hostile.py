@@ -25,9 +25,9 @@ WATCH = "window.hits = 0; window.hit = () => { ++window.hits; };"  # before the 
 
 def png():
     """Hostile where a picture is pointed at."""
-    told, out = PngImagePlugin.PngInfo(), io.BytesIO()
-    told.add_itxt(page.HOVER, json.dumps([[0.5, 0.5, TEXT]]))
-    Image.new("RGB", (40, 30), "white").save(out, "PNG", pnginfo=told)
+    info, out = PngImagePlugin.PngInfo(), io.BytesIO()
+    info.add_itxt(page.HOVER, json.dumps([[0.5, 0.5, TEXT]]))
+    Image.new("RGB", (40, 30), "white").save(out, "PNG", pnginfo=info)
     return out.getvalue()
 
 

@@ -141,11 +141,11 @@ def write_fit(folder, profiles=FOUR, trajectories=0, maps=0, known=1, compare=1,
     random = np.random.default_rng(1)
     (folder / "scene.toml").write_text(scene + figures)
     (folder / "provenance.json").write_text(json.dumps({"version": "0.1.0", "status": "finished"}))
-    told = record(compare=compare, core=core, **more)
-    told["profiles"] = [write_profile(folder, index, kind, random, compare, known, core) for index, kind in enumerate(profiles)]
-    told["trajectories"] = [write_trajectory(folder, index, random) for index in range(trajectories)]
-    told["maps"] = [write_map(folder, index) for index in range(maps)]
-    for one in told["compare"]:
-        one["profiles"] = [{"chi2": 1.6 * own["chi2"], "excess": own["excess"]} for own in told["profiles"]]
-    (folder / "fit.json").write_text(json.dumps(told))
-    return told
+    results = record(compare=compare, core=core, **more)
+    results["profiles"] = [write_profile(folder, index, kind, random, compare, known, core) for index, kind in enumerate(profiles)]
+    results["trajectories"] = [write_trajectory(folder, index, random) for index in range(trajectories)]
+    results["maps"] = [write_map(folder, index) for index in range(maps)]
+    for one in results["compare"]:
+        one["profiles"] = [{"chi2": 1.6 * own["chi2"], "excess": own["excess"]} for own in results["profiles"]]
+    (folder / "fit.json").write_text(json.dumps(results))
+    return results

@@ -167,9 +167,9 @@ def write_granular(folder, runs=1, rods=2, duration=10.0, frames=4, figures="", 
     for run, one in enumerate(beds):
         write_member(folder if runs == 1 else folder / f"runs/{run + 1:04d}", one, duration, frames, trajectory=run < 2)
     beads = max(0, len(beds[0].points) - 20 * rods)
-    told = [{"kind": "motile" if bed.get("polar", True) else "apolar", "mean_speed": 1.6e-3, "net_turn": 0.02}] * rods
+    results = [{"kind": "motile" if bed.get("polar", True) else "apolar", "mean_speed": 1.6e-3, "net_turn": 0.02}] * rods
     summary = {"simulated_time": duration, "cpu_seconds": 4.6, "wall_seconds": 4.7, "T_xy": 5.2e-5, "T_z": 1.7e-3, "max_overlap": 0.004,
-               "psi6": 0.87, "rods": told, "state_hash": "0123456789abcdef", "beads": beads,
+               "psi6": 0.87, "rods": results, "state_hash": "0123456789abcdef", "beads": beads,
                "phi_b": beads * np.pi * A**2 / np.prod(beds[0].box), "bead_radius": A, "box": list(beds[0].box), "runs": runs}
     (folder / "summary.json").write_text(json.dumps(summary))
     (folder / "provenance.json").write_text(json.dumps({"version": "0.2.0", "libraries": {"HDF5": "1.10"}}))

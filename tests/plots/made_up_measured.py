@@ -219,8 +219,8 @@ def write_series(path, phis, speeds=None, distances=None):
 
 
 def variants(names, labels=None):
-    told = [f"label = '{label}'\n" for label in labels] if labels else [""] * len(names)
-    return "".join(f'[[variants]]\nname = "{name}"\n{label}set = {{ "granular.seed" = 2 }}\n' for name, label in zip(names, told))
+    lines = [f"label = '{label}'\n" for label in labels] if labels else [""] * len(names)
+    return "".join(f'[[variants]]\nname = "{name}"\n{label}set = {{ "granular.seed" = 2 }}\n' for name, label in zip(names, lines))
 
 
 def write_measured(folder, phis=(0.8,), runs=1, figures="", rods=2, pairs=True, labels=None):

@@ -35,10 +35,10 @@ def write_posterior(folder, profiles=(), tracks=0, **changes):
         write_csv(folder / f"posterior_trajectory_{index}.csv",
                   {"t": t, "rod": rod, "coordinate": coordinate, "data": data + t, "median": t, "low": t - 0.002 * t**0.5, "high": t + 0.002 * t**0.5,
                    "noise_low": t - 0.04, "noise_high": t + 0.04})
-    told = {"parameters": {name: marginal(name, one) for name, one in found.items()}, "log_evidence": {"value": -123.4, "stderr": 0.02},
+    record = {"parameters": {name: marginal(name, one) for name, one in found.items()}, "log_evidence": {"value": -123.4, "stderr": 0.02},
             "samples": "posterior.csv", "chains": 4, "accepted": [0.4, 0.41, 0.39, 0.42], "seed": 1, "remarks": [], "provenance": {}} | changes
-    (folder / "posterior.json").write_text(json.dumps(told))
-    return told
+    (folder / "posterior.json").write_text(json.dumps(record))
+    return record
 
 
 def marginal(name, values):

@@ -279,7 +279,7 @@ def scan_table(design, axes):
     return "\n".join(lines)
 
 
-def told(design, axes, codes, failed, resolution, boundary):
+def summary_of(design, axes, codes, failed, resolution, boundary):
     adaptive = design == "adaptive"
     return {"design": design, "requested": len(codes), "evaluated": len(codes), "failed": int(failed.sum()), "left": 0,
             "wall_seconds": 12.5, "missed_rate": 0.002 if adaptive else None, "missed_rate_high": 0.0058 if adaptive else None,
@@ -306,7 +306,7 @@ def write_scan(folder, design="adaptive", axes=(KAPPA, PLACE), count=33, start=1
     boundary = write_boundary(folder, axes) if cells and plane else None
     rows = np.sort(np.random.default_rng(3).choice(np.flatnonzero(~failed), min(samples, int((~failed).sum())), replace=False))
     write_samples(folder / "scan.h5", axes, points, codes, results[:, 0], rows)
-    (folder / "scan.json").write_text(json.dumps(told(design, axes, codes, failed, resolution, boundary)))
+    (folder / "scan.json").write_text(json.dumps(summary_of(design, axes, codes, failed, resolution, boundary)))
     (folder / "scene.toml").write_text(SCENE + scan_table(design, axes) + figures)
     (folder / "provenance.json").write_text(json.dumps({"version": "0.1.0", "command": "rodwake scan scene.toml"}))
     return points, codes
@@ -329,7 +329,7 @@ def write_bed_scan(folder, axes=(PHI, APART), figures=""):
                 [*points.T, outcome, ["ok"] * (len(phi) - 1) + ["exception"], *columns])
     codes = np.array([OUTCOMES.index(name) if name else 2 for name in outcome])
     failed = np.arange(len(phi)) == len(phi) - 1
-    (folder / "scan.json").write_text(json.dumps(told("grid", axes, codes, failed, None, None) | {"causes": {"overlap": 1}}))
+    (folder / "scan.json").write_text(json.dumps(summary_of("grid", axes, codes, failed, None, None) | {"causes": {"overlap": 1}}))
     (folder / "scene.toml").write_text(BED + scan_table("grid", axes) + figures)
     (folder / "provenance.json").write_text(json.dumps({"version": "0.1.0"}))
     return points

@@ -53,10 +53,10 @@ class CommandTest(PlotCase):
         file.write_text("lines.linewidth: 4.5  # thick\n")
         self.assertEqual(style.look("column", str(file)).settings["lines.linewidth"], 4.5)
         file.write_text("# own\nlines.width: 4\n")
-        for wrong, told in ((str(file), "own.mplstyle:2: matplotlib has no setting lines.width"), ("fancy", "neither paper, slides nor a file")):
+        for wrong, expected in ((str(file), "own.mplstyle:2: matplotlib has no setting lines.width"), ("fancy", "neither paper, slides nor a file")):
             done = self.plot("--style", wrong)
             self.assertEqual(done.returncode, 2)
-            self.assertIn(told, done.stderr)
+            self.assertIn(expected, done.stderr)
 
     def test_text_as_high_as_asked_for(self):
         self.build(figures=PATHS)

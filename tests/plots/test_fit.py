@@ -43,13 +43,13 @@ class ProfilesTest(FitCase):
 
     def test_predictions_are_marked_with_their_deviation(self):
         made, caption = self.draw("fit")
-        told = [title.splitlines()[1:] for title in titles(made)]
-        self.assertEqual(told[:2], [[], []])
+        labels = [title.splitlines()[1:] for title in titles(made)]
+        self.assertEqual(labels[:2], [[], []])
         data = self.table("fit_profile_2.csv")
         kept = data["used"] > 0
         off = ((data["value"] - data["model"]) / data["sigma"])
         rms = np.sqrt(np.mean(off[kept] ** 2))
-        self.assertEqual(told[2], [rf"predicted, not fitted: rms ${rms:.2g}\,\sigma$"])
+        self.assertEqual(labels[2], [rf"predicted, not fitted: rms ${rms:.2g}\,\sigma$"])
         self.assertEqual(caption.count("was predicted, not fitted"), 2)
         for side, where in (("behind the rod", data["x"] < 0), ("ahead", data["x"] > 0)):
             rms = np.sqrt(np.mean(off[kept & where] ** 2))
@@ -91,7 +91,7 @@ class ProfilesTest(FitCase):
         through = curves_of(made.axes[0])[0]
         self.assertEqual(through.get_xdata()[np.isnan(through.get_ydata())].tolist(), [0.0])
 
-    def test_predictions_without_a_panel_are_told_in_the_caption(self):
+    def test_predictions_without_a_panel_are_reported_in_the_caption(self):
         _, caption = self.draw("fit", profiles=[0])
         self.assertRegex(re.sub("<[^>]*>", "", caption), r"was predicted, not fitted: behind the rod .*\(rms \S+ σ\), ahead .*\(rms \S+ σ\)")
 
@@ -130,7 +130,7 @@ class ProfilesTest(FitCase):
         self.assertIn("multiplied by 1.7", self.words_of_page())
 
     def test_a_parameter_that_the_data_do_not_fix(self):
-        known = self.told["parameters"] | {"xi": parameter(21.6, None, unit="a", log=True)}
+        known = self.record["parameters"] | {"xi": parameter(21.6, None, unit="a", log=True)}
         for name in ("fit_curve_0.csv", "fit_curve_1.csv", "fit_curve_2.csv", "fit_curve_3.csv"):
             path = self.folder / name
             head, *rows = path.read_text().splitlines()
@@ -153,7 +153,7 @@ class ProfilesTest(FitCase):
                           for name, column in values.items()}
                 write_csv(path, scaled)
             known = {name: one | {"value": one["value"] * factor, "stderr": one["stderr"] * factor}
-                     for name, one in self.told["parameters"].items()}
+                     for name, one in self.record["parameters"].items()}
             self.rewrite(parameters=known)
             self.assert_drawn(*ALL)
             self.assertIn(f"(2.200 ± 0.060) × 10{'−12' if factor < 1 else '12'}", self.words_of_page())
@@ -187,7 +187,7 @@ class StartsTest(FitCase):
     def test_in_the_order_of_the_objective_with_failures_left_out(self):
         made, caption = self.draw("fit_starts")
         worse, best = (line.get_xydata() for line in made.axes[0].lines[:2])
-        found = sorted(one["objective"] for one in self.told["starts"] if one["objective"] is not None)
+        found = sorted(one["objective"] for one in self.record["starts"] if one["objective"] is not None)
         self.assertEqual((len(best), len(worse)), (8, 3))
         self.assertEqual(best[:, 0].tolist(), list(range(1, 9)))
         np.testing.assert_allclose(worse[:, 1], np.array(found[8:]) - found[0], rtol=4 * EPS)
@@ -209,15 +209,15 @@ class StartsTest(FitCase):
         """Within 1e-4 of the best objective, relative, plus 1e-8."""
         for base in (61.3, 0.0):
             same = 1e-4 * base + 1e-8
-            starts = [self.told["starts"][0] | {"objective": base + part * same} for part in (0.0, 0.99, 1.01)]
+            starts = [self.record["starts"][0] | {"objective": base + part * same} for part in (0.0, 0.99, 1.01)]
             self.rewrite(starts=starts)
             with run_dir.RunDir(self.folder) as run:
                 self.assertEqual(fit_errors.Ends(run.fit).best.tolist(), [True, True, False])
 
     def test_nothing_to_compare(self):
-        self.rewrite(starts=self.told["starts"][:1])
+        self.rewrite(starts=self.record["starts"][:1])
         self.fails("one start", "fit.starts", kind="fit_starts")
-        self.rewrite(starts=[one | {"objective": None} for one in self.told["starts"]])
+        self.rewrite(starts=[one | {"objective": None} for one in self.record["starts"]])
         self.fails("no start has a finite objective", kind="fit_starts")
 
 
@@ -229,7 +229,7 @@ class LikelihoodTest(FitCase):
         axes = made.axes[0]
         self.assertEqual(axes.get_xlabel(), r"$\xi$ ($a$)")
         lines = {line.get_label(): line for line in axes.lines}
-        np.testing.assert_allclose(lines["others refitted"].get_xydata()[:, 1], np.array(self.told["likelihood"]["xi"]["chi2"]) - 61.3,
+        np.testing.assert_allclose(lines["others refitted"].get_xydata()[:, 1], np.array(self.record["likelihood"]["xi"]["chi2"]) - 61.3,
                                    atol=100 * EPS)
         x, rise = lines["curvature at the best value"].get_xydata().T
         np.testing.assert_allclose(rise, (np.log(x / 21.6) * 21.6 / 1.9) ** 2, rtol=1e-12)  # searched in the logarithm
@@ -244,7 +244,7 @@ class LikelihoodTest(FitCase):
         self.rewrite(error_factor=2.0)
         with run_dir.RunDir(self.folder) as run:
             like = fit_errors.Likelihood(run.fit, "eta")
-        np.testing.assert_allclose(like.rise, (np.array(self.told["likelihood"]["eta"]["chi2"]) - 61.3) / 4, atol=100 * EPS)
+        np.testing.assert_allclose(like.rise, (np.array(self.record["likelihood"]["eta"]["chi2"]) - 61.3) / 4, atol=100 * EPS)
 
     def test_unbounded_below(self):
         self.rewrite(likelihood={"eta": likelihood(1.31, 0.15, low=False)})
@@ -283,7 +283,7 @@ class CorrelationTest(FitCase):
             self.assertEqual(len(made.axes[0].get_xticklabels()), shown)
 
     def test_blank_without_an_error(self):
-        self.rewrite(parameters=self.told["parameters"] | {"xi": parameter(21.6, None, unit="a")})
+        self.rewrite(parameters=self.record["parameters"] | {"xi": parameter(21.6, None, unit="a")})
         made, caption = self.draw("fit_correlation")
         self.assertEqual([text.get_text() for text in made.axes[0].texts].count("–"), 5)
         self.assertIn("<i>ξ</i> has no finite error", caption)

@@ -18,10 +18,10 @@ class ReportTest(FitCase):
         self.ask(figure("fit_correlation"))
         return super().page()
 
-    def test_everything_is_told(self):
-        known = self.told["parameters"] | {"x0": parameter(0.5, None, free=False, unit="a"),
+    def test_everything_is_reported(self):
+        known = self.record["parameters"] | {"x0": parameter(0.5, None, free=False, unit="a"),
                                            "f2d_over_mu": parameter(1.1, None, free=False, tied_to="f_over_mu", unit="a^2"),
-                                           "xi": self.told["parameters"]["xi"] | {"at_bound": "upper", "value": 100.0, "stderr": None}}
+                                           "xi": self.record["parameters"]["xi"] | {"at_bound": "upper", "value": 100.0, "stderr": None}}
         self.rewrite(parameters=known, remarks=["xi sits at its upper bound"], box=78.0)
         (self.folder / "medium.json").write_text(json.dumps({"eta": 1.31, "xi": 9.8, "xi_stderr": 0.9, "alpha": 0.102}))
         page = self.words_of_page()
@@ -33,7 +33,7 @@ class ReportTest(FitCase):
             self.assertIn(part, page)
         self.assertNotRegex(page, r"\b(?:nan|inf|None|null)\b")
 
-    def test_both_sides_of_a_rectangle_are_told(self):
+    def test_both_sides_of_a_rectangle_are_reported(self):
         self.rewrite(box=[78.5, 77.25])
         self.assertIn("sides 78.5 × 77.25 a", self.words_of_page())
 
@@ -49,7 +49,7 @@ class ReportTest(FitCase):
         self.assertNotIn("<li>", page)
 
     def test_names_are_escaped(self):
-        self.rewrite(remarks=["<script>alert(1)</script>"], compare=[self.told["compare"][0] | {"name": "<b>&"}])
+        self.rewrite(remarks=["<script>alert(1)</script>"], compare=[self.record["compare"][0] | {"name": "<b>&"}])
         page = self.page()
         self.assertNotIn("<script", page)
         self.assertIn("&lt;b&gt;&amp;", page)

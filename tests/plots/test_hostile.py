@@ -132,9 +132,9 @@ class HostileTest(unittest.TestCase):
 
 class PiecesTest(unittest.TestCase):
     def test_json_in_a_page_holds_nothing_that_ends_a_script(self):
-        told = {"a": TEXT, TEXT: ["\u2028\u2029&"]}
-        text = page.json_text(told)
-        self.assertEqual(json.loads(text), told)
+        content = {"a": TEXT, TEXT: ["\u2028\u2029&"]}
+        text = page.json_text(content)
+        self.assertEqual(json.loads(text), content)
         self.assertNotRegex(text, "[<>&\u2028\u2029]")
 
     def test_scripts_make_nodes_and_read_no_markup(self):

@@ -7,7 +7,7 @@ import numpy as np
 
 import plot_case  # noqa: F401, first: puts the plots on the path
 from rodwake_plots import bed, canvas, field, fit, rod_tracks, style, trajectories, words
-from rodwake_plots.run_dir import Run, runs_told_apart
+from rodwake_plots.run_dir import Run, distinct_label
 from rodwake_plots.words import Units
 
 WINDOW = trajectories.Window((0.0, 10.0), (-2.0, 2.0))
@@ -50,14 +50,14 @@ class PathsTest(unittest.TestCase):
 
 class LabelsTest(unittest.TestCase):
     def test_couplings_have_units(self):
-        told = [(name, Units("reduced").parameter(name, 2.0)) for name in ("eta", "kappa", "gamma1")]
-        self.assertEqual(told, [("eta", r"\eta = 2"), ("kappa", r"\kappa\,f/(\mu v_0) = 2"), ("gamma1", r"\gamma_1/v_0 = 2")])
+        shown = [(name, Units("reduced").parameter(name, 2.0)) for name in ("eta", "kappa", "gamma1")]
+        self.assertEqual(shown, [("eta", r"\eta = 2"), ("kappa", r"\kappa\,f/(\mu v_0) = 2"), ("gamma1", r"\gamma_1/v_0 = 2")])
         self.assertEqual(Units("si").parameter("kappa", 2.0), r"\kappa = 2\ \mathrm{s^{-1}}")
         self.assertEqual(Units("si").parameter("gamma2", 0.5), r"\gamma_2 = 0.5\ \mathrm{m/s}")
 
     def test_labels_of_runs_have_them_too(self):
         runs = [run_of(lambda x: x, kappa=value, eta=1.0) for value in (1.0, 2.0)]
-        label = runs_told_apart(runs[1], runs, Units("reduced"))
+        label = distinct_label(runs[1], runs, Units("reduced"))
         self.assertEqual(label, r"$\kappa\,f/(\mu v_0) = 2$")
         self.assertEqual(words.label_html(label), "κ\u2009f/(μv<sub>0</sub>) = 2")
 

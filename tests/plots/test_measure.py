@@ -35,8 +35,8 @@ class MeasureCase(PlotCase):
 
     def ask(self, *figures):
         """Another scene over the same files."""
-        told = variants([path.name for path in sorted(self.folder.glob("variants/*"))])
-        (self.folder / "scene.toml").write_text(SCENE + told + "".join(figures))
+        names = variants([path.name for path in sorted(self.folder.glob("variants/*"))])
+        (self.folder / "scene.toml").write_text(SCENE + names + "".join(figures))
         shutil.rmtree(self.folder / "figures", ignore_errors=True)
 
     def spoil(self, name, content):
@@ -232,7 +232,7 @@ class SeveralRunsTest(MeasureCase):
         self.assertEqual(labels, [r"$\phi_b = 0.7$: exponential", r"hexatic one: algebraic, $\eta_6 = 0.2$", r"$\phi_b = 0.8$: long-range",
                                   r"$r^{-1/4}$"])
 
-    def test_a_variant_that_lacks_a_file_is_told(self):
+    def test_a_variant_that_lacks_a_file_is_reported(self):
         (self.folder / "variants/v1/gr.csv").unlink()
         made, caption = self.draw("pair_correlation")
         self.assertIn("Not measured: v1.", caption)
@@ -301,12 +301,12 @@ class SeriesTest(MeasureCase):
     def test_bad_files(self):
         self.ask(figure("series"))
         self.assert_fails("series.csv", "no such file")
-        for text, told in (("", ("column phi_b",)), ("# nothing\nname,phi_b,psi6\n", ("no row", "psi6")),
+        for text, expected in (("", ("column phi_b",)), ("# nothing\nname,phi_b,psi6\n", ("no row", "psi6")),
                            ("name,phi_b,psi6\na,0.7,\n", ("no row",)),
                            ("name,phi_b,psi6\na,0.7,x\n", ("numbers",)), ("name,phi_b,psi6\na,0.7\n", ("3 names", "2 values")),
                            ("name,phi_b\na,0.7\n", ("column psi6",))):
             self.spoil("series.csv", text)
-            self.assert_fails('figure "fig"', "series.csv", *told)
+            self.assert_fails('figure "fig"', "series.csv", *expected)
 
     def test_wrong_keys(self):
         for key, value in (("quantity", "mass"), ("against", "time")):
@@ -327,11 +327,11 @@ class BadFilesTest(MeasureCase):
         for kind, (name, heads) in self.CSV.items():
             self.ask(figure(kind))
             first, rest = heads.split(",", 1)
-            for text, told in ((heads + "\n", "no rows"), (rest + "\n" + "1," * rest.count(",") + "1\n", f"column {first} is missing"),
+            for text, expected in ((heads + "\n", "no rows"), (rest + "\n" + "1," * rest.count(",") + "1\n", f"column {first} is missing"),
                                (heads + "\n" + "x," * heads.count(",") + "1\n", "not a table of numbers"),
                                (heads + "\n1\n", "names in its first")):
                 self.spoil(name, text)
-                self.assert_fails('figure "fig"', name, told)
+                self.assert_fails('figure "fig"', name, expected)
             (self.folder / name).unlink()
             self.assert_fails('figure "fig"', name, "no such file", "[measure]")
 
@@ -348,11 +348,11 @@ class BadFilesTest(MeasureCase):
 
     def test_results(self):
         self.ask(figure("bond_order"))
-        for text, told in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order.class is not as rodwake writes it"),
+        for text, expected in (("{", "JSON"), ("[]", "not a JSON object"), ('{"order": 1}', "order.class is not as rodwake writes it"),
                            ('{"order": {"class": "algebraic", "exponent": 0.2}}', "order.exponent"),
                            ('{"order": {"class": "algebraic", "exponent": {"value": "x"}}}', "order.exponent")):
             self.spoil("measure.json", text)
-            self.assert_fails("measure.json", told)
+            self.assert_fails("measure.json", expected)
         (self.folder / "measure.json").unlink()
         self.assert_fails("measure.json", "no such file")
         self.ask(figure("pair_correlation"))
@@ -366,12 +366,12 @@ class BadFilesTest(MeasureCase):
                 change(file)
         for kind, group, field in (("flow", "flow", "vx"), ("displacement_map", "displacement", "Ux")):
             asked = figure(kind)
-            for change, told in ((lambda file: file.pop(f"{group}/{field}"), f"{group}/{field}"),
+            for change, expected in ((lambda file: file.pop(f"{group}/{field}"), f"{group}/{field}"),
                                  (lambda file: file.pop(group), f"/{group} is missing"),
                                  (lambda file: file[f"{group}/count"].write_direct(0 * file[f"{group}/count"][()]), "nothing to draw")):
                 edit(change)
                 self.ask(asked)
-                self.assert_fails("measure.h5", told)
+                self.assert_fails("measure.h5", expected)
 
             def reshape(file):
                 file.pop(f"{group}/{field}")

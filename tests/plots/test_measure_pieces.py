@@ -47,12 +47,12 @@ class PiecesTest(unittest.TestCase):
                                    np.repeat([0, 1 / 3, 2 / 3, 1], 3), rtol=4 * EPS)
 
     def test_numbers_with_errors(self):
-        for told, wanted in ((words.with_error(0.87354, 0.00412), "0.8735 ± 0.0041"), (words.with_error(-3.1, 0.62), "−3.10 ± 0.62"),
+        for text, wanted in ((words.with_error(0.87354, 0.00412), "0.8735 ± 0.0041"), (words.with_error(-3.1, 0.62), "−3.10 ± 0.62"),
                              (words.with_error(2.1e-6, 4e-8), "(2.100 ± 0.040) × 10<sup>−6</sup>"),
                              (words.with_error(2.1e-6, 4e-8, 1e6), "2.100 ± 0.040"),
                              (words.with_error(12.5, None), "12.5"), (words.with_error(0, 0), "0.000 ± 0.000"),
                              (words.with_error(310.0, 12.0), "310 ± 12")):
-            self.assertEqual(told, wanted)
+            self.assertEqual(text, wanted)
 
     def test_coarse_flow_is_the_mean_of_what_was_seen(self):
         v, weight = np.arange(16.0).reshape(4, 4) + 0j, np.ones((4, 4))

@@ -14,7 +14,7 @@ from rodwake_plots import draw, posterior, posterior_result, run_dir
 class PosteriorCase(FitCase):
     def build(self, **keys):
         super().build(**keys)
-        write_posterior(self.folder, profiles=range(len(self.told["profiles"])), tracks=len(self.told["trajectories"]))
+        write_posterior(self.folder, profiles=range(len(self.record["profiles"])), tracks=len(self.record["trajectories"]))
 
 
 class CornerTest(PosteriorCase):
@@ -66,7 +66,7 @@ class CornerTest(PosteriorCase):
         for words in ("Posterior", "even in the logarithm, 0.05 to 50", "1.0012", "−123.400 ± 0.020", "the chains of &lt;eta&gt; do not agree"):
             self.assertIn(words, text)
 
-    def test_damage_is_told_by_the_name_of_the_file(self):
+    def test_damage_is_reported_by_the_name_of_the_file(self):
         (self.folder / "posterior.csv").write_text("chain,draw,f_over_mu,eta\n0,0,1,1\n")
         self.fails("posterior.csv", "xi", kind="posterior")
 

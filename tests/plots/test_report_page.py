@@ -36,15 +36,15 @@ class AbstractTest(FitCase):
     def test_one_verdict(self):
         """All tests together: a small chi2 does not hide a region that is off, and no second sentence contradicts the first."""
         for worst, said in (("fit.h5, run 1, U_x, middle third has chi2 90 where 20 is expected", "run 1, Ux?.*has χ² 90"), ("chi2 is 61.3 for 59 degrees of freedom", "χ² = 61.3 for 59")):
-            told = self.sentences(misfit={"describes": False, "probability": 1e-4, "worst": "/x/run/" * worst.startswith("fit") + worst})
-            self.assertRegex(told[0], r"^The theory does not fit Ux\(x, 0\) and Ux\(0, y\) within the errors: ")
-            self.assertIn("(p &lt; 0.001)", told[0])
-            self.assertNotIn("/home", told[0])
-            self.assertEqual(sum("fit " in one and "theory" in one for one in told), 1)
+            sentences = self.sentences(misfit={"describes": False, "probability": 1e-4, "worst": "/x/run/" * worst.startswith("fit") + worst})
+            self.assertRegex(sentences[0], r"^The theory does not fit Ux\(x, 0\) and Ux\(0, y\) within the errors: ")
+            self.assertIn("(p &lt; 0.001)", sentences[0])
+            self.assertNotIn("/home", sentences[0])
+            self.assertEqual(sum("fit " in one and "theory" in one for one in sentences), 1)
 
     def predicted(self, share, behind, ahead):
         """The sentence about a line whose data are off by so many sigma on each side of the rod."""
-        self.rewrite(profiles=[one | {"independent": share, "excess": {"scale": 0.95, "stderr": 0.16}} for one in self.told["profiles"]])
+        self.rewrite(profiles=[one | {"independent": share, "excess": {"scale": 0.95, "stderr": 0.16}} for one in self.record["profiles"]])
         path = self.folder / "fit_profile_2.csv"
         rows = [line.split(",") for line in path.read_text().splitlines()]
         names = rows[0]
@@ -57,18 +57,18 @@ class AbstractTest(FitCase):
             return [text(one) for one in sections.sentences(run)][1]
 
     def test_predictions(self):
-        told = self.predicted(0.25, 7.0, 0.5)
-        self.assertRegex(told, r"^Uy\(x, 4 a\) was predicted, not fitted: behind the rod off by \d+ % \(rms 7 σ\), ahead within the errors \(rms 0\.5 σ\)\.$")
-        told = self.predicted(0.25, 1.0, 0.5)
-        self.assertIn("behind the rod within the errors (rms 1 σ), ahead within the errors (rms 0.5 σ); the data are (0.95 ± 0.16) times the theory.", told)
+        sentences = self.predicted(0.25, 7.0, 0.5)
+        self.assertRegex(sentences, r"^Uy\(x, 4 a\) was predicted, not fitted: behind the rod off by \d+ % \(rms 7 σ\), ahead within the errors \(rms 0\.5 σ\)\.$")
+        sentences = self.predicted(0.25, 1.0, 0.5)
+        self.assertIn("behind the rod within the errors (rms 1 σ), ahead within the errors (rms 0.5 σ); the data are (0.95 ± 0.16) times the theory.", sentences)
 
     def test_where_xi_comes_from(self):
         drag = {"value": 900.0, "stderr": None, "low": 900.0, "high": 900.0, "free": False, "fixed": True, "unit": "a^2", "start": 900.0, "bounds": [None, None]}
-        told = self.sentences(parameters={name: one for name, one in self.told["parameters"].items() if name != "xi"} | {"drag_area": drag},
-                              free=[name for name in self.told["free"] if name != "xi"], derived={"xi": {"value": 600.0, "stderr": 20.0, "unit": "a"}},
+        sentences = self.sentences(parameters={name: one for name, one in self.record["parameters"].items() if name != "xi"} | {"drag_area": drag},
+                              free=[name for name in self.record["free"] if name != "xi"], derived={"xi": {"value": 600.0, "stderr": 20.0, "unit": "a"}},
                               systematics={"held": [{"name": "drag_area", "error": 18.0}], "errors": {}})
-        self.assertRegex(told[1], r"^ξ is not read from the map: it is the drag of the plates, .* = \(900 ± 18\) a2, measured in this run by the drift of the bed")
-        self.assertNotIn("long wake", " ".join(told))  # there is no map whose box could be too small
+        self.assertRegex(sentences[1], r"^ξ is not read from the map: it is the drag of the plates, .* = \(900 ± 18\) a2, measured in this run by the drift of the bed")
+        self.assertNotIn("long wake", " ".join(sentences))  # there is no map whose box could be too small
 
     def test_other_values(self):
         self.assertEqual(self.sentences(chi2=18.5)[-1], "The values paper give χ² = 99.1, this fit 18.5.")
@@ -78,7 +78,7 @@ class AbstractTest(FitCase):
         fit = fit_result.FitResult(self.folder)
         one, two = fit.profiles[2], fit.profiles[2] | {"name": "ahead"}
         self.assertNotIn("profile_Uy_x", sections.predicted_place(fit, one))
-        fit.told["profiles"].append(two)
+        fit.record["profiles"].append(two)
         self.assertIn("<q>ahead</q>", sections.predicted_place(fit, two))
 
 

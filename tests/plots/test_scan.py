@@ -206,10 +206,10 @@ class OtherDesignsTest(ScanCase):
                 self.assert_outcome(made.axes[0], 10 ** (u + du), x + dx, name)
 
     def test_scattered_points(self):
-        for design, told in (("lhs", "Latin hypercube"), ("sobol", "Sobol"), ("list", "a list of points")):
+        for design, expected in (("lhs", "Latin hypercube"), ("sobol", "Sobol"), ("list", "a list of points")):
             self.build(design=design, count=400, failing=2)
             made, caption = self.draw()
-            self.assertIn(told, caption)
+            self.assertIn(expected, caption)
             offsets = made.axes[0].collections[0].get_offsets()
             self.assertEqual(len(offsets), 398)
             colours = made.axes[0].collections[0].get_facecolors()

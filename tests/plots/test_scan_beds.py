@@ -76,11 +76,11 @@ class BedScanTest(BedScanCase):
             self.assertEqual(scan_columns.unit_html(run, "time"), "s")
 
     def test_an_axis_is_called_as_the_scene_says(self):
-        told = json.loads((self.folder / "scan.json").read_text())["axes"]
-        self.tell(axes=[told[0], told[1] | {"label": "d_0"}])
+        record = json.loads((self.folder / "scan.json").read_text())["axes"]
+        self.tell(axes=[record[0], record[1] | {"label": "d_0"}])
         made, _ = self.draw("scan_curve", column="delta_y")
         self.assertEqual(made.axes[0].get_legend().get_texts()[0].get_text(), r"$d_0 = 6\ a$")
-        self.tell(axes=[told[0], told[1] | {"label": r"\no{d"}])
+        self.tell(axes=[record[0], record[1] | {"label": r"\no{d"}])
         with contextlib.redirect_stderr(io.StringIO()) as said:
             made, _ = self.draw("scan_curve", column="delta_y")
         self.assertEqual(made.axes[0].get_legend().get_texts()[0].get_text(), r"\no{d $= 6\ a$")

@@ -78,7 +78,7 @@ class ReportTest(ScanCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return (self.folder / "report.html").read_text()
 
-    def test_what_is_told(self):
+    def test_what_is_reported(self):
         self.ask(figure())
         page = re.sub("<[^>]*>", "", self.page())
         for part in ("Scan", "adaptive refinement to 64 cells a side", "Failed: the state is no longer finite4", "Missed rate0.2 %",

@@ -92,7 +92,7 @@ class ShownTest(PageCase):
         row = int(stored["point"][sample])
         self.assertEqual(page.evaluate("document.getElementById('path').width * !document.getElementById('walk').hidden"), 0)
         page.click(*self.place(page, row))
-        self.assertIn("Of this very point", page.text("#walk-told"))
+        self.assertIn("Of this very point", page.text("#walk-text"))
         self.assertIn(OUTCOMES[self.codes[row]], page.text("#point-name"))
         self.assert_walk(page, stored, sample)
         self.assert_clean(page)
@@ -112,9 +112,9 @@ class ShownTest(PageCase):
         even = np.stack([np.log10(self.points[:, 0]) / 3, self.points[:, 1] / 12], axis=-1)
         away = np.hypot(*(even[stored["point"]] - even[row]).T)
         sample = int(away.argmin())
-        told = page.text("#walk-told")
-        self.assertIn(f"that of point {grouped(stored['point'][sample])}:", told)
-        self.assertIn(f"{float(f'{100 * away[sample]:.2g}'):g}\u2009%", told)
+        text = page.text("#walk-text")
+        self.assertIn(f"that of point {grouped(stored['point'][sample])}:", text)
+        self.assertIn(f"{float(f'{100 * away[sample]:.2g}'):g}\u2009%", text)
         self.assert_walk(page, stored, sample)
 
     def test_the_clock_moves_the_rods(self):
@@ -182,14 +182,14 @@ class OtherPagesTest(PageCase):
         self.write_page()
         page = self.open()
         page.click(*self.place(page, 5))
-        self.assertIn("has stored no trajectories", page.text("#walk-told"))
+        self.assertIn("has stored no trajectories", page.text("#walk-text"))
         self.assertIn("change of separation", page.text("#point"))
         self.assert_clean(page)
 
     def test_scenes_that_cannot_be_written(self):
         self.build(design="grid", axes=(KAPPA | {"key": "rods.7.heading", "keys": ["rods.7.heading"]},), count=5)
         page = self.open()
-        self.assertIn("No scenes of points: rods.7.heading", page.text("#scene-told"))
+        self.assertIn("No scenes of points: rods.7.heading", page.text("#scene-text"))
         page.click(*self.place(page, 2))
         with self.assertRaisesRegex(AssertionError, "disabled"):
             page.press("#scene")
@@ -210,7 +210,7 @@ class OtherPagesTest(PageCase):
         self.assertEqual((done.returncode, done.stdout.splitlines()[-1]), (0, str(self.folder / "scan.html")))
 
     def test_as_many_points_as_a_large_scan_has(self):
-        """More points than two bytes count: all of them are there and are found; how long it takes is told, not asked for."""
+        """More points than two bytes count: all of them are there and are found; how long it takes is printed, not asserted."""
         self.build(design="sobol", count=70_000, samples=200)
         page = self.open()
         row = 67_890

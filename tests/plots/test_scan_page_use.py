@@ -158,19 +158,19 @@ class UsedTest(PageCase):
         page.evaluate("scanPage.kernels")
         row = self.row_near(30, -1, where=~np.isin(np.arange(len(self.points)), page.evaluate("[...scanPage.scan.samples.point]")))
         page.click(*self.place(page, row))
-        self.assertIn("Computed here, of this very point", page.text("#walk-told"))
+        self.assertIn("Computed here, of this very point", page.text("#walk-text"))
         page.press("#scene")
         (self.folder / "point.toml").write_text(page.downloaded(f"point-{row}.toml"))
         runner = rodwake.ProgramTest("expect")
         runner.folder = self.folder
         runner.expect(0, "rods", "point.toml", "-o", "computed", "--quiet")
-        told = json.loads((self.folder / "computed/outcome.json").read_text())
+        record = json.loads((self.folder / "computed/outcome.json").read_text())
         with h5py.File(self.folder / "computed/result.h5") as file:
             run = file["rods/scene"]
             for name in ("x", "y", "theta"):
                 found = page.evaluate(f"scanPage.walk.samples.{name}.slice(-2)")
                 np.testing.assert_allclose(found, run[name][-1], rtol=0, atol=1e-6)
-        self.assertEqual(page.evaluate("scanPage.walk.samples.outcome"), told["outcome"])
+        self.assertEqual(page.evaluate("scanPage.walk.samples.outcome"), record["outcome"])
 
 
 if __name__ == "__main__":

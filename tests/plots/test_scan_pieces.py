@@ -40,7 +40,7 @@ def closest(colours, vision):
 
 
 class ColoursTest(unittest.TestCase):
-    def test_outcomes_are_told_apart_with_any_colour_vision(self):
+    def test_outcomes_are_distinguished_with_any_colour_vision(self):
         """By 29 at least, on white and on the dark page; 2.3 is what an eye just sees. "finished" has no other beside it."""
         of_pairs = [colour for outcome, colour in scan_columns.COLOURS.items() if outcome != "finished"]
         for name, vision in VISION.items():
@@ -173,19 +173,19 @@ class RasterTest(unittest.TestCase):
 
 
 class AxisTest(unittest.TestCase):
-    def axis(self, **told):
-        return scan_run.axis_of(KAPPA | told)
+    def axis(self, **changes):
+        return scan_run.axis_of(KAPPA | changes)
 
     def test_labels(self):
-        for told, label, equals in (({}, r"$\kappa\,f/(\mu v_0)$", r"$\kappa = 3\ v_0$"),
+        for changes, label, equals in (({}, r"$\kappa\,f/(\mu v_0)$", r"$\kappa = 3\ v_0$"),
                                     (dict(unit="", symbol="\\eta"), r"$\eta$", r"$\eta = 3$"),
                                     (dict(unit="f/mu", symbol="", key="rods.1.position.1"), r"$y_{1}\,\mu/f$", None),
                                     (dict(unit="rad", symbol="", key="granular.rods.0.heading"), r"$\theta_{0}$ ($\mathrm{rad}$)", None),
                                     (dict(unit="", symbol="", key="coupling.gamma2"), r"$\gamma_2$", None),
                                     (dict(unit="", symbol="", key="granular.max_overlap"), r"$\mathrm{max\ overlap}$", None)):
-            axis = self.axis(**told)
+            axis = self.axis(**changes)
             self.assertEqual(axis.label, label)
-            if equals and told:
+            if equals and changes:
                 self.assertEqual(axis.equals(3.0), equals)
         self.assertEqual(self.axis(unit="", symbol="", key="granular.max_overlap").name_html, "max overlap")
 
@@ -201,10 +201,10 @@ class AxisTest(unittest.TestCase):
         self.assertEqual(axis.equals(0.002), r"$d = 2\ \mathrm{mm}$")
 
     def test_scales(self):
-        for told, scale in ((dict(spacing="listed", values=[1.0, 2.0, 3.0]), "linear"),
+        for changes, scale in ((dict(spacing="listed", values=[1.0, 2.0, 3.0]), "linear"),
                             (dict(spacing="listed", values=[0.1, 1.0, 10.0]), "log"),
                             (dict(spacing="listed", values=[-0.1, 1.0, 10.0]), "linear"), ({}, "log"), (dict(spacing="linear"), "linear")):
-            self.assertEqual(self.axis(**told).scale, scale)
+            self.assertEqual(self.axis(**changes).scale, scale)
         choice = scan_run.axis_of(METHOD)
         self.assertEqual((choice.scale, choice.equals(1), choice.low, choice.high), ("choice", "method: adams", -0.5, 2.5))
 
@@ -236,8 +236,8 @@ class SceneTest(unittest.TestCase):
     TEXT = made_up.SCENE + made_up.scan_table("grid", [KAPPA, PLACE]) + '[[figures]]\nname = "p"\nkind = "phase_diagram"\ncells = true\n' \
         + '\n[[figures]]\nname = "t"\nkind = "trajectories"\n'
 
-    def axes(self, *keys, **told):
-        return [scan_run.axis_of(KAPPA | {"key": key, "keys": [key]} | told) for key in keys]
+    def axes(self, *keys, **changes):
+        return [scan_run.axis_of(KAPPA | {"key": key, "keys": [key]} | changes) for key in keys]
 
     def made(self, axes, values, text=None):
         text = scan_scene.filled(scan_scene.checked(text or self.TEXT, axes, values), values)
@@ -317,11 +317,11 @@ class PackedTest(unittest.TestCase):
         for values in (np.array([0.1, -np.inf, np.nan, 1e300]), np.arange(-3, 300, dtype=np.int32), np.array([1.5], dtype=np.float32),
                        np.array([0, 255], dtype=np.uint8), np.empty(0)):
             box = page.Box()
-            told = box.add(values)
-            raw = zlib.decompress(base64.b64decode(box.scripts[told["array"]].split(">")[1].split("<")[0]))
+            entry = box.add(values)
+            raw = zlib.decompress(base64.b64decode(box.scripts[entry["array"]].split(">")[1].split("<")[0]))
             found = np.frombuffer(raw, dtype=np.uint8).reshape(values.itemsize, values.size).T.tobytes()
-            np.testing.assert_array_equal(np.frombuffer(found, dtype=f"<{told['type']}"), values)
-            self.assertEqual(told["count"], values.size)
+            np.testing.assert_array_equal(np.frombuffer(found, dtype=f"<{entry['type']}"), values)
+            self.assertEqual(entry["count"], values.size)
 
 
 if __name__ == "__main__":

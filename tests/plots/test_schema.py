@@ -16,9 +16,9 @@ BED = {"phi_b": 0.8, "box": 0.0312, "plates": {"gap": 1.2e-3}, "contacts": {"rod
        "rods": [{"position": [0.008, 0.0186], "heading": 0.0}]}
 
 
-def table_of(scene, path, told=sections.Told("reduced")):
+def table_of(scene, path, labels=sections.KeyLabels("reduced")):
     """Rows by key of the table with this header."""
-    return {re.sub("<.*?>", "", row[0]): row[1:] for name, _, _, rows in sections.scene_tables(scene, told) if f">{path}<" in name for row in rows}
+    return {re.sub("<.*?>", "", row[0]): row[1:] for name, _, _, rows in sections.scene_tables(scene, labels) if f">{path}<" in name for row in rows}
 
 
 class KindsTest(unittest.TestCase):
@@ -29,9 +29,9 @@ class KindsTest(unittest.TestCase):
 
     def test_every_key_of_a_kind_can_be_asked_for(self):
         known = {one.name for one in fields(Spec)}
-        for kind, told in schema.FIGURES.items():
-            self.assertEqual(set(told["keys"]) - known, set(), kind)
-            self.assertTrue(all(("figures[]", key) in schema.KEYS for key in told["keys"]), kind)
+        for kind, entry in schema.FIGURES.items():
+            self.assertEqual(set(entry["keys"]) - known, set(), kind)
+            self.assertTrue(all(("figures[]", key) in schema.KEYS for key in entry["keys"]), kind)
 
     def test_a_module_reads_the_keys_that_its_kinds_have(self):
         """The reverse, where a module says it in so many words."""
@@ -42,29 +42,29 @@ class KindsTest(unittest.TestCase):
     def test_what_a_series_can_show_has_its_words(self):
         self.assertEqual(schema.KEYS["figures[]", "quantity"]["choices"], list(schema.FIGURES["series"]["quantities"]))
         self.assertEqual(set(bed_run.AGAINST), set(schema.KEYS["figures[]", "against"]["choices"]))
-        told = [series.quantity_of(name) for name in schema.FIGURES["series"]["quantities"]]
-        self.assertEqual(len({one.label for one in told}), len(told))
+        quantities = [series.quantity_of(name) for name in schema.FIGURES["series"]["quantities"]]
+        self.assertEqual(len({one.label for one in quantities}), len(quantities))
 
 
 class MeasuresTest(unittest.TestCase):
-    def test_every_value_of_a_measured_run_is_told_of(self):
+    def test_every_value_of_a_measured_run_is_described(self):
         """The file is the program's own (tests/report compares)."""
-        measures = {told["measure"] for told in schema.MEASURED} & set(made_up_measured.PATTERN)
+        measures = {entry["measure"] for entry in schema.MEASURED} & set(made_up_measured.PATTERN)
         self.assertGreaterEqual(len(measures), 6)
         results = {name: made_up_measured.PATTERN[name] for name in measures}
-        self.assertEqual({f"{told['measure']}.{told['key']}" for told in schema.MEASURED if told["measure"] in measures}, set(names(results)))
+        self.assertEqual({f"{entry['measure']}.{entry['key']}" for entry in schema.MEASURED if entry["measure"] in measures}, set(names(results)))
 
     def test_texts_are_texts_and_the_rest_is_none(self):
         part = bed_run.Part("", "", Path())
         part.results = made_up_measured.PATTERN
-        for told in schema.MEASURED:
-            if told["measure"] in part.results:
-                self.assertEqual(isinstance(part.told(told["measure"], told["key"]), str), "factor" not in told, told)
+        for entry in schema.MEASURED:
+            if entry["measure"] in part.results:
+                self.assertEqual(isinstance(part.value(entry["measure"], entry["key"]), str), "factor" not in entry, entry)
 
     def test_titles_and_meanings_become_a_page(self):
-        for told in schema.MEASURED:
-            for text in (told.get("title", ""), told["meaning"]):
-                self.assertNotRegex(words.text_html(text), r"[\\{}$]|<i></i>|<sub></sub>", told)
+        for entry in schema.MEASURED:
+            for text in (entry.get("title", ""), entry["meaning"]):
+                self.assertNotRegex(words.text_html(text), r"[\\{}$]|<i></i>|<sub></sub>", entry)
 
 
 def names(table, before=""):
@@ -108,7 +108,7 @@ class WordsTest(unittest.TestCase):
 
     def test_every_unit_of_the_schema_becomes_a_page(self):
         units = {unit for key in schema.KEYS.values() for unit in key.get("unit", {}).values()} - {schema.PROFILES_UNIT}
-        units |= {told["unit"] for told in schema.MEASURED if "unit" in told}
+        units |= {entry["unit"] for entry in schema.MEASURED if "unit" in entry}
         self.assertGreater(len(units), 8)
         for unit in units:
             self.assertNotRegex(fit_words.unit_html(unit), r"\bmu\b|\bv0\b|\^", unit)
@@ -118,11 +118,11 @@ class TablesTest(unittest.TestCase):
     def test_symbols_units_and_meanings(self):
         rows = table_of({"medium": MEDIUM}, "[medium]")
         self.assertEqual(rows["xi"], ("<i>ξ</i>", "2.5 <i>f</i>/<i>μ</i>", words.prose(schema.KEYS["medium", "xi"]["meaning"])))
-        self.assertEqual(table_of({"medium": MEDIUM}, "[medium]", sections.Told("si"))["xi"][1], "2.5 m")
+        self.assertEqual(table_of({"medium": MEDIUM}, "[medium]", sections.KeyLabels("si"))["xi"][1], "2.5 m")
         self.assertEqual(table_of({"medium": MEDIUM}, "[medium.table]")["tolerance"][1], "10<sup>−8</sup>")
 
     def test_a_string_has_its_unit_already(self):
-        self.assertEqual(table_of({"medium": {"xi": "2.5 f/mu"}}, "[medium]", sections.Told("si"))["xi"][1], "2.5 f/mu")
+        self.assertEqual(table_of({"medium": {"xi": "2.5 f/mu"}}, "[medium]", sections.KeyLabels("si"))["xi"][1], "2.5 f/mu")
 
     def test_the_bed_is_si_in_every_scene(self):
         self.assertEqual(table_of({"granular": BED}, "[granular]")["box"][1], "0.0312 m")
@@ -131,12 +131,12 @@ class TablesTest(unittest.TestCase):
         self.assertEqual(contact[1:], ("friction = 0.03, restitution = 0.1", "Rods with floor and lid."))
 
     def test_lists_have_a_row_each_and_units_above(self):
-        (_, told, heads, rows), = [one for one in sections.scene_tables({"granular": {"rods": BED["rods"]}}, sections.Told("reduced"))]
+        (_, meaning, heads, rows), = [one for one in sections.scene_tables({"granular": {"rods": BED["rods"]}}, sections.KeyLabels("reduced"))]
         self.assertEqual(heads, ["No.", "position (m)", "heading (rad)"])
-        self.assertEqual((told, rows), ("One entry for each rod in the bed.", [["0", "0.008, 0.0186", "0"]]))
+        self.assertEqual((meaning, rows), ("One entry for each rod in the bed.", [["0", "0.008, 0.0186", "0"]]))
 
     def test_lengths_of_a_fit_are_in_the_unit_of_its_profiles(self):
-        rows = table_of({"fit": {"core": 8.0, "heading": 0.5}}, "[fit]", sections.Told("reduced", "a"))
+        rows = table_of({"fit": {"core": 8.0, "heading": 0.5}}, "[fit]", sections.KeyLabels("reduced", "a"))
         self.assertEqual((rows["core"][1], rows["heading"][1]), ("8 <i>a</i>", "0.5 rad"))
 
     def test_keys_that_nobody_knows_stand_as_they_are(self):

@@ -116,20 +116,20 @@ class PlotsTest(PlotCase):
 
     def test_the_report_explains_the_keys_of_a_resolved_scene(self):
         values = {"rods_run": {"output_interval": 0.25, "form": "angle"}, "medium": {"field": "exact"}}
-        rows = {row[0]: row for *_, rows in sections.scene_tables(values, sections.Told("si")) for row in rows}
+        rows = {row[0]: row for *_, rows in sections.scene_tables(values, sections.KeyLabels("si")) for row in rows}
         self.assertEqual(rows["<code>output_interval</code>"][2], "0.25 s")
         for key in ("output_interval", "form", "field"):
             self.assertTrue(rows[f"<code>{key}</code>"][3], key)
 
     def test_a_figure_whose_data_are_not_there_is_left_out(self):
         """A stage that was not run takes the figures of the others with it no more; a part that is lost is an error all the same."""
-        for kind, change, told in (("snapshot", None, "summary.json"), ("fit", None, "fit.json"), ("trajectories", lambda file: file.pop("rods"), "/rods"),
+        for kind, change, expected in (("snapshot", None, "summary.json"), ("fit", None, "fit.json"), ("trajectories", lambda file: file.pop("rods"), "/rods"),
                                    ("extensional_axis", lambda file: file["field"].pop("grid"), "/field/grid")):
             self.build(figures=LINE + f'[[figures]]\nname = "lone"\nkind = "{kind}"\n')
             change and self.edit(change)
             done = self.plot()
             self.assertEqual((done.returncode, done.stderr.count("\n")), (0, 1), done.stderr)
-            self.assertRegex(done.stderr, f'left out: figure "lone": .*{told}')
+            self.assertRegex(done.stderr, f'left out: figure "lone": .*{expected}')
             self.assertNotIn("lone.png", done.stdout)
             self.assertIn("line.png", (self.folder / "report.html").read_text())
 

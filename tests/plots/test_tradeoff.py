@@ -22,8 +22,8 @@ class TradeoffFigureTest(PlotCase):
 
     def write(self, rows, least, kind="final_state"):
         (self.folder / "tradeoff.csv").write_text("\n".join([HEAD, *(row(*one) for one in rows)]) + "\n")
-        told = {"unit": "a run", "error": kind, "reference": {"least_error_quoted": least}}
-        (self.folder / "tradeoff.json").write_text(json.dumps(told))
+        record = {"unit": "a run", "error": kind, "reference": {"least_error_quoted": least}}
+        (self.folder / "tradeoff.json").write_text(json.dumps(record))
 
     def test_drawn_alone(self):
         self.assert_drawn("tradeoff")

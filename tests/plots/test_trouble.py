@@ -82,14 +82,14 @@ class FailureTest(TroubleCase):
 
     def test_the_report_says_why(self):
         self.build(figures=LINE + PATHS)
-        for what, told in (("draw", "Not shown: internal error: ValueError: no &lt;luck&gt;"), ("caption", "no &lt;luck&gt;")):
+        for what, expected in (("draw", "Not shown: internal error: ValueError: no &lt;luck&gt;"), ("caption", "no &lt;luck&gt;")):
             with broken(what, "no <luck>"):
                 done = self.plot()
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
             self.assertIn('figure "line": internal error: ValueError: no <luck>', done.stderr)
             self.assertNotIn("paths", done.stderr)
             self.assertIn("paths.png", self.names())
-            self.assertIn(told, self.page())
+            self.assertIn(expected, self.page())
             self.assertIn('<img alt="paths"', self.page())
 
     def test_a_picture_from_before_is_not_taken_for_it(self):
@@ -104,7 +104,7 @@ class FailureTest(TroubleCase):
         self.assertRegex(done.stderr, r'figure "line": .*line\.png: not drawn yet')
         self.assertIn("not drawn yet", self.page())
 
-    def test_a_section_that_cannot_be_told(self):
+    def test_a_section_that_cannot_be_made(self):
         self.build(figures=LINE)
         (self.folder / "outcome.json").write_text('{"solver": 3}')
         done = self.plot()
@@ -112,7 +112,7 @@ class FailureTest(TroubleCase):
         self.assertIn("Solver of the report: internal error", done.stderr)
         self.assertIn("line.png", self.page())
 
-    def test_what_there_is_cannot_be_told(self):
+    def test_what_there_is_cannot_be_made(self):
         self.build(figures="")
         with broken("defaults", "no luck"):
             self.assertEqual([one.kind for one in self.figures()].count("cut"), 1)
@@ -126,8 +126,8 @@ class FailureTest(TroubleCase):
 class NameTest(FitCase):
     def test_a_parameter_does_not_lead_out_of_the_folder(self):
         """Its name becomes that of a file."""
-        name, one = f"x/../../{'out' * 100}", next(iter(self.told["parameters"].values()))
-        self.rewrite(parameters=self.told["parameters"] | {name: one}, likelihood={name: next(iter(self.told["likelihood"].values()))})
+        name, one = f"x/../../{'out' * 100}", next(iter(self.record["parameters"].values()))
+        self.rewrite(parameters=self.record["parameters"] | {name: one}, likelihood={name: next(iter(self.record["likelihood"].values()))})
         self.ask()
         self.assertEqual(self.plot().returncode, 0)
         self.assertRegex(" ".join(path.name for path in (self.folder / "figures").iterdir()), r"fit_likelihood_x_\.\._\.\._out\w+\.png")
@@ -173,9 +173,9 @@ class SignalTest(TroubleCase):
                 time.sleep(0.005)
             for _ in range(times):
                 program.send_signal(number)
-            _, told = program.communicate(timeout=30)
-        self.assertEqual((program.returncode, told.count("\n")), (128 + number, 1), told)
-        self.assertIn("stopped by a signal", told)
+            _, output = program.communicate(timeout=30)
+        self.assertEqual((program.returncode, output.count("\n")), (128 + number, 1), output)
+        self.assertIn("stopped by a signal", output)
         self.assertEqual([path for path in self.folder.rglob("*") if ".tmp" in path.name], [])
 
     def takes_signals(self, program):
@@ -223,15 +223,15 @@ class SignalTest(TroubleCase):
 class NobodyListensTest(TroubleCase):
     """Closed or full standard streams change neither the files nor the exit code."""
 
-    def told(self, code, *redirections):
+    def assert_report(self, code, *redirections):
         for redirection in redirections:
             done = subprocess.run(["bash", "-c", f'"$0" "$1" "$2" {redirection}', sys.executable, PROGRAM, self.folder], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (code, "", ""), redirection)
 
     def test_all_is_drawn(self):
-        self.build(figures=LINE + '[[figures]]\nname = "lone"\nkind = "fit"\n')  # left out, which is told
+        self.build(figures=LINE + '[[figures]]\nname = "lone"\nkind = "fit"\n')  # left out, which is reported
         for redirection in (">/dev/full 2>/dev/full", ">&- 2>&-"):
-            self.told(0, redirection)
+            self.assert_report(0, redirection)
             self.assertEqual(self.names(), ["line.png"])
             self.assert_picture(matplotlib.image.imread(self.folder / "figures/line.png"))
             self.assertTrue(self.page().endswith("</html>\n"))
@@ -239,7 +239,7 @@ class NobodyListensTest(TroubleCase):
 
     def test_an_error_is_one_all_the_same(self):
         (self.folder / "scene.toml").unlink()
-        self.told(1, "2>/dev/full", "2>&-", ">&- 2>&- <&-")
+        self.assert_report(1, "2>/dev/full", "2>&-", ">&- 2>&- <&-")
 
 
 del Theory  # its tests run in their own file

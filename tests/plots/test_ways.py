@@ -41,8 +41,8 @@ class WaysFigureTest(PlotCase):
 
     def axes(self):
         from rodwake_plots import tradeoff  # found by plot_case
-        told = json.loads((self.folder / "ways.json").read_text())
-        return {"bed": tradeoff.draw_bed, "fit": tradeoff.draw_fit, "field": tradeoff.draw_field}[told["of"]]([one for one in told["ways"] if one["found"]]).axes
+        record = json.loads((self.folder / "ways.json").read_text())
+        return {"bed": tradeoff.draw_bed, "fit": tradeoff.draw_fit, "field": tradeoff.draw_field}[record["of"]]([one for one in record["ways"] if one["found"]]).axes
 
     def test_all_are_drawn(self):
         for part, ways in (("bed", BED), ("fit", FIT), ("field", FIELD)):
@@ -71,11 +71,11 @@ class WaysFigureTest(PlotCase):
         self.tell("bed", ways)
         self.assertAlmostEqual(self.axes()[1].lines[0].get_ydata()[0], 100 * 2e-4)
 
-    def test_nothing_to_show_is_told(self):
+    def test_nothing_to_show_is_reported(self):
         self.tell("bed", [way(BED[0]["keys"], 1.0, found("rod_speed", None))])
         self.assert_fails("no configuration of the longest duration")
 
-    def test_no_result_is_told(self):
+    def test_no_result_is_reported(self):
         self.tell("bed", BED[-1:])
         self.assert_fails("no configuration has a result")
 

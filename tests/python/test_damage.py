@@ -46,7 +46,7 @@ class DamageTest(unittest.TestCase):
         shutil.copytree(self.folder / name, folder)
         return folder
 
-    def assert_told(self, file, ask, *words):
+    def assert_reported(self, file, ask, *words):
         """Not by an exception of a library; the file is named."""
         with self.assertRaisesRegex(rodwake.RunError, file.name) as raised:
             ask()
@@ -70,11 +70,11 @@ class DamageTest(unittest.TestCase):
             for what, text in TEXTS.items():
                 (folder / name).write_bytes(text)
                 with self.subTest(name, what=what):
-                    self.assert_told(folder / name, lambda: ask(folder))
+                    self.assert_reported(folder / name, lambda: ask(folder))
             (folder / name).unlink()
             (folder / name).mkdir()
             with self.subTest(name, what="a folder"):
-                self.assert_told(folder / name, lambda: ask(folder), "folder|directory")
+                self.assert_reported(folder / name, lambda: ask(folder), "folder|directory")
 
     def test_json_of_the_wrong_kind(self):
         for name in ("manifest.json", "provenance.json", "outcome.json"):
@@ -83,10 +83,10 @@ class DamageTest(unittest.TestCase):
             for what, value in VALUES.items():
                 (folder / name).write_text(json.dumps(value))
                 with self.subTest(name, what=what):
-                    self.assert_told(folder / name, lambda: ask(folder), "not an object")
+                    self.assert_reported(folder / name, lambda: ask(folder), "not an object")
         for value in ({}, {"status": 3}, {"status": ["finished"]}):
             (folder / "provenance.json").write_text(json.dumps(value))
-            self.assert_told(folder / "provenance.json", lambda: rodwake.open_run(folder).status, "status")
+            self.assert_reported(folder / "provenance.json", lambda: rodwake.open_run(folder).status, "status")
         self.assertIn("of unknown status", repr(rodwake.Run(self.manifest_with(folder, {}))))
 
     def manifest_with(self, folder, files):
@@ -98,9 +98,9 @@ class DamageTest(unittest.TestCase):
         for files in (None, [1], {"rods.csv": None}, {"rods.csv": {"columns": 3}}, {"rods.csv": {"columns": ["t"]}}, {"rods.csv": {"columns": [{"name": "t"}]}},
                       {"rods.csv": {"columns": [{"name": ["t"], "unit": "m"}]}}, {"rods.csv": {"columns": None}}):
             with self.subTest(files):
-                self.assert_told(folder / "manifest.json", lambda: rodwake.open_run(self.manifest_with(folder, files)))
+                self.assert_reported(folder / "manifest.json", lambda: rodwake.open_run(self.manifest_with(folder, files)))
         (folder / "manifest.json").write_text("{}")
-        self.assert_told(folder / "manifest.json", lambda: rodwake.open_run(folder), "not the manifest")
+        self.assert_reported(folder / "manifest.json", lambda: rodwake.open_run(folder), "not the manifest")
 
     def test_files_that_are_lost(self):
         folder = self.copied()
@@ -108,10 +108,10 @@ class DamageTest(unittest.TestCase):
                           ("provenance.json", lambda run: run.status), ("scene.toml", lambda run: run.scene())):
             (folder / name).unlink()
             with self.subTest(name):
-                self.assert_told(folder / name, lambda: ask(rodwake.open_run(folder)), "lost")
+                self.assert_reported(folder / name, lambda: ask(rodwake.open_run(folder)), "lost")
             (folder / name).mkdir()
             with self.subTest(name, what="a folder"):
-                self.assert_told(folder / name, lambda: ask(rodwake.open_run(folder)), "a folder")
+                self.assert_reported(folder / name, lambda: ask(rodwake.open_run(folder)), "a folder")
 
     def test_tables(self):
         folder = self.copied()
@@ -126,7 +126,7 @@ class DamageTest(unittest.TestCase):
         for what, text in cases.items():
             path.write_bytes(text)
             with self.subTest(what):
-                self.assert_told(path, lambda: rodwake.open_run(folder).table("rods.csv"))
+                self.assert_reported(path, lambda: rodwake.open_run(folder).table("rods.csv"))
         path.write_bytes(header)
         self.assertEqual(len(rodwake.open_run(folder).table("rods.csv")), 0)
 
@@ -135,7 +135,7 @@ class DamageTest(unittest.TestCase):
         for text in (b"", b"schema = 1\n[rods", b"\xff\xfe", DEEP.encode(), b"a = " + DEEP.encode(), b"schema = 1\n[medium]\neta = -3\n", b"\0" * 100):
             (folder / "scene.toml").write_bytes(text)
             with self.subTest(text[:20]):
-                self.assert_told(folder / "scene.toml", lambda: rodwake.open_run(folder).scene())
+                self.assert_reported(folder / "scene.toml", lambda: rodwake.open_run(folder).scene())
 
     def test_hdf5(self):
         asks = (lambda run: run.rods(), lambda run: run.field(), lambda run: run.datasets(), lambda run: run.dataset("rods/scene/x"))
@@ -146,7 +146,7 @@ class DamageTest(unittest.TestCase):
             path.write_bytes(text)
             for number, ask in enumerate(asks):
                 with self.subTest(what, number=number):
-                    self.assert_told(path, lambda: ask(rodwake.open_run(folder)))
+                    self.assert_reported(path, lambda: ask(rodwake.open_run(folder)))
 
         def removed(name):
             return lambda file: file.pop(name)
@@ -164,7 +164,7 @@ class DamageTest(unittest.TestCase):
             path.write_bytes(whole)
             change(path, edit)
             with self.subTest(edit=number):
-                self.assert_told(path, lambda: rodwake.open_run(folder).rods())
+                self.assert_reported(path, lambda: rodwake.open_run(folder).rods())
         bed = self.copied("bed")
         path = bed / "trajectory.h5md"
         whole = path.read_bytes()
@@ -176,7 +176,7 @@ class DamageTest(unittest.TestCase):
             path.write_bytes(whole)
             change(path, edit)
             with self.subTest(frames=number):
-                self.assert_told(path, lambda: rodwake.open_run(bed).trajectory())
+                self.assert_reported(path, lambda: rodwake.open_run(bed).trajectory())
 
     def test_a_lock_that_a_forked_process_keeps(self):
         """As the workers of a pool do that began while result.h5 was written."""

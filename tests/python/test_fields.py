@@ -101,9 +101,9 @@ class FieldTest(unittest.TestCase):
         for medium in (rodwake.Medium(eta=2.0), rodwake.Medium(periodic=(40.0, 30.0))):
             few = slice(None) if medium.periodic is None else slice(28, 33)  # a box is dear
             for quantity in self.quantities:
-                with self.assertWarnsRegex(RuntimeWarning, f"{quantity.__name__}: NaN at 1 of") as told:
+                with self.assertWarnsRegex(RuntimeWarning, f"{quantity.__name__}: NaN at 1 of") as caught:
                     grid = quantity(x, y[few], medium, threads=2)
-                self.assertEqual(told.filename, __file__)
+                self.assertEqual(caught.filename, __file__)
                 np.testing.assert_array_equal(np.isnan(grid).any(axis=tuple(range(2, grid.ndim))), ~away[few])
                 X, Y = np.broadcast_arrays(x, y[few])
                 np.testing.assert_array_equal(grid[away[few]], quantity(X[away[few]], Y[away[few]], medium))
@@ -169,7 +169,7 @@ class WakesTest(unittest.TestCase):
                         own = [self.POSES[a]]
                         at = (x + near[0] * np.array([1, -1]), y + near[1] * np.array([1, -1]))
                         images = getattr(rodwake, name)(*at, medium, rods=own) - getattr(rodwake, name)(*at, plane, rods=own)
-                        # Beside a rod the field itself is large, and the difference loses what is told of it.
+                        # Beside a rod the field itself is large, and the difference loses it.
                         exact, rounding = exact + images.mean(axis=0), 1e-5
                     np.testing.assert_allclose(getattr(found, name)[a], exact, rtol=0, atol=rounding * max(1.0, np.abs(exact).max()), err_msg=name)
 

@@ -87,7 +87,7 @@ class BedTest(unittest.TestCase):
         with self.assertRaises(ZeroDivisionError):
             rodwake.run_bed(self.scene, lambda bed: 1 / 0)
 
-    def test_what_cannot_be_done_is_told(self):
+    def test_what_cannot_be_done_is_reported(self):
         bed = rodwake.Bed(self.scene)
         for ask, word in ((lambda: bed.advance(steps=0), "0 steps"), (lambda: bed.advance(steps=1, time=1), "one of them"),
                           (lambda: rodwake.Bed(self.scene.copy().set("granular.phi_b", 5)), "phi_b"),

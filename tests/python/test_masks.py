@@ -77,7 +77,7 @@ class FitTest(unittest.TestCase):
         hidden = replace(hidden, Ux=np.ma.masked_array(hidden.Ux, mask), Uy=np.ma.masked_array(hidden.Uy, mask))
         self.assert_same(rodwake.fit_map([hidden], FREE, **KEYS), rodwake.fit_map([holes], FREE, **KEYS))
 
-    def test_what_are_no_data_is_told_with_its_name(self):
+    def test_what_are_no_data_is_reported_with_its_name(self):
         good, plain = noisy_profile(), some_map()
         track = Track([0.0, 1.0], np.zeros((2, 1, 3)), 1e-3, 1e-3)
         sets = [("profiles", rodwake.fit_wake, good, NAMES, {}, ("place", "value", "sigma")),
@@ -161,8 +161,8 @@ class ArgumentTest(unittest.TestCase):
     def test_what_are_no_numbers_is_refused(self):
         for name, good, call in self.arguments():
             for value, said in none_of(good):
-                told = "axes|coupling.kappa" if name == "axes" else rf"^{name}\b"  # keys may have words and flags: the scene tells
-                with self.subTest(name, good=good, value=said), self.assertRaisesRegex(rodwake.InputError, told):
+                pattern = "axes|coupling.kappa" if name == "axes" else rf"^{name}\b"  # keys may have words and flags: the scene tells
+                with self.subTest(name, good=good, value=said), self.assertRaisesRegex(rodwake.InputError, pattern):
                     call(value)
 
     def test_masks_that_hide_nothing_are_taken(self):

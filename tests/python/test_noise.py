@@ -34,7 +34,7 @@ class NoiseTest(unittest.TestCase):
         np.testing.assert_array_equal(ours.min_separations, table["min_separation"])
         np.testing.assert_array_equal(ours.pairs, np.column_stack([table["first"], table["second"]]))
 
-    def test_shapes_and_what_is_told(self):
+    def test_shapes_and_what_is_reported(self):
         result = rodwake.simulate_noise(SIDE_BY_SIDE, rodwake.Medium(), runs=6, **PAIR)
         self.assertEqual((result.outcomes.shape, result.pairs.shape, result.t.shape), ((6,), (6, 2), (41,)))
         self.assertEqual(result.mean_square_displacement.shape, (41, 2))

@@ -31,7 +31,7 @@ class PlotsTest(unittest.TestCase):
         self.assertEqual(made.axes[0].get_xlim(), (-5.0, 5.0))
         self.assertIn("Beside the rod", made.axes[0].get_title() + str(made._suptitle))
 
-    def test_what_cannot_be_drawn_is_told(self):
+    def test_what_cannot_be_drawn_is_reported(self):
         for ask, word in ((lambda: rodwake.plots.draw(self.run_of_pair, "snapshot"), "no beads"), (lambda: rodwake.plots.draw(self.run_of_pair, "cat"), "cat"),
                           (lambda: rodwake.plots.draw(self.run_of_pair, "movie"), "film|file"),
                           (lambda: rodwake.plots.draw(self.run_of_pair, "cut", compnent="Uy"), "unknown option 'compnent'"),

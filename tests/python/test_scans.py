@@ -115,12 +115,12 @@ class ScanTest(unittest.TestCase):
         self.assertEqual((program.folder / "scan.csv").read_bytes(), self.csv_of(scene=scene, axes=None))
 
     def test_a_scan_goes_on(self):
-        folder, told = new_folder(self) / "scan", []
+        folder, calls = new_folder(self) / "scan", []
 
         class Failing(ThreadPoolExecutor):
             def submit(self, *call):
-                told.append(call)
-                if len(told) == 4:
+                calls.append(call)
+                if len(calls) == 4:
                     raise OSError("the cluster is gone")
                 return super().submit(*call)
 

@@ -39,7 +39,7 @@ class ReadTest(unittest.TestCase):
             scene.set("coupling.kappa", "much")
         self.assertRegex(scene.to_toml(), r"kappa = 7\b")  # as it was
 
-    def test_all_problems_of_a_scene_are_told(self):
+    def test_all_problems_of_a_scene_are_reported(self):
         with self.assertRaises(rodwake.SceneError) as raised:
             rodwake.Scene.load(PAIR).set("coupling.kapa", 1).set("medium.eta", -3)
         with self.assertRaises(rodwake.SceneError) as raised:
@@ -114,24 +114,24 @@ class RunTest(unittest.TestCase):
         with self.assertRaisesRegex(rodwake.InputError, "no stage 'fit'"):
             rodwake.Scene.load(PAIR).run(new_folder(self), stages=["fit"])
 
-    def test_progress_is_told_and_may_end_the_run(self):
-        told = []
+    def test_progress_is_reported_and_may_end_the_run(self):
+        calls = []
 
         def tell(what, value, end, unit):
-            told.append((what, value, end, unit))
-            if len(told) == 2:
+            calls.append((what, value, end, unit))
+            if len(calls) == 2:
                 raise RuntimeError("enough")
 
         folder = new_folder(self)
         with self.assertRaisesRegex(RuntimeError, "enough"):
             rodwake.Scene.parse(SMALL_BED % "60 s").run(folder, progress=tell, threads=1)
-        self.assertEqual(len(told), 2)
-        self.assertEqual(told[0][0], "dem")
-        self.assertAlmostEqual(told[0][2], 60.0)
-        self.assertLess(told[0][1], told[1][1])
+        self.assertEqual(len(calls), 2)
+        self.assertEqual(calls[0][0], "dem")
+        self.assertAlmostEqual(calls[0][2], 60.0)
+        self.assertLess(calls[0][1], calls[1][1])
         self.assertEqual(rodwake.open_run(folder).status, "interrupted")
 
-    def test_a_failed_solve_is_told(self):
+    def test_a_failed_solve_is_reported(self):
         with self.assertLogs("rodwake", logging.ERROR), self.assertRaisesRegex(rodwake.RunError, "the steps allowed were used up"):
             rodwake.Scene.load(PAIR).set("rods_run.max_steps", 3).run(new_folder(self))
 
@@ -245,7 +245,7 @@ class OpenTest(unittest.TestCase):
         with self.assertRaisesRegex(rodwake.RunError, "manifest.json: damaged JSON"):
             rodwake.open_run(run.folder)
 
-    def test_what_is_not_there_is_told(self):
+    def test_what_is_not_there_is_reported(self):
         folder = new_folder(self)
         (folder / "notes.txt").write_text("mine")
         for place, word in ((folder / "notes.txt", "is a file"), (folder / "nowhere", "no such folder")):

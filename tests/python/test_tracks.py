@@ -89,13 +89,13 @@ class TracksTest(unittest.TestCase):
         with self.assertRaisesRegex(rodwake.SceneError, r"d\\xe9faut"):
             rodwake.Scene.load(folder / "none.toml")
 
-    def test_what_cannot_be_is_told(self):
+    def test_what_cannot_be_is_reported(self):
         table = frame_of(film(3, 4))
-        for rows, told in ((table.rename(columns={"x": "X"}), "no column x; there are frame, particle, X"),
+        for rows, expected in ((table.rename(columns={"x": "X"}), "no column x; there are frame, particle, X"),
                            (table.drop(columns="frame"), r"no column frame \(or t\)"),
                            ({"frame": [0, 1], "x": [1.0], "y": [1.0]}, "expected one axis of one length"),
                            ({"frame": ["a"], "x": [1.0], "y": [1.0]}, "rows.frame: expected numbers")):
-            with self.subTest(told), self.assertRaisesRegex(rodwake.InputError, told):
+            with self.subTest(expected), self.assertRaisesRegex(rodwake.InputError, expected):
                 rodwake.Tracks(rows, pixel=1.0, **KEYS)
         with self.assertRaisesRegex(TypeError, "rows: expected the name of a file"):
             rodwake.Tracks(3.0, pixel=1.0)

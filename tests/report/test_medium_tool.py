@@ -84,7 +84,7 @@ class PushTest(unittest.TestCase):
         (c11, c21), (c12, c22) = found
         self.assertAlmostEqual(strain.shear(c11, c22, c12, c21)[0], 3.525e-3, delta=4 * noise / np.sqrt(8 * runs) / e)
 
-    def test_a_drag_is_told_with_its_side(self):
+    def test_a_drag_is_reported_with_its_side(self):
         self.assertEqual(scaling.shown((-144.0, 37.0)), "< 0")
         self.assertEqual(scaling.shown((2.0, 2.2)), "2.0 +- 2.2")
         self.assertEqual(scaling.below((2.0, 3.0), (14.0, 4.0)), "2.4")

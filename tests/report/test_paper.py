@@ -283,8 +283,8 @@ class LabTest(LabCase):
         main = threading.main_thread().ident
         stop = threading.Thread(target=lambda: (wait_until(begun.exists), signal.pthread_kill(main, signal.SIGINT)), daemon=True)
         stop.start()
-        script = f"trap 'exit 0' INT; touch {begun}; echo told >&2; while :; do sleep 0.02; done"
-        self.assertEqual(lab.wait_for(["/bin/sh", "-c", script]), (0, "told\n", True))
+        script = f"trap 'exit 0' INT; touch {begun}; echo stopped >&2; while :; do sleep 0.02; done"
+        self.assertEqual(lab.wait_for(["/bin/sh", "-c", script]), (0, "stopped\n", True))
         stop.join()
 
     def test_a_judge_that_breaks_cannot_tell(self):
@@ -295,7 +295,7 @@ class LabTest(LabCase):
                 raise error("broken")
             self.assertEqual(table.judge_row(self.lab, Row("r", "Fig. 1", "says", judged, (run,))).judged.verdict, UNKNOWN)
 
-    def test_a_missing_program_is_told_and_a_page_makes_its_folder(self):
+    def test_a_missing_program_is_reported_and_a_page_makes_its_folder(self):
         command = [sys.executable, SOURCE / "studies" / "paper", "-o", self.folder / "new" / "page"]
         done = subprocess.run([*command, "--program", self.folder / "nothing"], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1))

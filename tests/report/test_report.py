@@ -181,9 +181,9 @@ class BrokenReportsTest(ReportCase):
         self.assertTrue(any("example.org" in text for text in seen["errors"]), seen)
 
     def test_an_error_in_a_script(self):
-        for script, told in (("nothing.at.all", "nothing is not defined"), ("console.error('alas')", "alas")):
+        for script, expected in (("nothing.at.all", "nothing is not defined"), ("console.error('alas')", "alas")):
             page = self.page.replace("<main>", f"<main><script>{script}</script>")
-            self.refused(browser.unprotected(page), told)
+            self.refused(browser.unprotected(page), expected)
             self.refused(page, "Content Security Policy")
 
     def test_what_sticks_out_of_a_narrow_window(self):

@@ -283,22 +283,22 @@ TEST_CASE("branches over eta, alpha and polar couplings agree with fixed points 
     }
 }
 
-TEST_CASE("rods on their way into a stable orbit are told, others are not") {
+TEST_CASE("rods on their way into a stable orbit are reported, others are not") {
     const System s{{1.0, 1.0 / 0.3}, {.kappa = 23.0}};
     const auto e = found_as(s, orbit).front();
-    const auto told = [&](double off, std::optional<double> contact = {}) {
+    const auto approach = [&](double off, std::optional<double> contact = {}) {
         // in the lab, and mirrored: rod 1 goes the other way round
         return rods::settled_orbit(s.medium, s.couplings, {5.0, 6.0, 0.0},
                                    {5.0 + e.pose.x + off, 6.0 - e.pose.y, -e.pose.heading}, contact);
     };
-    REQUIRE(told(0.01));
-    CHECK(told(0.01)->orbit.separation[0] == Approx(e.separation[0]).epsilon(1e-9));
-    CHECK(told(0.01)->orbit.omega == Approx(-e.omega).epsilon(1e-9));
-    CHECK(told(0.01)->decay == Approx(-e.eigenvalues[0].real()));
-    CHECK(told(0.01)->distance == Approx(0.01 / e.separation[0]).epsilon(1e-6));
-    CHECK(told(0.0));
-    CHECK_FALSE(told(0.01, 2.4)); // in contact there
-    CHECK_FALSE(told(3.0));
+    REQUIRE(approach(0.01));
+    CHECK(approach(0.01)->orbit.separation[0] == Approx(e.separation[0]).epsilon(1e-9));
+    CHECK(approach(0.01)->orbit.omega == Approx(-e.omega).epsilon(1e-9));
+    CHECK(approach(0.01)->decay == Approx(-e.eigenvalues[0].real()));
+    CHECK(approach(0.01)->distance == Approx(0.01 / e.separation[0]).epsilon(1e-6));
+    CHECK(approach(0.0));
+    CHECK_FALSE(approach(0.01, 2.4)); // in contact there
+    CHECK_FALSE(approach(3.0));
     const auto wide = found_as(s, orbit).back();
     REQUIRE_FALSE(wide.stable());
     CHECK_FALSE(rods::settled_orbit(s.medium, s.couplings, {}, wide.pose));

@@ -299,10 +299,10 @@ TEST_CASE("Boxes of pairs that are proved to end alike do, and boxes across a bo
         const bool alike = std::ranges::all_of(
             ends, [&](const PairResult& one) { return !one.handed_over() && one.ending == ends[0].ending; });
         const std::array corners{low, high};
-        const bool told = all_end(corners, ends[0].ending, options);
-        CHECK((alike || !told));
+        const bool reported = all_end(corners, ends[0].ending, options);
+        CHECK((alike || !reported));
         ++boxes;
-        uniform += told;
+        uniform += reported;
         mixed += !alike;
     }
     CHECK(uniform > boxes / 6);

@@ -114,10 +114,10 @@ TEST_CASE("A full disk ends with an error, and what was committed stays") {
             ledger.add(chunk);
         }
     };
-    const std::string told = store_test::on_small_disk(1'000'000, fill);
-    INFO(told);
-    CHECK(has(told, (scratch / "l").string() + ": "));
-    CHECK(has(told, "what was written before is kept, and the same command resumes from there"));
+    const std::string reported = store_test::on_small_disk(1'000'000, fill);
+    INFO(reported);
+    CHECK(has(reported, (scratch / "l").string() + ": "));
+    CHECK(has(reported, "what was written before is kept, and the same command resumes from there"));
     Ledger ledger(scratch / "l", ledger_head());
     const std::int64_t kept = ledger.counts().points;
     CHECK(kept > 0);
@@ -131,13 +131,13 @@ TEST_CASE("A full disk ends with an error, and what was committed stays") {
 
 TEST_CASE("A process that is killed loses what it had not committed, and no more") {
     const Scratch scratch;
-    const std::string told = store_test::on_small_disk(100'000'000, [&] {
+    const std::string reported = store_test::on_small_disk(100'000'000, [&] {
         Ledger ledger(scratch / "l", ledger_head());
         ledger.add(std::vector{succeeded(1, 0.1), succeeded(2, 0.2)});
         ledger.add(std::vector{succeeded(3, 0.3)});
         ::raise(SIGKILL);
     });
-    REQUIRE(told == "signal 9");
+    REQUIRE(reported == "signal 9");
     CHECK(counts_of(scratch / "l").points == 3);
     CHECK(Ledger(scratch / "l", ledger_head()).counts().points == 3);
 }

@@ -254,7 +254,7 @@ bool is_refused(const KeyInfo& info, const Refused& refused) {
     });
 }
 
-bool is_told(const KeyInfo& info, const Diagnostic& problem) {
+bool is_reported(const KeyInfo& info, const Diagnostic& problem) {
     const auto tells = [&](const Refused& refused) { return has_whole(problem.message, refused.said); };
     return problem.key.starts_with(message_path(info)) && (std::ranges::any_of(refused_values(info), tells) ||
                                                            std::ranges::any_of(wrong_types(info), tells));

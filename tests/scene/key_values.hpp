@@ -37,6 +37,6 @@ bool has_whole(const std::string& message, const std::string& said);
 bool is_refused(const KeyInfo& info, const Refused& refused);
 
 /// Whether the problem is one of those that the key's description tells.
-bool is_told(const KeyInfo& info, const Diagnostic& problem);
+bool is_reported(const KeyInfo& info, const Diagnostic& problem);
 
 } // namespace scene_test

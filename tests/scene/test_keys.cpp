@@ -42,10 +42,10 @@ std::vector<Diagnostic> problems_by(const SpecialRule& rule) {
 }
 
 /// Whether the description tells of the value already, so that no rule is needed.
-bool told_by_description(const SpecialRule& rule) {
+bool reported_by_description(const SpecialRule& rule) {
     const KeyInfo info = key_named(rule.key);
     return std::ranges::any_of(problems_by(rule),
-                               [&](const Diagnostic& p) { return scene_test::is_told(info, p); });
+                               [&](const Diagnostic& p) { return scene_test::is_reported(info, p); });
 }
 
 bool are_refused(const KeyInfo& info, const std::vector<Refused>& values) {
@@ -113,7 +113,7 @@ TEST_CASE("no key refuses its bounds or choices as outside them") {
         for (const auto& value : accepted_values(info))
             for (const auto& problem : problems_of(placed(info, value).text)) {
                 INFO(problem.text());
-                CHECK_FALSE(is_told(info, problem));
+                CHECK_FALSE(is_reported(info, problem));
             }
 }
 
@@ -135,16 +135,17 @@ TEST_CASE("special rules are refused, and only what no description tells is list
             return p.key.starts_with(message_path(key_named(rule.key))) && p.text().starts_with("x.toml:") &&
                    p.message.find(rule.said) != std::string::npos;
         }));
-        CHECK_FALSE(told_by_description(rule));
+        CHECK_FALSE(reported_by_description(rule));
     }
 }
 
 TEST_CASE("a rule that the range, the choices or the type tells is found out") {
-    CHECK(told_by_description(SpecialRule{"medium.eta", "-2.0", "longitudinal modulus", ""}));
-    CHECK(told_by_description(SpecialRule{"rods_run.output_times", "[-1.0, 1.0]", "must be >= 0", ""}));
-    CHECK(told_by_description(SpecialRule{"coupling.polar_basis", "\"laplace\"", "one of", ""}));
-    CHECK(told_by_description(SpecialRule{"fit.tied", "{ f2d_over_mu = [\"eta\"] }", "[name, factor]", ""}));
-    CHECK(told_by_description(SpecialRule{"title", "1", "string", ""}));
+    CHECK(reported_by_description(SpecialRule{"medium.eta", "-2.0", "longitudinal modulus", ""}));
+    CHECK(reported_by_description(SpecialRule{"rods_run.output_times", "[-1.0, 1.0]", "must be >= 0", ""}));
+    CHECK(reported_by_description(SpecialRule{"coupling.polar_basis", "\"laplace\"", "one of", ""}));
+    CHECK(reported_by_description(
+        SpecialRule{"fit.tied", "{ f2d_over_mu = [\"eta\"] }", "[name, factor]", ""}));
+    CHECK(reported_by_description(SpecialRule{"title", "1", "string", ""}));
 }
 
 namespace {

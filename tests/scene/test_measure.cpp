@@ -135,7 +135,7 @@ TEST_CASE("a window is a word or a table of lengths, and is written as it is rea
     }
 }
 
-TEST_CASE("a wrong window is told with what is expected") {
+TEST_CASE("a wrong window is reported with what is expected") {
     const struct {
         std::string window, said;
     } cases[] = {{"{ ring = [1.0, 2.0] }", "expected a string such as \"hull\", { circle = [x, y, radius] }"},

@@ -21,7 +21,7 @@ std::string scan(const std::string& lines) {
 
 std::string axis(const std::string& lines) { return "[[scan.axes]]\n" + lines + "\n"; }
 
-/// Checks that one thing is wrong with these lines of [scan], and that it is told once.
+/// Checks that one thing is wrong with these lines of [scan], and that it is reported once.
 void refuses(const std::string& lines, const std::string& part) {
     const std::string message = error_text(scan(lines));
     CAPTURE(lines, message);

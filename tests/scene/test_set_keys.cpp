@@ -322,7 +322,7 @@ TEST_CASE("keys that cannot be set say why") {
     CHECK(why_not(scene, {"units"}).find("defines the units of the scene") != std::string::npos);
 }
 
-TEST_CASE("a wrong value is told and leaves the scene as it was") {
+TEST_CASE("a wrong value is reported and leaves the scene as it was") {
     Scene scene = parse(complete);
     const Scene before = scene;
     const std::vector<std::tuple<std::string, Value, std::string>> cases{

@@ -1,4 +1,4 @@
-// Tables: what is written reads back to the bit, and what is wrong is told with its place.
+// Tables: what is written reads back to the bit, and what is wrong is reported with its place.
 
 #include "rodwake/store/csv.hpp"
 
@@ -106,7 +106,7 @@ TEST_CASE("Optional columns may be absent or have gaps, but no nonsense") {
         has(error("x,y,L\n1,2,big\n", {"x", "y"}, {"L"}), "t.csv:2:5: L: expected a number, found \"big\""));
 }
 
-TEST_CASE("What is not a finite number is told with its place") {
+TEST_CASE("What is not a finite number is reported with its place") {
     CHECK(has(error("x,y\n1,2\n3,four\n"), "t.csv:3:3: y: expected a number, found \"four\""));
     CHECK(has(error("# one\nx,y\n1 2,3\n"), "t.csv:3:1: x: expected a number, found \"1 2\""));
     for (const char* wrong : {"", " ", "1.5e", "0x10", "1,5", "--1", "+-1", "1d3", "\"1\"2", "1;2", "nan",

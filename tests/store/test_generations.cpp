@@ -53,7 +53,7 @@ TEST_CASE("The newest is loaded, the one before is kept, older ones go") {
     store::remove_generations(target);
 }
 
-TEST_CASE("A damaged or missing newest is told and the previous used") {
+TEST_CASE("A damaged or missing newest is reported and the previous used") {
     const Scratch scratch;
     const fs::path target = scratch / "run.rwc";
     store::write_generation(target, generation('a'));
@@ -71,7 +71,7 @@ TEST_CASE("A damaged or missing newest is told and the previous used") {
     CHECK(has(found->notice, target.string() + ": is missing; resuming"));
 }
 
-TEST_CASE("If none is whole, both reasons are told") {
+TEST_CASE("If none is whole, both reasons are reported") {
     const Scratch scratch;
     const fs::path target = scratch / "run.rwc";
     const auto refusal = [&] { return error_of<InputError>([&] { store::load_generation(target); }); };

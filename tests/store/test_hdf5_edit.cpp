@@ -35,7 +35,7 @@ TEST_CASE("What is printed to the standard error is seen") {
     CHECK(printed_to_error([] { std::fputs("text", stderr); }) == "text");
     CHECK(printed_to_error([] {}).empty());
     const Scratch scratch;
-    const auto unasked = [&] { // HDF5 prints what it is not told to keep to itself
+    const auto unasked = [&] { // HDF5 prints errors unless it is silenced
         H5Eset_auto2(H5E_DEFAULT, reinterpret_cast<H5E_auto2_t>(H5Eprint2), stderr);
         H5Fopen((scratch / "none").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -188,14 +188,14 @@ TEST_CASE("Records cannot change places") {
 
 TEST_CASE("A full disk ends with an error, and what was flushed before stays") {
     const Scratch scratch;
-    const std::string told = on_small_disk(300'000, [&] {
+    const std::string reported = on_small_disk(300'000, [&] {
         Journal journal(scratch / "j", "key", replace);
         for (int i = 0; i < 100; ++i) {
             journal.append(0, std::vector<std::byte>(10'000, static_cast<std::byte>(i)));
             journal.flush();
         }
     });
-    CHECK(has(told, "what was written before is kept, and the same command resumes from there"));
+    CHECK(has(reported, "what was written before is kept, and the same command resumes from there"));
     Journal journal(scratch / "j", "key", refuse);
     CHECK(journal.size() > 20);
     for (std::size_t i = 0; i < journal.size(); ++i)
@@ -204,14 +204,14 @@ TEST_CASE("A full disk ends with an error, and what was flushed before stays") {
 
 TEST_CASE("A process that is killed keeps what it had flushed") {
     const Scratch scratch;
-    const std::string told = on_small_disk(100'000'000, [&] {
+    const std::string reported = on_small_disk(100'000'000, [&] {
         Journal journal(scratch / "j", "key", replace);
         append(journal, 0, 10);
         journal.flush();
         append(journal, 10, 20);
         ::raise(SIGKILL);
     });
-    REQUIRE(told == "signal 9");
+    REQUIRE(reported == "signal 9");
     CHECK(holds(*std::make_unique<Journal>(scratch / "j"), 10));
 }
 

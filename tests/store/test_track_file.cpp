@@ -1,4 +1,4 @@
-// Files of tracks: what programs for films write is read, and what is wrong is told with its place.
+// Files of tracks: what programs for films write is read, and what is wrong is reported with its place.
 
 #include "rodwake/store/track_file.hpp"
 
@@ -182,7 +182,7 @@ TEST_CASE("Compressed files that are damaged, cut or large are refused, and noth
                    "t.csv:2: a quoted cell of more than 16 MB"));
 }
 
-TEST_CASE("What is wrong in a file of tracks is told with line, column and remedy") {
+TEST_CASE("What is wrong in a file of tracks is reported with line, column and remedy") {
     const std::string head = "frame,particle,x,y\n";
     store::TrackColumns named;
     named.id = "trajectory";
@@ -232,8 +232,8 @@ TEST_CASE("What is wrong in a file of tracks is told with line, column and remed
          "the file has frame, Gr\\xf6\\xdfe, y (not in UTF-8: save it so)"}};
     for (const auto& one : cases) {
         INFO(one.text);
-        const std::string told = error(one.text, one.columns);
-        CAPTURE(told);
-        CHECK(contains(told, one.said));
+        const std::string reported = error(one.text, one.columns);
+        CAPTURE(reported);
+        CHECK(contains(reported, one.said));
     }
 }

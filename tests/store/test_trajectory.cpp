@@ -146,7 +146,7 @@ TEST_CASE("What is no trajectory is refused by both writers, and nothing is left
     CHECK(has(error_of<RunError>([&] { write_xyz(scratch / "none/a", samples); }), "No such file"));
 }
 
-TEST_CASE("A full disk is told with the system's reason, and the old trajectory stands") {
+TEST_CASE("A full disk is reported with the system's reason, and the old trajectory stands") {
     const Scratch scratch;
     const SampleFrames samples = large(3000); // about 170 kB a frame
     scratch.file("t.h5md", "old");

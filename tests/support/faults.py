@@ -136,7 +136,7 @@ class Bench:
         if done.returncode != 0 and not done.stderr.strip():
             wrong.append("no message")
         if done.returncode != 0 and self.status(place) == "finished" and "figures could not be made" not in done.stderr:
-            wrong.append("failed, and told as finished")
+            wrong.append("failed, but recorded as finished")
         return wrong
 
     def differing(self, place, call=None):

@@ -65,23 +65,23 @@ class Page:
         return self.browser.send(method, self._session, self.timeout, **parameters)
 
     def note(self, event):
-        method, told = event["method"], event.get("params", {})
+        method, params = event["method"], event.get("params", {})
         self._events.append(event)
         if method == "Runtime.exceptionThrown":
-            self.errors.append(told["exceptionDetails"].get("exception", {}).get("description") or told["exceptionDetails"]["text"])
-        elif method == "Runtime.consoleAPICalled" and told["type"] == "error":
-            self.errors.append(" ".join(str(one.get("value", one.get("description"))) for one in told["args"]))
-        elif method == "Log.entryAdded" and told["entry"]["level"] == "error":
-            self.errors.append(told["entry"]["text"])
-        elif method == "Network.requestWillBeSent" and not told["request"]["url"].startswith(("data:", "blob:")):
-            self.requests.append(told["request"]["url"])
+            self.errors.append(params["exceptionDetails"].get("exception", {}).get("description") or params["exceptionDetails"]["text"])
+        elif method == "Runtime.consoleAPICalled" and params["type"] == "error":
+            self.errors.append(" ".join(str(one.get("value", one.get("description"))) for one in params["args"]))
+        elif method == "Log.entryAdded" and params["entry"]["level"] == "error":
+            self.errors.append(params["entry"]["text"])
+        elif method == "Network.requestWillBeSent" and not params["request"]["url"].startswith(("data:", "blob:")):
+            self.requests.append(params["request"]["url"])
 
     def wait_for(self, is_true, what, seconds=None):
         end = time.monotonic() + (seconds or self.timeout)
         while time.monotonic() < end:
             if is_true():
                 return
-            self.evaluate("0")  # takes up what has been told meanwhile
+            self.evaluate("0")  # takes up the events of the meantime
             time.sleep(0.01)
         raise AssertionError(what)
 
@@ -123,10 +123,10 @@ class Page:
     def key(self, name, shift=False):
         """A named key, or a sign."""
         code = KEYS.get(name, ord(name[0].upper()))
-        told = {"key": name, "windowsVirtualKeyCode": code, "modifiers": SHIFT if shift else 0}
+        event = {"key": name, "windowsVirtualKeyCode": code, "modifiers": SHIFT if shift else 0}
         text = {} if name in KEYS and name != "Enter" else {"text": "\r" if name == "Enter" else name}
-        self.send("Input.dispatchKeyEvent", type="keyDown", **told, **text)
-        self.send("Input.dispatchKeyEvent", type="keyUp", **told)
+        self.send("Input.dispatchKeyEvent", type="keyDown", **event, **text)
+        self.send("Input.dispatchKeyEvent", type="keyUp", **event)
 
     def press(self, selector):
         """Clicks the middle of an element, which must be in view, enabled and not under another."""

@@ -19,8 +19,8 @@ ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_R
 
 
 def has_ranks():
-    told = subprocess.run([PROGRAM, "info"], capture_output=True, text=True, check=False).stdout
-    return not any(line.split() == ["MPI", "none"] for line in told.splitlines())
+    output = subprocess.run([PROGRAM, "info"], capture_output=True, text=True, check=False).stdout
+    return not any(line.split() == ["MPI", "none"] for line in output.splitlines())
 
 
 def command(ranks, *arguments):

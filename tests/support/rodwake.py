@@ -40,8 +40,8 @@ STAGE_VERBS = {"field", "rods", "dem", "measure", "fit", "scan", "tradeoff", "ru
 def command(*arguments):
     """The program with these arguments, on one thread if they do not say how many: tests run beside each other."""
     words = [str(word) for word in arguments]
-    told = any(word.startswith(("-j", "--threads", "--points")) for word in words)  # points of a field make no use of threads
-    return [PROGRAM, *words[:1], *(["-j", "1"] if words and words[0] in STAGE_VERBS and not told else []), *words[1:]]
+    given = any(word.startswith(("-j", "--threads", "--points")) for word in words)  # points of a field make no use of threads
+    return [PROGRAM, *words[:1], *(["-j", "1"] if words and words[0] in STAGE_VERBS and not given else []), *words[1:]]
 
 
 def crowd(count, spacing=3.0):
@@ -92,7 +92,7 @@ class ProgramTest(unittest.TestCase):
                               env={**os.environ, **(env or {})}, **options)
 
     def expect(self, code, *arguments, **options):
-        """Runs, checks the exit code, and that an error is told on stderr and only there; returns the process."""
+        """Runs, checks the exit code, and that an error is reported on stderr and only there; returns the process."""
         done = self.run_program(*arguments, **options)
         self.assertEqual(done.returncode, code, f"{arguments}\nstdout: {done.stdout}\nstderr: {done.stderr}")
         if code in (1, 2):

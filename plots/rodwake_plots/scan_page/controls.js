@@ -17,9 +17,9 @@ function csvOf(points) {
 
 /** A complete scene: that of the run, without the scan, with this point's values of the axes. */
 function sceneOf(point) {
-  const told = scan.axes.map(axis => `${axis.key} = ${cell(scan.column[axis.key], point)}`).join(", ");
+  const position = scan.axes.map(axis => `${axis.key} = ${cell(scan.column[axis.key], point)}`).join(", ");
   const parts = scan.scene.map(part => typeof part === "string" ? part : written(part, point));
-  return `# Point ${point} of a scan: ${told}\n` + parts.join("");
+  return `# Point ${point} of a scan: ${position}\n` + parts.join("");
 }
 
 /** The value of an axis as TOML. */

@@ -72,24 +72,24 @@ async function inflated(text) {
 }
 
 /** Bytes were stored by significance: put together what belongs to one number. */
-function joined(bytes, told) {
-  const Type = TYPES[told.type], size = Type.BYTES_PER_ELEMENT, found = new Uint8Array(bytes.length);
+function joined(bytes, array) {
+  const Type = TYPES[array.type], size = Type.BYTES_PER_ELEMENT, found = new Uint8Array(bytes.length);
   for (let place = 0; place < size; ++place)
-    for (let index = 0, from = place * told.count, to = place; index < told.count; ++index, ++from, to += size)
+    for (let index = 0, from = place * array.count, to = place; index < array.count; ++index, ++from, to += size)
       found[to] = bytes[from];
   return new Type(found.buffer);
 }
 
 /** The array, whose text the page then forgets. */
-async function unpacked(told) {
-  const holder = element("array" + told.array);
+async function unpacked(array) {
+  const holder = element("array" + array.array);
   const bytes = await inflated(holder.textContent);
   holder.textContent = "";
-  return joined(bytes, told);
+  return joined(bytes, array);
 }
 
-/** Replaces every {array, type, count} in what the page was told by the array itself. */
-async function unpackAll(told) {
+/** Replaces every {array, type, count} in the content of the page by the array itself. */
+async function unpackAll(content) {
   const jobs = [];
   const visit = node => {
     for (const [key, value] of Object.entries(node ?? {}))
@@ -97,15 +97,15 @@ async function unpackAll(told) {
         if ("array" in value) jobs.push(unpacked(value).then(array => { node[key] = array; }));
         else visit(value);
   };
-  visit(told);
+  visit(content);
   await Promise.all(jobs);
-  return told;
+  return content;
 }
 
-const scan = { points: 0 };  // what the page was told; columns by name in scan.column
+const scan = { points: 0 };  // the content of the page; columns by name in scan.column
 
 async function readScan() {
-  Object.assign(scan, JSON.parse(element("told").textContent));
+  Object.assign(scan, JSON.parse(element("content").textContent));
   await unpackAll(scan);
   scan.column = Object.fromEntries(scan.columns.map(column => [column.name, column]));
   scan.outcome = scan.column.outcome.data;

@@ -134,13 +134,13 @@ function nearestSample(point) {
   return { ...best, distance: Math.sqrt(best.distance) };
 }
 
-function tellComputed(point, outcome) {
+function describeComputed(point, outcome) {
   const differs = outcome !== scan.outcomes[scan.outcome[point]]?.name;
   return ["Computed here, of this very point. ", tag(point), differs ? ` Here it ends as ${outcome}: it lies at a boundary, or the scan was made by other options.` : ""];
 }
 
 /** Nodes that say which point's it is and how far that is from the one asked for. */
-function tellSample(point, { sample, distance }) {
+function describeSample(point, { sample, distance }) {
   const stored = scan.samples.point[sample];
   const where = scan.axes.flatMap((axis, index) => [index ? ", " : "", valueNode(scaleOf[axis.key], stored)]);
   if (stored === point) return ["Of this very point: ", ...where, ". ", tag(stored)];

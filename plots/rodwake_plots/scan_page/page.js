@@ -1,6 +1,6 @@
 // A point: its numbers, its trajectory.
 
-/** Marks the point and tells of it; -1: none. */
+/** Marks the point and describes it; -1: none. */
 function hover(point) {
   view.current = point;
   const tip = element("tip");
@@ -45,12 +45,12 @@ function showWalk(point) {
   walk.samples = computed ?? scan.samples;
   element("path").hidden = element("clock").parentElement.hidden = !walk.samples;
   if (!walk.samples) {
-    element("walk-told").textContent = "This scan has stored no trajectories.";
+    element("walk-text").textContent = "This scan has stored no trajectories.";
     return;
   }
   walk.sample = computed ? 0 : stored.sample;
   view.sample = walk.samples.point[walk.sample];
-  element("walk-told").replaceChildren(...(computed ? tellComputed(point, computed.outcome) : tellSample(point, stored)));
+  element("walk-text").replaceChildren(...(computed ? describeComputed(point, computed.outcome) : describeSample(point, stored)));
   const rods = Array.from({ length: walk.samples.rods }, (_, rod) => node("span", {}, swatch(rodColour(rod)), ` rod ${rod}`));
   element("rods").replaceChildren(...rods, node("span", {}, "hollow: start; lengths in ", ...marked(scan.lengthUnit)));
   element("clock").value = 1000;
@@ -199,7 +199,7 @@ function start() {
   fillChoices(view, choose);
   fillSlices(view, cut);
   listen();
-  if (!scan.scene) element("scene-told").textContent = `No scenes of points: ${scan.noScene}.`;
+  if (!scan.scene) element("scene-text").textContent = `No scenes of points: ${scan.noScene}.`;
   refill();
   whole();
 }

@@ -41,7 +41,7 @@ CASES = (
 STAGES = {"rods": "rods", "field": "field maps", "scan": "scan", "fit": "fit", "dem": "granular run"}
 
 
-def told(program, case, arguments):
+def predicted(program, case, arguments):
     """The last time on the stage's line that is not one of a part: of all runs, if there are several."""
     text = measure.run([program, "check", *arguments]).split("# expected cost\n")[1]
     line = next(line for line in text.splitlines() if line.startswith(f"  {STAGES[case.verb]}: "))
@@ -68,13 +68,13 @@ def main():
     options = parser.parse_args()
     program = str(measure.find_program(options.program))
     print(*measure.conditions(), "", sep="\n", flush=True)
-    measure.print_table(("verb, scene", "told, s", "took, s", "took/told"), [])
+    measure.print_table(("verb, scene", "predicted, s", "took, s", "took/predicted"), [])
     with tempfile.TemporaryDirectory() as folder:
         for number, case in enumerate(CASES):
             if options.quick and not case.quick:
                 continue
             arguments = [str(measure.SOURCE / case.scene), *(word for one in case.settings for word in ("-s", one))]
-            before, after = told(program, case, arguments), took(program, case, arguments, str(Path(folder) / str(number)))
+            before, after = predicted(program, case, arguments), took(program, case, arguments, str(Path(folder) / str(number)))
             print(f"| {case.verb} {case.scene}{''.join(f', {one}' for one in case.settings)} | {before:.2g} | {after:.2g} | {after / before:.2g} |",
                   flush=True)
 
