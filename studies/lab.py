@@ -124,10 +124,10 @@ def stamp(lab, part=None):
             next(words)
         elif word != "--report":
             options.append(word)
-    told = dict(line.split(maxsplit=1) for line in lab.call("info").stdout.splitlines())
+    info = dict(line.split(maxsplit=1) for line in lab.call("info").stdout.splitlines())
     command = shlex.join([f"studies/{Path(sys.argv[0]).name}", *(["--only", part] if part else []), *options])
-    return (f"By `{command}` on {time.strftime('%Y-%m-%d')}: {told['cpu']}, {os.cpu_count()} cores; rodwake {told['rodwake']}, {told['compiler']}, "
-            f"{told['build']}.")
+    return (f"By `{command}` on {time.strftime('%Y-%m-%d')}: {info['cpu']}, {os.cpu_count()} cores; rodwake {info['rodwake']}, {info['compiler']}, "
+            f"{info['build']}.")
 
 
 # Runs.
@@ -192,7 +192,7 @@ def is_finished(folder, *results):
 # Results.
 
 
-def told(folder, name):
+def read_json(folder, name):
     return json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
 
 

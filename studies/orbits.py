@@ -70,7 +70,7 @@ def rows():
                 yield eta, *end(branch, first, -1), *end(branch, last, 1), *contacts
 
 
-def told(value):
+def plain(value):
     return "" if value is None else value if isinstance(value, str) else f"{value:.10g}"
 
 
@@ -79,5 +79,5 @@ if __name__ == "__main__":
         table = csv.writer(file, lineterminator="\n")
         table.writerow(COLUMNS)
         for row in rows():
-            table.writerow([told(value) for value in row])
-            print(*(told(value) for value in row))
+            table.writerow([plain(value) for value in row])
+            print(*(plain(value) for value in row))

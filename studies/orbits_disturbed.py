@@ -16,7 +16,7 @@ import numpy as np
 from scipy import linalg
 
 import rodwake
-from lab import SOURCE, columns, parser, run_parts, told, write_csv
+from lab import SOURCE, columns, parser, run_parts, read_json, write_csv
 
 PAIR = """schema = 1
 [medium]
@@ -71,7 +71,7 @@ def noise(lab):
             diffusion = part * decay
             out = lab.make(f"noise_{kappa}_{part:g}", scene(orbit.pose, kappa, t_end, t_end / 2000, 0.1 * orbit.separation, more=f"""[noise]
 rotational_diffusion = {diffusion!r}\nruns = {runs}\n"""), verbs=("rods",))
-            ends, path = told(out, "noise")["endings"], separations(out)
+            ends, path = read_json(out, "noise")["endings"], separations(out)
             late = path[len(path) // 2:]
             inside = ends["undecided"] == runs
             found.append({"kappa": kappa, "separation": orbit.separation, "decay": decay, "D_r": diffusion, "t_end": t_end, "runs": runs, "in_orbit": ends["undecided"],
@@ -89,7 +89,7 @@ def memory(lab):
             out = lab.make(f"memory_{kappa}_{closure}", scene((-0.34, 0.34, -1.49), kappa, t_end, 0.05, 0.02, medium), verbs=("rods",))
             late = slice(-41, None)
             path, heading = separations(out)[late], columns(out / "rods.csv", "theta0")[0][late]
-            found.append({"kappa": kappa, "memory": int(closure == "none"), "outcome": told(out, "outcome")["outcome"], "least": path.min(),
+            found.append({"kappa": kappa, "memory": int(closure == "none"), "outcome": read_json(out, "outcome")["outcome"], "least": path.min(),
                           "largest": path.max(), "turns": (heading[-1] - heading[0]) / (2 * math.pi)})
             print("memory:", found[-1], flush=True)
     save("memory", found)

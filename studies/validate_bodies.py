@@ -17,7 +17,7 @@ import resource
 import subprocess
 import sys
 
-from lab import SOURCE, keep_row, kept_rows, parser, rows, run_parts, table, text as shown, told
+from lab import SOURCE, keep_row, kept_rows, parser, rows, run_parts, table, text as shown, read_json
 
 SCENE = """schema = 1
 [medium]
@@ -52,7 +52,7 @@ def solved(lab, text, *settings):
     began = cpu()
     lab.call("rods", lab.write("run.toml", text), "--quiet", "--force", "-j", 1, "-o", lab.folder / "run", *(f"-s{one}" for one in settings))
     last = rows(lab.folder / "run/rods.csv")[-1]
-    return told(lab.folder / "run", "outcome"), [float(value) for name, value in last.items() if name != "t"], cpu() - began
+    return read_json(lab.folder / "run", "outcome"), [float(value) for name, value in last.items() if name != "t"], cpu() - began
 
 
 def distance(one, other):
@@ -135,7 +135,7 @@ def extremes(lab):
             lines.append([name, "**no end in 120 s**", "", "120"])
             continue
         if done.returncode == 0:
-            outcome = told(lab.folder / "cell", "outcome")
+            outcome = read_json(lab.folder / "cell", "outcome")
             end, more = outcome["outcome"], f"{outcome['solver']['steps']} steps, gap {outcome['min_gap']:.3g}"
         else:
             end, more = {2: "refused"}.get(done.returncode, f"exit code {done.returncode}"), done.stderr.strip().splitlines()[0].split(".toml:")[-1][-90:]
@@ -251,7 +251,7 @@ def crowd_scene(place, density, kappa, start, seed):
 
 def crowd_row(out):
     """Means of a run and their errors by blocks; `touching`: the share of rods that touch another; fluctuations in cells of about 10 rods."""
-    means, sizes = told(out, "rods_order"), rows(out / "clusters.csv")
+    means, sizes = read_json(out, "rods_order"), rows(out / "clusters.csv")
     found = {}
     for name in ("polar", "nematic", "weighted_size", "largest"):
         found |= {name: round(means[name]["value"], 4), f"{name}_error": round(means[name]["error"], 4)}

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import mpmath
 import numpy as np
-from lab import SOURCE, parser, rows, run_parts, table, told
+from lab import SOURCE, parser, rows, run_parts, table, read_json
 from scipy.integrate import solve_ivp
 
 DECADES = (1e-12, 1e-10, 1e-8, 1e-6, 1e-3, 0.1)
@@ -203,7 +203,7 @@ def diagrams(lab):
             text = (SOURCE / "scenes" / f"{scene}.toml").read_text(encoding="utf-8")
             out = lab.make(f"{scene}_{key}", text, f"scan.certificates={key}", *(["scan.resolution=64"] if lab.quick else []), verbs=("scan",), good=(0, 3))
             seconds.append(time.monotonic() - began)
-        points, area = (told(out, "scan")[key] for key in ("certificates", "certified_area"))
+        points, area = (read_json(out, "scan")[key] for key in ("certificates", "certified_area"))
         total = sum(points.values())
         lines.append((scene, total, *(f"{points[name] / total:.1%}" for name in points), *(f"{area[name]:.1%}" for name in area),
                       *(f"{one:.1f}" for one in seconds)))

@@ -38,7 +38,7 @@ class Runs:
 
     def __init__(self, program, folder):
         self.program, self.file = program, folder / "runs.jsonl"
-        self.known = {told.pop("case"): told for told in kept_lines(self.file)}
+        self.known = {record.pop("case"): record for record in kept_lines(self.file)}
 
     def make(self, cases):
         left = [case for case in dict.fromkeys(cases) if case not in self.known]
@@ -47,12 +47,12 @@ class Runs:
         with subprocess.Popen([self.program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
             for number, case in enumerate(left, 1):
                 print(case, file=process.stdin, flush=True)
-                told = json.loads(process.stdout.readline() or "null")
-                if told is None:
+                record = json.loads(process.stdout.readline() or "null")
+                if record is None:
                     raise SystemExit(f"{self.program} gave up at: {case}")
-                self.known[case] = told
-                keep_line(self.file, {"case": case, **told})
-                print(f"{number} of {len(left)}: {case}: {told['ending']} at {told['time']:.4g}, {told['cpu_seconds']:.2f} s", flush=True)
+                self.known[case] = record
+                keep_line(self.file, {"case": case, **record})
+                print(f"{number} of {len(left)}: {case}: {record['ending']} at {record['time']:.4g}, {record['cpu_seconds']:.2f} s", flush=True)
             process.stdin.close()
 
 

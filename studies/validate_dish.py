@@ -17,7 +17,7 @@ import shutil
 
 import numpy as np
 
-from lab import columns, keep_row, kept_rows, mean, parser, run_parts, table, text, told
+from lab import columns, keep_row, kept_rows, mean, parser, run_parts, table, text, read_json
 from paper_rows.dish import CONTACT, KEPT
 
 DENSITIES, DISTANCES = (0.70, 0.78), (18, 24)
@@ -80,7 +80,7 @@ def made(lab, kind, name, text, reduce, **settings):
             return row
     folder = lab.make(name, text, verbs=("dem",))
     row = {"kind": kind, "phi": settings.get("phi", 0.78), "distance": settings.get("distance", 0), "seed": seed, **reduce(lab, folder),
-           "cpu_seconds": round(told(folder, "summary")["cpu_seconds"])}
+           "cpu_seconds": round(read_json(folder, "summary")["cpu_seconds"])}
     keep_row(KEPT, row)
     shutil.rmtree(folder)
     return row
@@ -104,7 +104,7 @@ def of_beads(lab, folder):
     camera = film(lab, folder)
     window = f"tracks.window={{ circle = [{RADIUS * A}, {RADIUS * A}, {150 * A}] }}"
     lab.call("measure", camera / "camera.toml", "-o", camera / "out", "-s", window, "-s", "measure.block=2 s", "-s", "measure.order_interval=2 s", "--force", "--quiet")
-    found = told(camera / "out", "measure")
+    found = read_json(camera / "out", "measure")
     psi6, stiffness = found["order"]["psi6"]["value"], found["microrheology"]["stiffness"]
     return {**no_values(), "psi6": f"{psi6:.4f}", "stiffness": f"{stiffness['value']:.5g}", "stiffness_error": f"{stiffness['error']:.3g}"}
 
@@ -143,7 +143,7 @@ def still(lab):
         stiffness = mean([float(row["stiffness"]) for row in found])
         rows.append([f"{phi:.2f}", len(found), f"{mean([float(row['psi6']) for row in found])[0]:.3f}", text(stiffness, digits=3),
                      f"{np.mean([float(row['stiffness_error']) for row in found]):.2g}"])
-    table("Beads in the dish: order and stiffness", ["phi_b", "runs", "psi6", "stiffness, 1/a^2, +- between runs", "error told"], rows)
+    table("Beads in the dish: order and stiffness", ["phi_b", "runs", "psi6", "stiffness, 1/a^2, +- between runs", "stated error"], rows)
 
 
 PARTS = {"pairs": pairs, "pursuit": pursuit, "still": still}

@@ -24,7 +24,7 @@ import time
 import h5py
 import numpy as np
 
-from lab import columns, keep_row, kept_rows, parser, run_parts, table, told
+from lab import columns, keep_row, kept_rows, parser, run_parts, table, read_json
 
 RESTITUTIONS = (0, 0.3, 0.6, 0.9, 0.99)
 GAMMAS = (0.5, 1, 3, 7, 20, 50)
@@ -156,7 +156,7 @@ COUNTS = ("bead-plate", "rod-plate", "bead-bead", "bead-rod", "rod-rod", "bead-w
 
 
 def judged(lab, out, e, gamma, dish):
-    s, counts = told(out, "summary"), impulses(lab, out)
+    s, counts = read_json(out, "summary"), impulses(lab, out)
     deepest, frames, wrong = lost(out, gamma, dish)
     rise, kinetic = energy_of(out, e, gamma)
     slow = slowest(out, s["beads"] + 2, s["time_step"])

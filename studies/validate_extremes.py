@@ -18,10 +18,10 @@ GROUPS = {"field": field_cells.run, "rods": rods_cells.run_starts, "pairs": rods
 
 
 def write(lab, found):
-    told = {"command": " ".join(["studies/validate_extremes.py", *sys.argv[1:]]), "seed": lab.seed, "quick": lab.quick,
+    summary = {"command": " ".join(["studies/validate_extremes.py", *sys.argv[1:]]), "seed": lab.seed, "quick": lab.quick,
             "cells": len(lab.cells), "bad": sum(cell.verdict == "bad" for cell in lab.cells), "groups": found}
-    lab.write("extremes.json", json.dumps(told, indent=1))
-    lab.write("extremes.md", f"{told['cells']} cells, seed {told['seed']}: `{told['command']}`\n\n{cells.markdown(found)}")
+    lab.write("extremes.json", json.dumps(summary, indent=1))
+    lab.write("extremes.md", f"{summary['cells']} cells, seed {summary['seed']}: `{summary['command']}`\n\n{cells.markdown(found)}")
     cells.write_cells(lab.folder / "cells.csv", lab.cells)
 
 

@@ -77,9 +77,9 @@ def table(rows):
     for row in rows:
         groups[row["verb"], row["call"]].append(row)
     for (verb, call), some in [*sorted(groups.items()), (("all", ""), rows)]:
-        told, none = (sum(str(row["exit"]) == code and not row["wrong"] for row in some) for code in "10")
-        lines.append([verb, call, len(some), told, none, sum(bool(row["wrong"]) for row in some)])
-    print(markdown(["verb", "call", "faults", "told, exit code 1", "no difference", "silent or unseemly"], lines))
+        reported, none = (sum(str(row["exit"]) == code and not row["wrong"] for row in some) for code in "10")
+        lines.append([verb, call, len(some), reported, none, sum(bool(row["wrong"]) for row in some)])
+    print(markdown(["verb", "call", "faults", "reported, exit code 1", "no difference", "silent or unseemly"], lines))
 
 
 rows = kept_rows(options.csv)

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lab import SOURCE, markdown, mean, parser, run_parts, text, told, tracks
+from lab import SOURCE, markdown, mean, parser, run_parts, text, read_json, tracks
 from medium import monopole, spread
 from validate_field import periodic
 
@@ -39,7 +39,7 @@ def with_error(parameter):
 
 
 def print_fit(name, folder):
-    fit = told(folder, "fit")
+    fit = read_json(folder, "fit")
     values = ", ".join(f"{key} = {with_error(one)}" for key, one in fit["parameters"].items())
     print(f"\n**{name}**: {values}; chi2 = {fit['chi2']:.1f} for {fit['dof']}, {fit['termination']}, "
           f"{fit['same_optimum']} of {len(fit['starts'])} starts at this optimum\n")
@@ -132,7 +132,7 @@ def quickstart(lab):
     for seed in SEEDS:
         out = quick_start(lab, seed)
         print_fit(f"quickstart, seed {seed}", out)
-        errors, drift = told(out, "fit")["systematics"]["errors"], told(out, "measure")["mechanics"]
+        errors, drift = read_json(out, "fit")["systematics"]["errors"], read_json(out, "measure")["mechanics"]
         found.append([*((errors[name]["value"], errors[name]["total"]) for name in MEDIUM),
                       *((drift[name]["value"], drift[name]["error"]) for name in ("speed", "drag_rate"))])
     overall = [mean([one[k][0] for one in found]) for k in range(len(found[0]))]

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from lab import SOURCE, estimate, line_fit, norm_error, parser, rows, rows_of, run_parts, table, text, told
+from lab import SOURCE, estimate, line_fit, norm_error, parser, rows, rows_of, run_parts, table, text, read_json
 
 BOX = 'box = "78 a"\n'
 UNSTRAINED = 'box = "fit"\n'
@@ -23,7 +23,7 @@ STEPS = ("5e-6", "1e-5", "2e-5", "5e-5", "1e-4")  # s
 def run(lab, name, keys, rods="", runs=1):
     """The summary of a bed."""
     scene = f"schema = 1\n[granular]\nruns = {lab.count(runs)}\n{keys}{QUIET}{rods}"
-    return told(lab.make(name, scene, verbs=("dem",)), "summary")
+    return read_json(lab.make(name, scene, verbs=("dem",)), "summary")
 
 
 def seconds(lab, value):

@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 
-from lab import cases, columns, datasets, estimate, line_fit, parser, ratio, rows, run_parts, table, text, told, weighted
+from lab import cases, columns, datasets, estimate, line_fit, parser, ratio, rows, run_parts, table, text, read_json, weighted
 
 BINS_PER_VALUE = 4.2  # bins of 1 a closer than two lattice spacings share data: a fit has fewer values than bins
 TERMS = 4000          # of the Fourier series of a periodic wake: a thousandth is enough beside measured profiles
@@ -26,7 +26,7 @@ def made(lab, scene, name, *settings):
 
 
 def measured(folder):
-    return told(folder, "measure")
+    return read_json(folder, "measure")
 
 
 def shown(entry, scale=1.0, digits=3):
@@ -255,7 +255,7 @@ def measured_pair(lab):
     found = []
     for angle in (0, 90):
         out = made(lab, "pair_measured.toml", f"measured_{angle}", f"granular.orientation={angle} deg")
-        spread = told(out, "outcome")["ensemble"]["final_separation"]["spread"] * 4.08
+        spread = read_json(out, "outcome")["ensemble"]["final_separation"]["spread"] * 4.08
         found.append([angle, f"{change(out):+.2f} +- {spread:.2f}", f"{change(out / 'variants/theory'):+.2f}", *mirror_errors(out / "measure.h5")])
     lags = ", ".join(map(str, LAGS))
     table("Pair 15 a apart in the measured field over half a box, kappa = 1.17",
@@ -281,7 +281,7 @@ OBSERVERS = ("order = true\norder_interval = 0.01", "microrheology = true", "flo
 def cpu_seconds(lab, name, scene):
     file, out = lab.write(f"{name}.toml", scene), lab.folder / name
     lab.call("dem", file, "-o", out, "--quiet", "--force")
-    return told(out, "summary")["cpu_seconds"]
+    return read_json(out, "summary")["cpu_seconds"]
 
 
 def cost(lab):

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, text, told, tracks
+from lab import SOURCE, keep_row, kept_rows, mean, parser, run_parts, table, text, read_json, tracks
 
 KEPT, WEIGHED, A, BATCH, RUNS = SOURCE / "studies/bed_pairs.csv", SOURCE / "studies/mechanism.csv", 4e-4, 25, 50
 SETTINGS = [(kind, phi, rows) for kind in ("motile", "apolar") for phi in (0.78, 0.70) for rows in (0, 90)]
@@ -160,7 +160,7 @@ def keep_weights(lab, phi, rows, medium, pairs):
         parts.append(TRACK.format(file=file, scale=scale, speed=round(speed_of(pair), 4), position=SIGMA_POSITION, heading=SIGMA_HEADING))
     out = lab.make(f"weigh_{phi:.2f}_{rows}_{medium}_{len(pairs)}",
                    FIT.format(eta=eta, alpha=alpha, direction=math.radians(rows), tracks="".join(parts)), verbs=("fit",))
-    for one in told(out, "models")["models"]:
+    for one in read_json(out, "models")["models"]:
         names, found = RIVALS.get(one["name"], ()), one["parameters"]
         keep_row(None if lab.quick else WEIGHED, {
             "phi": phi, "rows": rows, "medium": medium, "runs": len(pairs), "model": one["name"], "aic": round(one["aic"], 2), "bic": round(one["bic"], 2),

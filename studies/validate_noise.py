@@ -14,14 +14,14 @@ import sys
 import numpy as np
 from scipy import special
 
-from lab import drawing, open_lab, parser, told, write_csv
+from lab import drawing, open_lab, parser, read_json, write_csv
 
 RATES = (1e-4, 1e-3, 1e-2, 1e-1, 1.0)
 
 
 def noise(lab, name, text):
     """noise.json of a scene."""
-    return told(lab.make(name, "schema = 1\n" + text, verbs=("rods",)), "noise")
+    return read_json(lab.make(name, "schema = 1\n" + text, verbs=("rods",)), "noise")
 
 
 def free(lab, runs):

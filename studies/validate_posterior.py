@@ -185,8 +185,8 @@ def pair_set(rodwake, random, fault, _):
     poses[0] = path.poses[0]
     if fault == "sign":
         truth["gamma1"] *= -1
-    told = CLOSE_SIGMA * (0.5 if fault == "sigma halved" else 1.0)
-    data = rodwake.Track(TIMES, poses, sigma_position=told[0], sigma_heading=told[2], start_poses="exact")
+    sigma = CLOSE_SIGMA * (0.5 if fault == "sigma halved" else 1.0)
+    data = rodwake.Track(TIMES, poses, sigma_position=sigma[0], sigma_heading=sigma[2], start_poses="exact")
     return truth, {"tracks": [data], "parameters": list(PAIR), "priors": PAIR, "fixed": {"eta": 1.3, "alpha": 0.5},
                    "bounds": {name: [prior["low"], prior["high"]] for name, prior in PAIR.items()}, "start": {"kappa": 1.0, "gamma1": 0.1}}
 
@@ -239,8 +239,8 @@ def wandering_set(rodwake, random, fault, index):
     if fault == "noise of the rods left out":
         fixed["D_r"] = 0.0
         del truth["D_r"], priors["D_r"]
-    told = SIGMA * (0.5 if fault == "sigma halved" else 1.0)
-    return truth, {"tracks": [rodwake.Track(TIMES, poses, sigma_position=told, sigma_heading=told)], "parameters": list(priors), "priors": priors,
+    sigma = SIGMA * (0.5 if fault == "sigma halved" else 1.0)
+    return truth, {"tracks": [rodwake.Track(TIMES, poses, sigma_position=sigma, sigma_heading=sigma)], "parameters": list(priors), "priors": priors,
                    "fixed": fixed, "bounds": {name: [prior["low"], prior["high"]] for name, prior in priors.items()},
                    "start": {name: {"kappa": 1.0, "D_r": 0.003}[name] for name in priors}}
 

@@ -55,8 +55,8 @@ def instants(lab):
         began = cpu_seconds()
         lab.call("replay", bed, "--from", when, "--to", when, "-o", "frame", "-j", lab.threads, "--force", "--quiet")
         took.append(cpu_seconds() - began)
-        (told, made), (stored_at, stored) = frame(lab.folder / "frame/trajectory.h5md", when), frame(bed / "trajectory.h5md", when)
-        same += told == stored_at and all(np.array_equal(one, other) for one, other in zip(made, stored))
+        (replayed_at, made), (stored_at, stored) = frame(lab.folder / "frame/trajectory.h5md", when), frame(bed / "trajectory.h5md", when)
+        same += replayed_at == stored_at and all(np.array_equal(one, other) for one, other in zip(made, stored))
     sizes = [bed / name for name in ("archive.rwc", "trajectory.h5md")]
     began = time.monotonic()
     verified = lab.call("replay", bed, "--verify", "-j", lab.threads).stdout.strip().rsplit(": ", 1)[1]

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lab import parser, rows_of, run_parts, table, told
+from lab import parser, rows_of, run_parts, table, read_json
 
 SETS, SIGMA, WOBBLE = 100, 0.01, 0.02
 MEDIUM = "[medium]\neta = 1.3\nalpha = 0.8\n"
@@ -80,7 +80,7 @@ def weighed(lab, name, number, wobble=0.0):
     case = f"{name}_{number}{'_wobble' if wobble else ''}"
     file = lab.write(f"{case}.csv", ",".join(head) + "\n" + "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()))
     out = lab.make(f"fit_{case}", RIVALS.format(file=file, sigma=SIGMA), verbs=("fit",))
-    return told(out, "models")
+    return read_json(out, "models")
 
 
 def sets_of(lab):
@@ -121,7 +121,7 @@ PLACES, ETA, BLUR = np.linspace(-38.0, 38.0, 20), 1.3, 0.1
 TRACKS = {"strain": {"kappa": (0.0, 1.0)}, "polar": {"gamma1": (-0.5, 0.5), "gamma2": (-0.5, 0.5)}, "flow": {"gamma_flow": (-1.0, 1.0)},
           "rows": {"gamma_rows": (0.0, 0.1)}, "none": {}}
 START, TIMES, ALPHA = np.array([[0.0, 2.0, 0.1], [1.0, -2.0, 0.4]]), np.linspace(0.0, 8.0, 17), 0.8
-POSE_SIGMA = 0.05  # f/mu and rad: strong couplings are told apart, weak ones not
+POSE_SIGMA = 0.05  # f/mu and rad: strong couplings are distinguished, weak ones not
 
 
 def wake_of(rodwake, random, values):
@@ -188,11 +188,11 @@ def by_evidence(kept, priors, make, evidence, sigma):
                 done.append({"made_by": name, **found})
                 out.write(f"{index},{name}," + ",".join(repr(float(one)) for one in found.values()) + "\n")
                 out.flush()
-        told_of(done[:sets], list(priors), sigma)
+        wins(done[:sets], list(priors), sigma)
     return part
 
 
-def told_of(sets, names, sigma):
+def wins(sets, names, sigma):
     """How often a rival is right where it wins, beside what its own weights say."""
     scores = np.array([[float(one[rival]) for rival in names] for one in sets])
     weights = np.exp(scores - scores.max(axis=1, keepdims=True))

@@ -15,7 +15,7 @@ from collections import Counter
 from pathlib import Path
 
 from lab import SOURCE, parser, rows, run_parts, table
-from lab import told as file_of
+from lab import read_json as file_of
 
 PERPENDICULAR = "phase_perpendicular.toml"
 
@@ -34,7 +34,7 @@ def points(folder):
     return rows(folder / "scan.csv")
 
 
-def told(folder):
+def summary(folder):
     return file_of(folder, "scan")
 
 
@@ -58,7 +58,7 @@ class Cells:
 
     def __init__(self, folder, side):
         self.side, self.known = side, {}
-        self.axes = told(folder)["axes"]
+        self.axes = summary(folder)["axes"]
         for row in rows(folder / "cells.csv"):
             ends = [self.range(row, axis) for axis in self.axes]
             for i in range(ends[0][0], ends[0][1] + 1):
@@ -85,14 +85,14 @@ def cells(lab):
         drawn, every = Cells(few, side), points(full)
         uniform = [(row, drawn.of(row)) for row in every]
         differ = sum(outcome not in (None, row["outcome"]) for row, outcome in uniform)
-        lines.append((scene, len(every), told(few)["evaluated"], f"{len(every) / told(few)['evaluated']:.1f}",
+        lines.append((scene, len(every), summary(few)["evaluated"], f"{len(every) / summary(few)['evaluated']:.1f}",
                       sum(outcome is not None for _, outcome in uniform), differ, rate(few)))
     table(f"Adaptive against the full lattice, {side} cells a side",
           ("scene", "points", "evaluated", "fewer", "places in uniform cells", "of another outcome", "audit: missed, at most (95 %)"), lines)
 
 
 def rate(folder):
-    found = told(folder)
+    found = summary(folder)
     return f"{found['missed']} of {found['audited']}, {100 * found['missed_rate_high']:.2g} %"
 
 
@@ -103,8 +103,8 @@ def large(lab):
     few, of_few = scan(lab, PERPENDICULAR, "large_few", *adaptive(1024), *common)
     traced, of_traced = scan(lab, PERPENDICULAR, "large_traced", *adaptive(1024), *common, traced=True)
     table("1024 cells a side", ("design", "points", "seconds", "audit"),
-          [("full grid", told(full)["evaluated"], f"{of_full:.1f}", ""), ("adaptive", told(few)["evaluated"], f"{of_few:.1f}", rate(few)),
-           ("adaptive, boundary to 1e-8", told(traced)["evaluated"], f"{of_traced:.1f}", rate(traced))])
+          [("full grid", summary(full)["evaluated"], f"{of_full:.1f}", ""), ("adaptive", summary(few)["evaluated"], f"{of_few:.1f}", rate(few)),
+           ("adaptive, boundary to 1e-8", summary(traced)["evaluated"], f"{of_traced:.1f}", rate(traced))])
     drawn = Cells(few, 1024)
     differ = sum(drawn.of(row) not in (None, row["outcome"]) for row in points(full))
     print(f"\nPlaces in uniform cells with another outcome in the full grid: {differ}")
@@ -114,8 +114,8 @@ def memory(lab):
     """10^6 points that cost next to nothing: encounters that end at once. First, since a child begins with its parent's memory."""
     out, seconds = scan(lab, PERPENDICULAR, "memory", *grid(999), "rods_run.t_end=1e-3")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0
-    print(f"\n10^6 points that end at t = 0.001: {told(out)['evaluated']} points in {seconds:.1f} s, "
-          f"{1e6 * seconds / told(out)['evaluated']:.2f} us a point with tables; largest memory of all scans so far {peak:.0f} MB")
+    print(f"\n10^6 points that end at t = 0.001: {summary(out)['evaluated']} points in {seconds:.1f} s, "
+          f"{1e6 * seconds / summary(out)['evaluated']:.2f} us a point with tables; largest memory of all scans so far {peak:.0f} MB")
 
 
 def stiff(lab):
@@ -130,7 +130,7 @@ def stiff(lab):
         changed = [k for k, (a, b) in enumerate(zip(first, second)) if (a["outcome"], a["status"]) != (b["outcome"], b["status"])]
         inside = [k for k in changed if not at_boundary(outcomes, k, 65)]
         for k in inside:
-            place = tuple(first[k][axis["key"]] for axis in told(once)["axes"])
+            place = tuple(first[k][axis["key"]] for axis in summary(once)["axes"])
             print(f"{scene}: {place}: {first[k]['outcome']} -> {second[k]['outcome']}", file=sys.stderr)
         lines.append((scene, len(first), dict(Counter(row["status"] for row in first)), len(changed), len(inside)))
     table("Stiff end, rtol 1e-7 against 1e-8, 65 x 65 points", ("scene", "points", "status", "outcome changed", "of them off the boundary"), lines)
@@ -145,7 +145,7 @@ def at_boundary(outcomes, number, side):
 
 def share(folder):
     """Shares of the plane by outcome, from the cells; half of a mixed cell is nobody's."""
-    areas, axes = Counter(), told(folder)["axes"]
+    areas, axes = Counter(), summary(folder)["axes"]
     for row in rows(folder / "cells.csv"):
         area = 1.0
         for axis in axes:
@@ -159,7 +159,7 @@ def maps(lab):
     lines = []
     for scene in sorted((SOURCE / "scenes").glob("phase_*.toml")) + [SOURCE / "scenes" / "capture_basin.toml"]:
         out, _ = scan(lab, scene.name, f"map_{scene.stem}", traced=True)
-        lines.append((scene.stem, told(out)["evaluated"], told(out)["requested"], told(out)["failed"], rate(out), share(out)))
+        lines.append((scene.stem, summary(out)["evaluated"], summary(out)["requested"], summary(out)["failed"], rate(out), share(out)))
     table("The diagrams of scenes/", ("scene", "points", "of", "failed", "audit: missed, at most (95 %)", "share of the plane"), lines)
 
 

@@ -17,7 +17,7 @@ import subprocess
 
 import numpy as np
 
-from lab import SOURCE, columns, parser, run_parts, table, told
+from lab import SOURCE, columns, parser, run_parts, table, read_json
 
 CAMERAS, INTERVAL, LAGS = 50, 0.005, (4, 16, 64)  # s; frames
 BED = """schema = 1
@@ -54,7 +54,7 @@ def numbers(case):
 def case_of(folder):
     lag, msd, sigma = columns(folder / "msd.csv", "lag", "msd", "sigma")
     r, g = columns(folder / "gr.csv", "r", "g")
-    return {"measure": told(folder, "measure"), "lag": lag, "msd": (msd, sigma), "r": r, "g": g}
+    return {"measure": read_json(folder, "measure"), "lag": lag, "msd": (msd, sigma), "r": r, "g": g}
 
 
 def film(lab, bed, number, name, *faults):
@@ -90,7 +90,7 @@ def coverage(lab):
         rows.append([name, f"{true:.4g}", f"{pictures.mean():.4g}", f"{values.mean():.4g} +- {values.std(ddof=1):.1g}", f"{np.mean(errors):.2g}",
                      *(f"{share(values, errors, of, 1)}, {share(values, errors, of, 2)}" for of in (true, pictures))])
     table(f"{count} cameras over one bed: 10 % of the spots lost, an error of 0.05 a, half of the area seen",
-          ["number", "of the bed", "of the pictures without faults", "of the cameras, +- their scatter", "error told", "bed within 1, 2 errors",
+          ["number", "of the bed", "of the pictures without faults", "of the cameras, +- their scatter", "stated error", "bed within 1, 2 errors",
            "picture within 1, 2"], rows)
     far = np.mean([rms_of_g(one, truth) for one in films])
     print(f"g(r) from 5 to 25 a: rms difference from the bed's {far:.4f} (pictures without faults {np.mean([rms_of_g(one, truth) for one in clear]):.4f})")
@@ -118,16 +118,16 @@ last_period = false
 def heading(lab):
     keys = ("measure.heading_diffusion=true", "measure.block=4 s")
     bed = lab.make("rod", WITH_ROD.format(duration=10 if lab.quick else 60, every=20), *keys, verbs=("dem", "measure"))
-    truth, found = told(bed, "measure")["heading_diffusion"]["D_r"], []
+    truth, found = read_json(bed, "measure")["heading_diffusion"]["D_r"], []
     for number in range(3 if lab.quick else 20):
         lab.call("camera", bed, "-o", "rod_film", "--lost", "0.1", "--memory", "2", "--noise", "0.05 a", "--seed", number + 1, "--force", "--quiet")
         text = (lab.folder / "rod_film/camera.toml").read_text(encoding="utf-8").split("[measure]")[0]
         film = lab.make(f"rod_{number}", text.replace('"tracks.csv"', f'"{lab.folder / "rod_film/tracks.csv"}"'), *keys, verbs=("measure",))
-        one = told(film, "measure")["heading_diffusion"]["D_r"]
+        one = read_json(film, "measure")["heading_diffusion"]["D_r"]
         found.append((one["value"], one["error"]))
     values, errors = np.array(found, dtype=float).T  # an error that is not known is no number
     table(f"Heading diffusion from {len(values)} films, the rod lost in a tenth of the pictures",
-          ["of the bed, rad^2/s", "of the films, +- their scatter", "error told", "bed within 1, 2 errors"],
+          ["of the bed, rad^2/s", "of the films, +- their scatter", "stated error", "bed within 1, 2 errors"],
           [[f"{truth['value']:.4g} +- {truth['error']:.2g}", f"{values.mean():.4g} +- {values.std(ddof=1):.1g}", f"{errors.mean():.2g}",
             f"{share(values, errors, truth['value'], 1)}, {share(values, errors, truth['value'], 2)}"]])
 

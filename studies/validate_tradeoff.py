@@ -16,7 +16,7 @@ import random
 import statistics
 import sys
 
-from lab import SOURCE, markdown, parser, rows, run_parts, told
+from lab import SOURCE, markdown, parser, rows, run_parts, read_json
 
 MEDIUM = "schema = 1\n[medium]\neta = {eta}\nalpha = {alpha}\n[coupling]\nkappa = {kappa}\ngamma1 = {gamma1}\ngamma2 = {gamma2}\n"
 PLAIN = {"eta": 1.0, "alpha": 1.0, "kappa": 0.5, "gamma1": 0.0, "gamma2": 0.0}
@@ -59,7 +59,7 @@ def last_state(lab, file, name, settings):
     out = lab.folder / name
     lab.call("rods", file, "-o", out, "--quiet", "--force", *[f"-s{setting}" for setting in settings])
     row = (out / "rods.csv").read_text().splitlines()[-1]
-    return [float(cell) for cell in row.split(",")[1:]], told(out, "outcome")["outcome"]
+    return [float(cell) for cell in row.split(",")[1:]], read_json(out, "outcome")["outcome"]
 
 
 def way(row):
@@ -83,7 +83,7 @@ def named_scenes(lab):
     for name, (text, kind) in NAMED.items():
         slug = name.replace(" ", "_")
         tradeoff(lab, lab.write(f"{slug}.toml", text), slug, "--error", kind)
-        reference, found = told(lab.folder / slug, "tradeoff")["reference"], measurements(lab, slug)
+        reference, found = read_json(lab.folder / slug, "tradeoff")["reference"], measurements(lab, slug)
         lines.append([name, kind, f"{reference['agreement'][kind]:.1e}", *(time_text(cheapest(found, error)) for error in (1e-3, 1e-6, 1e-9))])
         strays += stray_settings(name, found, reference["least_error_quoted"][kind])
     print(markdown(["scene", "error", "agreement of the reference", "cheapest for 1e-3", "for 1e-6", "for 1e-9"], lines))
@@ -205,7 +205,7 @@ def ensemble(lab, file, name, keys, seed):
     """Means of an ensemble; of one run its values."""
     out = lab.folder / name
     lab.call("dem", file, "-o", out, "--quiet", "--force", *[f"-s{key}" for key in keys], "--seed", seed)
-    found = told(out, "summary")
+    found = read_json(out, "summary")
     return {"rod_speed": found["rods"][0]["mean_speed"], **{key: found[key] for key in ("T_xy", "T_z", "psi6")}}
 
 

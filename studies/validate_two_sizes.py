@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 from scipy.spatial import Delaunay
 
-from lab import SOURCE, columns, keep_row, kept_rows, leave_one_out, mean, parser, run_parts, table, text, told
+from lab import SOURCE, columns, keep_row, kept_rows, leave_one_out, mean, parser, run_parts, table, text, read_json
 
 A = 4e-4
 GAPS, DENSE = (1.2, 1.3, 1.4, 1.5, 1.55, 1.6, 1.7), (0.70, 0.80)
@@ -69,7 +69,7 @@ def made(lab, part, reduce, bed, verbs=("dem",), more="", **settings):
     if not rows():
         scene = BED.format(**{"gap": 1.55, "equilibrate": 2, **bed, **settings}, more=more.format(**settings))
         folder = lab.make("_".join([part, *map(str, settings.values())]), scene, verbs=verbs)
-        summary = told(folder, "summary")
+        summary = read_json(folder, "summary")
         for row in reduce(folder, summary):
             keep_row(kept(part), {**settings, **row, "cpu_seconds": round(summary["cpu_seconds"])})
         shutil.rmtree(folder)

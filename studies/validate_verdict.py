@@ -16,7 +16,7 @@ import shutil
 
 import numpy as np
 
-from lab import SOURCE, columns, keep_row, kept_rows, mean, parser, run_parts, table, text, told
+from lab import SOURCE, columns, keep_row, kept_rows, mean, parser, run_parts, table, text, read_json
 from validate_mechanism import A, FIT, MEDIA, NUMBERS, RIVALS, SIGMA_HEADING, SIGMA_POSITION, TRACK, apart_yet, speed_of
 
 TRACKS, BATCH = SOURCE / "studies/verdict_tracks.csv", 5
@@ -85,7 +85,7 @@ def pairs(lab):
                     if not (folder / "summary.json").is_file():  # beads overlapped by too much, and the run was stopped
                         print(f"{name} {start}, batch {batch}: run {run} failed")
                         continue
-                    seconds = round(told(folder, "summary")["cpu_seconds"])
+                    seconds = round(read_json(folder, "summary")["cpu_seconds"])
                     for row in rows_at_steps(columns(folder / "tracks.csv"), bed["step"]):
                         keep_row(TRACKS, {"bed": name, "start": start, "batch": batch, "run": run, **row, "cpu_seconds": seconds})
                 shutil.rmtree(out)
@@ -135,7 +135,7 @@ def weigh(lab):
                              "".join(",".join(f"{value:.4f}" for value in row) + "\n" for row in pair))
             parts.append(TRACK.format(file=file, scale=scale, speed=round(speed_of(pair), 4), position=SIGMA_POSITION, heading=SIGMA_HEADING))
         out = lab.make(f"weigh_{name}", FIT.format(eta=eta, alpha=alpha, direction=0.0, tracks="".join(parts)), verbs=("fit",))
-        models = {one["name"]: one for one in told(out, "models")["models"]}
+        models = {one["name"]: one for one in read_json(out, "models")["models"]}
         couplings = {one: models[one]["parameters"][RIVALS[one][0]] for one in ("strain", "flow", "rows")}
         lines.append([name, len(found), *(f"{models[one]['aic'] - models['none']['aic']:+.1f}" for one in RIVALS),
                       *(text((one["value"], one["stderr"]), digits=3) for one in couplings.values()),

@@ -13,10 +13,10 @@ from lab import keep_line, kept_lines, write_csv
 
 # What a cell is, the worst last:
 #   good       an answer, within its bound where there is a reference
-#   told       no answer, and the program says why: a refusal, a solver's failure, a time limit that was set
+#   reported   no answer, and the program says why: a refusal, a solver's failure, a time limit that was set
 #   differs    an answer outside its bound
 #   bad        NaN, no named status, a crash, or the time of the cell exceeded
-VERDICTS = ("good", "told", "differs", "bad")
+VERDICTS = ("good", "reported", "differs", "bad")
 
 # How a run names its end on standard error: a refusal says where, a run that stopped which failure.
 REFUSAL = re.compile(r"(?m)^rodwake: ([^ ]+\.(toml|csv)|-s [\w.]+=|standard input|box = \S+: more than|fit: \d+ data points)")
@@ -50,10 +50,10 @@ class Ended:
             return "timeout", "bad"
         text = self.stderr.strip()
         if self.code == 2 and REFUSAL.search(text):
-            return "refused", "told"
+            return "refused", "reported"
         for stop, name in STOPS.items() if self.code == 1 else ():
             if found := stop.search(text):
-                return name or found.group(1), "told"
+                return name or found.group(1), "reported"
         return f"unnamed: exit code {self.code}, {text[-200:]}", "bad"
 
 

@@ -143,12 +143,12 @@ def points_of(lab, group, maker, count, first):
 
 
 def singular(lab):
-    """Places without a field are told, one by one."""
+    """Places without a field are reported, one by one."""
     places = [(0.0, 0.0, 1.0, 1.0), (1e-101, 0.0, 1.0, 1.0), (1e300, 1e300, 1e-3, 1.0), (-0.0, 0.0, 1e-4, -0.5)]
     for place in places:
         done = evaluated(lab, [place])
-        told = done.code == 3 and "standard input:2:1" in done.stderr
-        yield Cell("field: no field there", str(place), "no field" if told else f"unnamed: {done.code}", "told" if told else "bad", done.seconds)
+        reported = done.code == 3 and "standard input:2:1" in done.stderr
+        yield Cell("field: no field there", str(place), "no field" if reported else f"unnamed: {done.code}", "reported" if reported else "bad", done.seconds)
 
 
 def boxes(lab):

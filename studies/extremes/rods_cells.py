@@ -345,7 +345,7 @@ def named(row):
         return "not finite", "bad"
     if row["status"] == "ok":
         return (row["outcome"], "good") if row["outcome"] in OUTCOMES else (f"unnamed outcome: {row['outcome']}", "bad")
-    return (row["status"], "told") if row["status"] in STATUSES else (f"unnamed status: {row['status']}", "bad")
+    return (row["status"], "reported") if row["status"] in STATUSES else (f"unnamed status: {row['status']}", "bad")
 
 
 def numbers(row):

@@ -2,7 +2,7 @@
 
 import math
 
-from lab import Lab, estimate, mean, told, weighted
+from lab import Lab, estimate, mean, read_json, weighted
 
 A = 4e-4         # m, radius of a bead
 PERIOD = 5e-3    # s, of the plates
@@ -18,7 +18,7 @@ class Beds(Lab):
 
     def fit(self, name, text):
         """The result of a fit: fit.json."""
-        return told(super().make(name, text, verbs=("fit",)), "fit")
+        return read_json(super().make(name, text, verbs=("fit",)), "fit")
 
 
 def bed(duration, keys="", measure="", rods="", frames=0.1, runs=1, formats="[]", box="fit", equilibrate=2.0):
@@ -36,7 +36,7 @@ def rod(speed=None, x=20, y=39):
 
 def combined(folders, kind, name):
     """Mean of runs alike; its error from their scatter, of fewer than four from their own errors."""
-    found = [estimate(measured[name]) for measured in (told(folder, "measure").get(kind, {}) for folder in folders) if name in measured]
+    found = [estimate(measured[name]) for measured in (read_json(folder, "measure").get(kind, {}) for folder in folders) if name in measured]
     if len(found) >= 4:
         return mean([value for value, _ in found])
     return weighted(found) if found else (math.nan, math.nan)

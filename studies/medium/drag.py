@@ -3,7 +3,7 @@
 import h5py
 import numpy as np
 
-from lab import estimate, ratio, table, text, told
+from lab import estimate, ratio, table, text, read_json
 
 from . import monopole, push, sound, static
 from .bed import A, bed, combined, rod
@@ -32,7 +32,7 @@ def rod_row(lab, speed):
 
 
 def part(lab):
-    at_rest = told(sound.run(lab), "measure")["phonons"]
+    at_rest = read_json(sound.run(lab), "measure")["phonons"]
     rows = [["bed at rest", "0", "", text(estimate(at_rest["drag_rate"])), text(estimate(at_rest["c_T"]), digits=1)]]
     rows += [uniform_row(lab, drift) for drift in push.DRIFTS]
     rows += [rod_row(lab, speed) for speed in (*monopole.SPEEDS, *ONLY_DRAG)]

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lab import columns, estimate, keep_row, kept_rows, mean, table, text, told
+from lab import columns, estimate, keep_row, kept_rows, mean, table, text, read_json
 
 from .bed import A, HEAD
 
@@ -72,7 +72,7 @@ def scene(keys, seconds, settle, runs, tables, frames=0.5):
 
 def reduced(folder):
     """Of an ensemble: Z and p sigma^2/(m T_xy) with errors between runs, temperatures, order, g at contact."""
-    summary, order = told(folder, "summary"), told(folder, "measure")["order"]
+    summary, order = read_json(folder, "summary"), read_json(folder, "measure")["order"]
     runs = columns(folder / "runs.csv") if (folder / "runs.csv").is_file() else {
         "p_xx": np.array([summary["pressure"]["xx"]]), "p_yy": np.array([summary["pressure"]["yy"]]), "T_xy": np.array([summary["T_xy"]])}
     area = np.prod(summary["box"]) if isinstance(summary["box"], list) else summary["box"]**2
@@ -191,9 +191,9 @@ def mixture(lab, name, phi):
         if row["name"] == key:
             return {column: float(value) for column, value in row.items() if column != "name"}
     folder, first, second = discs(lab, phi, *MIXTURES[name])
-    kinds, runs = told(folder, "summary")["kinds"], columns(folder / "runs.csv")
+    kinds, runs = read_json(folder, "summary")["kinds"], columns(folder / "runs.csv")
     heat = sum(kind["beads"] * MASS * (kind["radius"] / A)**3 * runs[f"T_xy_kind{k}"] for k, kind in enumerate(kinds))
-    Z = mean((runs["p_xx"] + runs["p_yy"]) / 2 * told(folder, "summary")["box"]**2 / heat)
+    Z = mean((runs["p_xx"] + runs["p_yy"]) / 2 * read_json(folder, "summary")["box"]**2 / heat)
     s, (energy,) = first**2 / second, columns(folder / "runs/0001/table.csv", "energy")
     keep_row(mine, {"name": key, "Z": Z[0], "Z_error": Z[1], "formula": (1 - s) / (1 - phi) + s * pade(phi), "energy": np.ptp(energy) / energy[0],
                     "T_z": sum(kind["T_z"] for kind in kinds)})

@@ -2,7 +2,7 @@
 
 import math
 
-from lab import estimate, ratio, table, text, told
+from lab import estimate, ratio, table, text, read_json
 
 from . import push, sound
 from .bed import A, bed, combined, rod
@@ -110,10 +110,10 @@ def medium_row(label, waves, constants, force, through, density, momentum):
     """What theory calls f/mu, eta, xi and alpha, of the medium itself, and drag by momentum over damping; mu is C66."""
     stiffness = constants["c66"]
     reach = ratio(force, (stiffness[0] * density * A**3, stiffness[1] * density * A**3))
-    damping = estimate(told(waves, "measure")["phonons"]["drag_rate"])
+    damping = estimate(read_json(waves, "measure")["phonons"]["drag_rate"])
     xi = ratio(stiffness, (constants["zeta"][0] * abs(through), constants["zeta"][1] * abs(through)))
     alpha = force[0] / density / A**3 * constants["zeta"][0] * abs(through) / stiffness[0]**2
-    return [label, text(reach), text(estimate(told(waves, "measure")["phonons"]["eta"])), text(xi, digits=0), f"{alpha:.4f}", text(ratio(momentum, damping))]
+    return [label, text(reach), text(estimate(read_json(waves, "measure")["phonons"]["eta"])), text(xi, digits=0), f"{alpha:.4f}", text(ratio(momentum, damping))]
 
 
 def part(lab):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from scipy.optimize import least_squares
 
-from lab import estimate, table, text, told
+from lab import estimate, table, text, read_json
 
 from . import push, sound, static
 from .bed import A, bed
@@ -70,7 +70,7 @@ def fit(data, constants, viscosity, q, speed, box, inertia):
 def part(lab):
     at_rest, inertia = push.constants(lab, sound.run(lab))
     constants = [at_rest[name][0] for name in ("c11", "c22", "c12", "c66")]
-    viscosity = inertia[0] * estimate(told(sound.run(lab), "measure")["phonons"]["viscosity_T"])[0]
+    viscosity = inertia[0] * estimate(read_json(sound.run(lab), "measure")["phonons"]["viscosity_T"])[0]
     rows = []
     for speed, seeds in SEEDS.items():
         data, through = [], []

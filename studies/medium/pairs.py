@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from lab import columns, estimate, mean, table, text, told, tracks
+from lab import columns, estimate, mean, table, text, read_json, tracks
 
 
 RUNS = 50
@@ -20,7 +20,7 @@ def part(lab):
     for angle in (0, 90):
         folder = lab.make(f"pair_{angle}", f"pair_unstrained_{angle}.toml", f"granular.runs={lab.count(RUNS)}",
                           *(["granular.duration=1 s"] if lab.quick else []))
-        found = told(folder, "measure")["pairs"]
+        found = read_json(folder, "measure")["pairs"]
         change = found.get("half_box_change") or {"value": math.nan, "error": None}
         value, error = estimate(change)
         rows.append([f"{angle} degrees", f"{value:+.2f} +- {error:.2f}", str(found["not_there"]), *(str(found[k]) for k in
@@ -48,7 +48,7 @@ def latency(track, k):
 
 
 def show_near(folder):
-    found, all_tracks = told(folder, "measure")["pairs"], list(tracks(folder))
+    found, all_tracks = read_json(folder, "measure")["pairs"], list(tracks(folder))
     times = np.array([[latency(t, k) for k in (0, 1)] for t in all_tracks])
     rows = []
     for k, label in ((0, "along the rows"), (1, "across the rows")):
@@ -81,7 +81,7 @@ def polycrystal(lab):
                           *(["granular.duration=1 s", "granular.equilibrate=0.1 s"] if lab.quick else []))
         pair = columns(folder / "pairs.csv")
         captured, rear = np.isin(pair["outcome"], CAPTURES), pair["non_reciprocity"] > 0
-        order = told(folder, "measure")["order"]
+        order = read_json(folder, "measure")["order"]
         runs = len(captured)
         turned = [mean([abs(track[f"theta{k}"][-1] - track[f"theta{k}"][0]) for track in tracks(folder)]) for k in (0, 1)]
         lines.append([name, text(estimate(order["psi6"])), wilson(captured.sum(), runs), wilson((captured & rear).sum(), runs),

@@ -48,7 +48,7 @@ def inertia(lab):
 def constants(lab, sound_run):
     """c11, c22, c12, c66 (a^2/s^2) and zeta (1/s) of a steady field, mass of the beads per area 1, and m*; each (value, error).
 
-    Errors of the constants are those of the sound; that of m*, which they share, is told apart.
+    Errors of the constants are those of the sound; that of m*, which they share, is separate.
     """
     factor = inertia(lab)
     scaled = {name: (factor[0] * one[0], factor[0] * one[1]) for name, one in sound.constants(sound_run).items() if name != "zeta"}

@@ -2,7 +2,7 @@
 
 import math
 
-from lab import estimate, table, text, told
+from lab import estimate, table, text, read_json
 
 from .bed import A, SOUND_COST, bed
 
@@ -23,12 +23,12 @@ def run(lab, name="sound", interval=INTERVAL, seconds=SECONDS, runs=RUNS, box="f
 
 def density(folder):
     """Mass of the beads per area, kg/m^2."""
-    return told(folder, "measure")["phonons"]["density"]
+    return read_json(folder, "measure")["phonons"]["density"]
 
 
 def constants(folder):
     """c11, c22, c12, c66 in a^2/s^2 and zeta in 1/s (mass per area 1), of the bare mass, each (value, error), from measure.json."""
-    found = told(folder, "measure")["phonons"]
+    found = read_json(folder, "measure")["phonons"]
     scale = 1.0 / (density(folder) * A * A)
     out = {name.lower(): tuple(scale * one for one in estimate(found[name + "_bare"])) for name in ("C11", "C22", "C12", "C66")}
     out["zeta"] = estimate(found["drag_rate"])
@@ -38,7 +38,7 @@ def constants(folder):
 def show(title, folders, inertia=1.0):
     rows = []
     for label, folder in folders:
-        found = told(folder, "measure")["phonons"]
+        found = read_json(folder, "measure")["phonons"]
         row = [label]
         for name in ("C11", "C22", "C12", "C66"):
             row.append(text(estimate(found[name + "_bare"]), 1e3 * inertia))

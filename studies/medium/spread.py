@@ -11,7 +11,7 @@ import math
 import h5py
 import numpy as np
 
-from lab import estimate, table, text, told
+from lab import estimate, table, text, read_json
 
 from . import monopole, push, scaling, sound
 from .bed import A
@@ -111,7 +111,7 @@ def part(lab):
     waves = sound.run(lab, "sound_155", seconds=scaling.SOUND_SECONDS, runs=1, box="fit 155 a")
     (constants, inertia), density = push.constants(lab, waves), sound.density(waves)
     elastic = [constants[name][0] for name in ("c11", "c22", "c12", "c66")]
-    heard = inertia[0] * estimate(told(waves, "measure")["phonons"]["viscosity_T"])[0]
+    heard = inertia[0] * estimate(read_json(waves, "measure")["phonons"]["viscosity_T"])[0]
     rows = []
     for variant, label in scaling.CASES:
         folders = scaling.case_folders(lab, 155, variant)

@@ -116,9 +116,9 @@ def read(files):
 
 
 def of_stored_runs(speed):
-    """What told_by tells of them and its errors, and of the theory of their mean: three arrays."""
+    """What sides_and_decay tells of them and its errors, and of the theory of their mean: three arrays."""
     measured = read(sorted(STORED.glob(f"{speed}_*.csv")))
-    return *with_jackknife(measured, lambda u: told_by(u, screening(speed))), told_by(theory(speed), screening(speed))
+    return *with_jackknife(measured, lambda u: sides_and_decay(u, screening(speed))), sides_and_decay(theory(speed), screening(speed))
 
 
 def theory(speed, from_rest=True):
@@ -156,7 +156,7 @@ def screening(speed):
     return CONSTANTS["C66"][0] * 1e-3 / DENSITY / A**2 / (DRAG * speed)
 
 
-def told_by(field, xi):
+def sides_and_decay(field, xi):
     """Of U [component, row, column]: U_x on the axis at 2 xi behind and ahead, slope behind from 3 to 8 xi, local decay length ahead.
 
     The length: of an exponential through U_x less its mean from 4 to 8 xi ahead, from NEAR over one xi. NaN where a logarithm has none.
@@ -197,9 +197,9 @@ def row(lab, speed):
     far = amplitude(models[0], models[0])[1]
     scatter = measured[:, :, far].var(axis=0, ddof=1).mean(axis=1, keepdims=True) / len(measured)
     chi2 = ((measured.mean(axis=0) - models[0])[:, far] ** 2 / scatter).sum()
-    of_models = [told_by(model, xi) for model in models]
+    of_models = [sides_and_decay(model, xi) for model in models]
     cells = []
-    for k, (value, error) in enumerate(zip(*with_jackknife(measured, lambda u: told_by(u, xi)))):
+    for k, (value, error) in enumerate(zip(*with_jackknife(measured, lambda u: sides_and_decay(u, xi)))):
         digits = (3, 3, 2, 1)[k]
         found = text((value, error), digits=digits) if math.isfinite(error) else "changes sign"
         cells.append(f"{found} ({'; '.join(shown(one[k], digits) for one in of_models)})")

@@ -38,7 +38,7 @@ def apparatus(folder):
 
 def speed(folder):
     """mm/s, + thin end first."""
-    rod = results.told(folder, "summary")["rods"][0]
+    rod = results.read_json(folder, "summary")["rods"][0]
     return 1e3 * rod["mean_speed"], 1e3 * rod.get("mean_speed_error", nan)
 
 
@@ -61,7 +61,7 @@ def walks_in_crystal(folder):
 
 
 def by_density(folder):
-    return {round(float(row["phi_b"]), 3): results.told(place, "measure") for row, place in results.cases(folder)}
+    return {round(float(row["phi_b"]), 3): results.read_json(place, "measure") for row, place in results.cases(folder)}
 
 
 def crossing(values, level):
@@ -74,7 +74,7 @@ def crossing(values, level):
 
 
 def order_onset(folder):
-    psi6 = {phi: told["order"]["psi6"]["value"] for phi, told in by_density(folder).items()}
+    psi6 = {phi: record["order"]["psi6"]["value"] for phi, record in by_density(folder).items()}
     return judge.bracket(*crossing(psi6, 0.3), 0.71, 0.73)
 
 
@@ -92,7 +92,7 @@ def class_change(upper, paper):
 
     The paper's density is compared as printed. It gives no grid of densities, so its own uncertainty is unknown."""
     def judged(folder):
-        rank = {phi: CLASSES.index(told["order"]["class"]) for phi, told in by_density(folder).items() if told["order"]["class"] in CLASSES}
+        rank = {phi: CLASSES.index(record["order"]["class"]) for phi, record in by_density(folder).items() if record["order"]["class"] in CLASSES}
         below, above = ([phi for phi, k in rank.items() if (k >= upper) == wanted] for wanted in (False, True))
         if not below or not above:
             return judge.unknown("one class only")
@@ -102,8 +102,8 @@ def class_change(upper, paper):
     return judged
 
 
-def stiffness(told):
-    found = told["microrheology"]
+def stiffness(record):
+    found = record["microrheology"]
     scatter, bend = (found.get(key) for key in ("scatter", "bend"))
     return found["stiffness"]["value"], nan if scatter is None or bend is None else hypot(scatter, bend)
 
@@ -140,7 +140,7 @@ def flow_dies(folder):
 
 
 def drag(folder):
-    return results.estimate(results.told(folder, "measure")["flow"]["drag"])
+    return results.estimate(results.read_json(folder, "measure")["flow"]["drag"])
 
 
 def drags(folder):

@@ -20,7 +20,7 @@ TURNED = 1 / 3  # of the other rod's turn: the rod that turns less "goes straigh
 
 def half_box(folder):
     """Change of the separation over half a box, a."""
-    pair = results.told(folder, "summary")["pair"]
+    pair = results.read_json(folder, "summary")["pair"]
     return pair.get("half_box_separation_change", nan) / A, pair.get("half_box_separation_change_error", nan) / A
 
 
@@ -89,7 +89,7 @@ def weakens(folder):
 def rests(place):
     """A pair that does not walk, against what the motile pair does."""
     def judged(folder, motile):
-        pair = results.told(folder / place, "summary")["pair"]
+        pair = results.read_json(folder / place, "summary")["pair"]
         change, error = (pair.get(key, nan) / A for key in ("separation_change", "separation_change_error"))
         return judge.none(change, error, abs(half_box(motile)[0]) / 2, "a")
     return judged
@@ -103,12 +103,12 @@ def no_interaction(*folders):
 
 
 def rear_turns(folder):
-    pairs = results.told(folder, "measure")["pairs"]
+    pairs = results.read_json(folder, "measure")["pairs"]
     return judge.sign(*results.estimate(pairs["non_reciprocity"]), +1)
 
 
 def captured(folder):
-    pairs = results.told(folder, "measure")["pairs"]
+    pairs = results.read_json(folder, "measure")["pairs"]
     runs = sum(pairs[name] for name in ("contact", "pursuit", "escape", "undecided"))
     share = (pairs["contact"] + pairs["pursuit"]) / runs
     found = judge.at_least(share, sqrt(max(share * (1 - share), 1 / runs) / runs), 0.5)

@@ -25,7 +25,7 @@ class Row:
     judge: Callable
     runs: tuple[Run, ...] = ()
     figures: tuple[str, ...] = ()   # names of [[figures]] of the runs; the first run that has one shows it
-    why: str = ""                   # why it differs or cannot be told, as far as known
+    why: str = ""                   # why it differs or is unknown, as far as known
     made: str = ""                  # instead of commands, for what no run makes
     counted: bool = True            # False: on the page alone, as it is an input, or a film whose verdict another row has
 

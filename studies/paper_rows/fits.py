@@ -19,8 +19,8 @@ SATISFACTORY = 0.2    # of the profile: what "satisfactory" is taken to allow
 
 
 def parameter(folder, name):
-    told = results.told(folder, "fit")
-    found = told["parameters"].get(name) or told["derived"][name]
+    record = results.read_json(folder, "fit")
+    found = record["parameters"].get(name) or record["derived"][name]
     return found["value"], found["stderr"]
 
 
@@ -30,12 +30,12 @@ def fitted(name, paper, paper_error, unit=""):
 
 def excess(folder, number):
     """Data over prediction of a profile, and its error."""
-    found = results.told(folder, "fit")["profiles"][number]["excess"]
+    found = results.read_json(folder, "fit")["profiles"][number]["excess"]
     return found["scale"], found["stderr"]
 
 
 def satisfactory(folder):
-    paper = results.told(folder, "fit")["compare"][0]["profiles"][1]["excess"]
+    paper = results.read_json(folder, "fit")["compare"][0]["profiles"][1]["excess"]
     found = judge.between(*excess(folder, 1), 1.0 - SATISFACTORY, 1.0 + SATISFACTORY)
     return judge.Judged(found.verdict, f"data over theory {found.ours} with the fit of U_x(x, 0), {judge.with_error(paper['scale'], paper['stderr'])} "
                         "with the paper's values", found.difference)
@@ -50,15 +50,15 @@ def exceeds(number):
 
 
 def describes(folder):
-    told = results.told(folder, "fit")
-    paper, dof = told["compare"][0]["profiles"][0]["chi2"], told["dof"]
-    return judge.holds(paper < 3 * dof, f"χ² = {paper:.0f} with the paper's values, {told['chi2']:.1f} with ours, {dof} degrees of freedom")
+    record = results.read_json(folder, "fit")
+    paper, dof = record["compare"][0]["profiles"][0]["chi2"], record["dof"]
+    return judge.holds(paper < 3 * dof, f"χ² = {paper:.0f} with the paper's values, {record['chi2']:.1f} with ours, {dof} degrees of freedom")
 
 
 def dipole_spoils(folder):
-    told = results.told(folder, "fit")["profiles"][0]
+    record = results.read_json(folder, "fit")["profiles"][0]
     value, error = excess(folder, 0)
-    return judge.holds(told["chi2"] > 3 * told["points"], f"χ² of U_x(x, 0) is {told['chi2']:.0f} for {told['points']} points; "
+    return judge.holds(record["chi2"] > 3 * record["points"], f"χ² of U_x(x, 0) is {record['chi2']:.0f} for {record['points']} points; "
                        f"data over theory {judge.with_error(value, error)}")
 
 
@@ -107,26 +107,26 @@ def pulled_tail(folder):
     return tail(folder / "variants/v_15")
 
 
-def told_of_force():
+def sides_of_force():
     """U_x 2 xi behind, 2 xi ahead, power behind, local decay length ahead: values, errors, theory in the same box; 50 a/s, eight runs."""
     return zip(*moving_force.of_stored_runs(50))
 
 
 def force_one_sided():
-    (behind, behind_error, _), (ahead, ahead_error, _), *_ = told_of_force()
+    (behind, behind_error, _), (ahead, ahead_error, _), *_ = sides_of_force()
     found = judge.sign(behind - ahead, np.hypot(behind_error, ahead_error), +1, "a")
     return judge.Judged(found.verdict, f"{judge.with_error(behind, behind_error)} behind, {judge.with_error(ahead, ahead_error)} a ahead", found.difference)
 
 
 def force_ahead():
     """Between 12 and 40 a the wake is not exponential yet, in the theory either: its asymptotic length is (1 + eta) xi, 76 a."""
-    *_, (length, error, theory) = told_of_force()
+    *_, (length, error, theory) = sides_of_force()
     found = judge.number(length, error, theory, 0.0, "a")
     return judge.unknown(f"from theory in this box by {found.difference}", found.ours)
 
 
 def force_power():
-    _, _, (power, error, theory), _ = told_of_force()
+    _, _, (power, error, theory), _ = sides_of_force()
     found = judge.number(power, error, -0.5, 0.05)
     return judge.Judged(found.verdict, f"{found.ours} (theory in this box: {theory:.2f})", found.difference)
 

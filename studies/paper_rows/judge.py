@@ -62,12 +62,12 @@ def number(value, error, paper, paper_error, unit=""):
     if error is None or not isfinite(error):
         return unknown("the error is unknown", ours)
     off, both = abs(value - paper), hypot(error, paper_error)
-    told = with_error(value - paper, both, unit) + (f" ({in_sigma(off, both)})" if both > 0 else "")
+    difference = with_error(value - paper, both, unit) + (f" ({in_sigma(off, both)})" if both > 0 else "")
     if off > REFUTED * both:
-        return Judged(DIFFERS, ours, told)
+        return Judged(DIFFERS, ours, difference)
     if off > CONFIRMED * both or error > LARGEST * abs(paper):
-        return Judged(UNKNOWN, ours, told)
-    return Judged(MATCHES, ours, told)
+        return Judged(UNKNOWN, ours, difference)
+    return Judged(MATCHES, ours, difference)
 
 
 def sign(value, error, expected, unit=""):
@@ -78,8 +78,8 @@ def sign(value, error, expected, unit=""):
     side = expected * value
     if side == 0:
         return unknown("no direction", ours)
-    told = f"{in_sigma(side, error)} {'with' if side > 0 else 'against'} the paper" if error and isfinite(error) else ""
-    return Judged(by_distance(-side, error), ours, told)
+    distance = f"{in_sigma(side, error)} {'with' if side > 0 else 'against'} the paper" if error and isfinite(error) else ""
+    return Judged(by_distance(-side, error), ours, distance)
 
 
 def at_most(value, error, bound, unit=""):

@@ -15,7 +15,7 @@ HALF_BOX = 39.0  # a
 
 
 def diffusion(folder):
-    return results.told(folder, "measure")["heading_diffusion"]
+    return results.read_json(folder, "measure")["heading_diffusion"]
 
 
 def curve(folder, kappa):
@@ -49,8 +49,8 @@ def captured_in_noise(bed, scan):
     (p, noise), spread = at(points, D), abs(at(points, D + error)[0] - at(points, max(D - error, 1e-12))[0]) / 2
     half = half_lost(points)
     found = judge.at_least(p, sqrt(noise**2 + spread**2), LOST)
-    told = f"; half are lost at D_r = {half:.2g}" if half else ""
-    return judge.Judged(found.verdict, f"{found.ours} of the runs are captured at D_r = {judge.with_error(D, error)} v₀μ/f{told}", found.difference)
+    half_text = f"; half are lost at D_r = {half:.2g}" if half else ""
+    return judge.Judged(found.verdict, f"{found.ours} of the runs are captured at D_r = {judge.with_error(D, error)} v₀μ/f{half_text}", found.difference)
 
 
 def free_spread(D, speed, time):
@@ -67,8 +67,8 @@ def averaged(bed, pair):
     if len(runs) < 3:
         return judge.unknown("fewer than three runs came half a box")
     spread = float(np.std(runs, ddof=1))
-    told = diffusion(bed)
-    D, speed = (results.estimate(told[key])[0] for key in ("D_r", "speed"))
+    diffusion_record = diffusion(bed)
+    D, speed = (results.estimate(diffusion_record[key])[0] for key in ("D_r", "speed"))
     found = judge.at_most(spread / sqrt(50), spread / sqrt(50) / sqrt(2 * (len(runs) - 1)), abs(change) / 2, "a")
     free = free_spread(D, speed, HALF_BOX / speed) if D > 0 and speed > 0 else nan
     return judge.Judged(found.verdict, f"the mean of 50 is uncertain by {found.ours}: runs spread by {spread:.1f} a, headings that diffuse freely would "

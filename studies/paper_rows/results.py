@@ -16,7 +16,7 @@ def columns(path, *names):
     return tuple(np.array([float(row[name] or "nan") for row in rows]) for name in names)
 
 
-def told(folder, name):
+def read_json(folder, name):
     return json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
 
 

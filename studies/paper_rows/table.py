@@ -43,7 +43,7 @@ def keep(lab, found, path=KEPT):
     kept = kept_verdicts(path)
     for one in (one for _, rows in found for one in rows):
         if one.row.runs and len(one.folders) == len(one.row.runs) and not one.quick and any(run.quick != () for run in one.row.runs):
-            version = results.told(one.folders[0], "provenance")["version"]
+            version = results.read_json(one.folders[0], "provenance")["version"]
             kept[one.row.id] = dict(zip(COLUMNS, (one.row.id, asked(lab, one.row), version, one.judged.verdict, one.judged.ours, one.judged.difference)))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")

@@ -20,21 +20,21 @@ FIGURE_START = 1.0  # dx of pletraj_a.toml and pletraj_b.toml
 
 
 def meets(folder):
-    told = results.told(folder, "outcome")
-    return judge.holds(told["outcome"] == "contact", f"{told['outcome']} at t = {told['time']:.2f} f/(μ v₀)")
+    record = results.read_json(folder, "outcome")
+    return judge.holds(record["outcome"] == "contact", f"{record['outcome']} at t = {record['time']:.2f} f/(μ v₀)")
 
 
 def front_rests(folder):
-    told = results.told(folder, "outcome")
-    front, rear = sorted(map(abs, told["turn"]))
-    return judge.holds(told["outcome"] in CAPTURED and front < 1e-3 * rear,
-                       f"{told['outcome']}; the front rod turns by {front:.1e} rad, the rear one by {rear:.2f} rad")
+    record = results.read_json(folder, "outcome")
+    front, rear = sorted(map(abs, record["turn"]))
+    return judge.holds(record["outcome"] in CAPTURED and front < 1e-3 * rear,
+                       f"{record['outcome']}; the front rod turns by {front:.1e} rad, the rear one by {rear:.2f} rad")
 
 
 def closure_holds(memory, steady):
     """The same ending, and the same time of contact, or the same turns, but for CLOSURE_ERROR."""
-    one, other = (results.told(folder, "outcome") for folder in (memory, steady))
-    ours = "; ".join(f"{name}: {told['outcome']} at t = {told['time']:.2f} f/(μ v₀)" for name, told in (("dynamic medium", one), ("steady", other)))
+    one, other = (results.read_json(folder, "outcome") for folder in (memory, steady))
+    ours = "; ".join(f"{name}: {record['outcome']} at t = {record['time']:.2f} f/(μ v₀)" for name, record in (("dynamic medium", one), ("steady", other)))
     if one["outcome"] != other["outcome"]:
         return judge.holds(False, ours, "the endings differ")
     if one["outcome"] == "contact":

@@ -64,9 +64,9 @@ class ExtremesTest(ProgramTest):
 
     def test_names_of_failures(self):
         for code, text, expected in [
-                (2, "rodwake: a.toml:3:1: medium.eta = -2: must be", ("refused", "told")),
-                (1, "rods: integration stopped at t=1 of 2 (CV_ERR_FAILURE, step 1e-9", ("CV_ERR_FAILURE", "told")),
-                (1, "rods: integration stopped at t=1 of 2 (COLLISION, step 1e-9", ("COLLISION", "told"))]:
+                (2, "rodwake: a.toml:3:1: medium.eta = -2: must be", ("refused", "reported")),
+                (1, "rods: integration stopped at t=1 of 2 (CV_ERR_FAILURE, step 1e-9", ("CV_ERR_FAILURE", "reported")),
+                (1, "rods: integration stopped at t=1 of 2 (COLLISION, step 1e-9", ("COLLISION", "reported"))]:
             lab = Lab(self.stub(f"echo '{text}' >&2; exit {code}\n"), self.folder / "lab", 1, True)
             self.assertEqual(lab.run("rods", limit=10).refused(), expected)
 

@@ -314,7 +314,7 @@ class TailTest(unittest.TestCase):
         # 0.05 a of noise in some 170 beads a bin: 0.004 a
         self.assertAlmostEqual(found, 1.0, delta=0.01)
         self.assertLess(np.std((field - truth)[:, far]), 0.006)
-        behind, ahead = tail.told_by(field, 27.6)[:2]
+        behind, ahead = tail.sides_and_decay(field, 27.6)[:2]
         self.assertAlmostEqual(behind, 0.3 * math.exp(-2 * 27.6 / 40), delta=0.02)
         self.assertAlmostEqual(ahead, 0.3 * math.exp(-2 * 27.6 / 20), delta=0.02)
 
@@ -327,7 +327,7 @@ class TailTest(unittest.TestCase):
         steady, rest = tail.theory(50.0, False), tail.theory(50.0)
         self.assertLess(np.abs(rest - steady).max(), 0.02)
         self.assertGreater(np.abs(rest - steady).max(), 1e-5)
-        behind, ahead = tail.told_by(steady, tail.screening(50.0))[:2]
+        behind, ahead = tail.sides_and_decay(steady, tail.screening(50.0))[:2]
         self.assertGreater(behind, 4 * ahead)
 
 
