@@ -230,8 +230,9 @@ std::array<std::complex<double>, 2> in_line_eigenvalues(const elastic::Medium& m
 }
 
 std::optional<PairEquilibrium> equilibrium_near(const elastic::Medium& medium, const Couplings& couplings,
-                                                const Pose& pose) {
-    return newton(ScaledPair(medium, couplings), {pose.x / medium.xi, pose.y / medium.xi, pose.heading});
+                                                const Pose& pose, double longest_first_step) {
+    return newton(ScaledPair(medium, couplings), {pose.x / medium.xi, pose.y / medium.xi, pose.heading},
+                  longest_first_step);
 }
 
 std::vector<PairEquilibrium> pair_equilibria(const elastic::Medium& medium, const Couplings& couplings) {

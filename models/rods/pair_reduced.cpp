@@ -53,7 +53,7 @@ PairFlow flow_at(const ScaledPair& pair, const Pose& q) {
     return flow;
 }
 
-std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose q) {
+std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose q, double longest_first_step) {
     // Places are measured by the separation, so that a step is as large for the heading as for them. Far off
     // a step is cut to a fifth of the separation; the iteration has converged where it gains nothing more.
     double last = 1.0;
@@ -65,7 +65,7 @@ std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose q) {
         const Eigen::Vector3d scale{r, r, 1.0};
         const Eigen::Vector3d step = (flow.by_pose * scale.asDiagonal()).partialPivLu().solve(-flow.rates);
         const double length = step.norm();
-        if (!std::isfinite(length))
+        if (!std::isfinite(length) || (iteration == 0 && length > longest_first_step))
             return {};
         const double part = std::min(1.0, 0.2 / length);
         q.x += part * step[0] * r;

@@ -4,6 +4,8 @@
 #include "rodwake/elastic/field.hpp"
 #include "rodwake/rods/pair_equilibria.hpp"
 
+#include <limits>
+
 namespace rodwake::rods {
 
 /// A pair in lengths xi and times xi/v0: there kappa is the same number, and polar couplings are times
@@ -22,7 +24,8 @@ struct TurningRate turning_derivatives(const ScaledPair& pair, double x, double 
 
 PairFlow flow_at(const ScaledPair& pair, const Pose& pose);
 /// Newton's method in three unknowns from a pose in units of xi, and what it finds there, in those of f/mu.
-std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose pose);
+std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose pose,
+                                      double longest_first_step = std::numeric_limits<double>::infinity());
 /// What is at this pose, in units of f/mu.
 PairEquilibrium described(const ScaledPair& pair, const Pose& pose);
 

@@ -18,7 +18,10 @@ namespace rodwake::rods {
 namespace {
 
 constexpr std::size_t directions = 96;
-constexpr double sizes[] = {0.25, 0.5, 0.75, 1.0};
+// Only rods within some hundredths of an orbit can be decided, and Newton's first step from there is about as
+// long. Most pairs are far from any orbit, and one evaluation of the flow shows that.
+constexpr double longest_first_step = 1.0;
+constexpr double sizes[] = {1.0, 0.75, 0.5, 0.25}; // rods too far fail at the largest
 
 /// Direction k, evenly over the sphere (a Fibonacci lattice).
 Eigen::Vector3d on_sphere(std::size_t k) {
@@ -45,9 +48,9 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
         return {};
     };
     const Pose now = pose_seen_from(rod0, rod1);
-    const auto orbit = equilibrium_near(medium, couplings, now);
+    const auto orbit = equilibrium_near(medium, couplings, now, longest_first_step);
     if (!orbit || orbit->kind != EquilibriumKind::orbit)
-        return fail("Newton's method finds none from here");
+        return fail("Newton's method finds none near here");
     if (!orbit->stable())
         return fail(fmt::format("that of separation {:.4g} is unstable, with an eigenvalue of {:.3g}",
                                 orbit->separation[0], orbit->eigenvalues[0].real()));

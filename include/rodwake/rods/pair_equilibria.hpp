@@ -43,6 +43,7 @@
 
 #include <array>
 #include <complex>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -96,8 +97,10 @@ std::array<std::complex<double>, 2> in_line_eigenvalues(const elastic::Medium& m
                                                         const Couplings& couplings, double distance);
 
 /// The orbit or parallel pair to which Newton's method converges from `pose`, in the same image (omega of
-/// either sign, either rod in front). Nothing if it does not, or if what it finds is in line.
-std::optional<PairEquilibrium> equilibrium_near(const elastic::Medium& medium, const Couplings& couplings,
-                                                const Pose& pose);
+/// either sign, either rod in front). Nothing if it does not, if it finds rods in line, or if its first step
+/// is longer than this, in separations and rad together.
+std::optional<PairEquilibrium>
+equilibrium_near(const elastic::Medium& medium, const Couplings& couplings, const Pose& pose,
+                 double longest_first_step = std::numeric_limits<double>::infinity());
 
 } // namespace rodwake::rods
