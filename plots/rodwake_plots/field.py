@@ -353,6 +353,12 @@ def defaults_cut(run):
             for part in components(run.result.cut(index))]
 
 
+def defaults_polar_streamlines(run):
+    """Each coupling by itself, and both as opposites."""
+    gammas = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0))
+    return [Spec("polar_streamlines", "polar_streamlines", gammas=gammas)] if run.result.has("/field/grid") else []
+
+
 def components(cut):
     """U_y vanishes on the rod's own axis: no figure for a zero line."""
     return ("Ux",) if cut.along == "x" and cut.at == 0 else ("Ux", "Uy")
@@ -360,6 +366,6 @@ def components(cut):
 
 KINDS = {
     "extensional_axis": Kind(draw=draw_extensional_axis, caption=caption_extensional_axis, there=lambda run: run.result.has("/field/grid")),
-    "polar_streamlines": Kind(draw=draw_polar_streamlines, caption=caption_polar_streamlines, there=lambda run: run.result.has("/field/grid")),
+    "polar_streamlines": Kind(draw=draw_polar_streamlines, caption=caption_polar_streamlines, defaults=defaults_polar_streamlines),
     "cut": Kind(draw=draw_cut, caption=caption_cut, defaults=defaults_cut),
 }

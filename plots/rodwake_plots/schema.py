@@ -2,7 +2,7 @@
 
 import json
 import re
-from dataclasses import dataclass, fields
+from dataclasses import fields, make_dataclass
 from pathlib import Path
 from typing import Callable, NamedTuple
 
@@ -17,7 +17,9 @@ MEASURED = ALL["measures"]  # values of measure.json, in the order of the report
 PROFILES_UNIT = "of the profiles"  # unit of lengths in [fit]: whatever the measured files are in
 PHYSICS = {one["key"]: one for one in ALL["keys"] if one["table"] in ("medium", "coupling") and "symbol" in one}  # by name alone
 COUPLINGS = tuple(key for key, one in PHYSICS.items() if one["table"] == "coupling")
-OF_KIND = {"displacement_map": {"component": "U"}, "phase_diagram": {"colour": "outcome"}}  # where a kind has a default of its own
+# Where a kind has a default of its own: "Ux; displacement_map: U".
+OF_KIND = {kind: {key: value} for (table, key), entry in KEYS.items() if table == "figures[]"
+           for kind, value in re.findall(r"; (\w+): (\w+)", entry.get("default", ""))}
 BEADS = ("order", "orientation")  # what can colour them
 
 
@@ -31,32 +33,17 @@ class Kind(NamedTuple):
     hover_marks: Callable = None  # (run, spec, figure) -> [(axes, x, y, text)]: values that the report shows at a place
 
 
-@dataclass(frozen=True)
-class Spec:
-    """A figure that is asked for: its keys are those of [[figures]], which schema.json explains."""
-    name: str
-    kind: str
-    title: str = ""
-    cut: int = 0
-    component: str = "Ux"
-    sqrt_scaled: bool = False
-    along: str = "x"
-    quantity: str = "psi6"
-    against: str = "phi_b"
-    gammas: tuple = ((1.0, 0.0), (0.0, 1.0), (1.0, -1.0))
-    frame: int = -1
-    colour: str = "order"
-    fps: int = 20
-    profiles: tuple = ()     # empty: all
-    residuals: bool = True
-    parameter: str = ""      # empty: the first
-    cells: bool = False
-    boundary: bool = True
-    slices: tuple = ()       # empty: spread over the third axis
-    column: str = ""         # empty: made from the data
-    x: tuple = ()  # window; empty: fit to the data
-    y: tuple = ()
-    overlay: bool = False  # variants in one panel: asked of all figures, no key of a scene
+def default_of(entry):
+    """Value of a key of [[figures]] that is left out; empty where the figure chooses by its data, which the schema says in words."""
+    text = entry.get("default", "").split(";")[0].strip('"')
+    if entry["type"] == "string":
+        return "" if " " in text else text
+    return json.loads(text) if entry["type"] in ("boolean", "integer") else ()
+
+
+# A figure that is asked for: its keys are those of [[figures]]. `overlay`, variants in one panel, is asked of all figures by the command.
+Spec = make_dataclass("Spec", ["name", "kind", *((key, object, default_of(entry)) for (table, key), entry in KEYS.items()
+                                                 if table == "figures[]" and not entry["required"]), ("overlay", bool, False)], frozen=True)
 
 
 def subject(kind):
