@@ -33,6 +33,12 @@ TurningRate turning_derivatives(const ScaledPair& pair, double x, double y, doub
                                     {std::cos(h), std::sin(h)});
 }
 
+Eigen::Vector3d rates_at(const ScaledPair& pair, const Pose& q) {
+    const double c = std::cos(q.heading), s = std::sin(q.heading);
+    const double w0 = turning(pair, -(c * q.x + s * q.y), s * q.x - c * q.y, -q.heading);
+    return {c - 1.0 + w0 * q.y, s - w0 * q.x, turning(pair, q.x, q.y, q.heading) - w0};
+}
+
 PairFlow flow_at(const ScaledPair& pair, const Pose& q) {
     const double c = std::cos(q.heading), s = std::sin(q.heading);
     // Rod 1 in the frame of rod 0, and rod 0 in that of rod 1: place (X, Y), heading -h.

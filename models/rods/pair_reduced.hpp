@@ -23,6 +23,8 @@ double turning(const ScaledPair& pair, double x, double y, double h);
 struct TurningRate turning_derivatives(const ScaledPair& pair, double x, double y, double h);
 
 PairFlow flow_at(const ScaledPair& pair, const Pose& pose);
+/// Its rates alone, for half the cost.
+Eigen::Vector3d rates_at(const ScaledPair& pair, const Pose& pose);
 /// Newton's method in three unknowns from a pose in units of xi, and what it finds there, in those of f/mu.
 std::optional<PairEquilibrium> newton(const ScaledPair& pair, Pose pose,
                                       double longest_first_step = std::numeric_limits<double>::infinity());

@@ -93,7 +93,7 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
             const double separation = std::hypot(sample.x, sample.y);
             if (!(separation > 0.1 * r) || (contact_distance && separation * pair.xi <= *contact_distance))
                 return too_far();
-            const Eigen::Vector3d rates = scale.cwiseInverse().asDiagonal() * flow_at(pair, sample).rates;
+            const Eigen::Vector3d rates = scale.cwiseInverse().asDiagonal() * rates_at(pair, sample);
             if (!(2.0 * e.dot(P * rates) <= -slowest * e.dot(P * e)))
                 return too_far();
         }
