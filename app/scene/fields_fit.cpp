@@ -141,7 +141,10 @@ void search_fields(Visitor& v, fitting::SearchOptions& search) {
       search.seed);
     v(key("tolerance").above(0.0, 0.1).doc("relative, of parameters and chi2").example("1e-10"),
       search.tolerance);
-    v(key("max_evaluations").within(1, 1e9).doc("of the residuals, each start").example("2000"),
+    v(key("max_evaluations")
+          .within(1, 1e9)
+          .doc("of the residuals in each search; Levenberg-Marquardt steps at its end are not counted")
+          .example("2000"),
       search.max_evaluations);
 }
 
