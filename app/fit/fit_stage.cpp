@@ -305,7 +305,7 @@ void require_same_beds_beside(const Plan& plan, const fs::path& folder, const Ru
 } // namespace
 
 StageKind fit_stage() {
-    return {.name = "fit",
+    return {.stage = Stage::fit,
             .has_table = [](const scene::Scene& s) { return s.fit.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.fit.has_value(); },
             .key =

@@ -435,7 +435,7 @@ bool runs_on(const scene::Scene& old, const scene::Scene& scene) {
 } // namespace
 
 StageKind rods_stage() {
-    return {.name = "rods",
+    return {.stage = Stage::rods,
             .has_table = [](const scene::Scene& s) { return s.rods_run.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.rods_run.has_value(); },
             .key =
