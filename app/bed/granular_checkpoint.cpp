@@ -2,15 +2,13 @@
 
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/store/archive.hpp"
 #include "rodwake/store/atomic_file.hpp"
 #include "rodwake/store/generations.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 namespace rodwake::store {
 
@@ -113,21 +111,19 @@ void require_end(std::int64_t step, const granular::GranularProblem& problem, co
 }
 
 void write_checkpoint(const std::filesystem::path& file, const GranularCheckpoint& checkpoint) {
-    const store::Block block = store::to_block("granular run", checkpoint);
-    store::write_generation(file, store::encode_blocks({&block, 1}));
+    store::write_generation(file, store::journal_of("granular run", checkpoint));
 }
 
 std::optional<LoadedCheckpoint> load_checkpoint(const std::filesystem::path& file) {
-    const auto loaded = store::load_generation(file);
-    if (!loaded)
+    const auto found = store::find_generation(file);
+    if (!found)
         return std::nullopt;
-    LoadedCheckpoint result{{}, loaded->notice};
+    LoadedCheckpoint result{store::Journal(found->file).value<GranularCheckpoint>(), found->notice};
     const GranularCheckpoint& c = result.checkpoint;
-    store::from_block(loaded->blocks, "granular run", loaded->file.string(), result.checkpoint);
-    require_state(c.state, loaded->file.string());
+    require_state(c.state, found->file.string());
     if (c.progress.size() != c.state.rods.size() || c.thrust.size() != c.state.rods.size())
         throw InputError(fmt::format("{}: is damaged: {} rods, of which {} have a path and {} a thrust",
-                                     loaded->file.string(), c.state.rods.size(), c.progress.size(),
+                                     found->file.string(), c.state.rods.size(), c.progress.size(),
                                      c.thrust.size()));
     return result;
 }
@@ -137,27 +133,14 @@ const granular::State* GranularArchive::before(std::int64_t step) const {
     return after == states.begin() ? nullptr : &*std::prev(after);
 }
 
-namespace {
-
-constexpr const char* archive_block = "granular archive";
-
-std::vector<store::Block> blocks_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in.is_open())
-        throw InputError(file.string() + ": cannot be opened");
-    return store::decode_blocks(std::string{std::istreambuf_iterator<char>(in), {}}, file.string());
-}
-
-} // namespace
+static constexpr const char* archive_key = "granular archive";
 
 void write_archive(const std::filesystem::path& file, const GranularArchive& archive) {
-    const store::Block block = store::to_block(archive_block, archive);
-    store::write_atomically(file, store::encode_blocks({&block, 1}));
+    store::write_atomically(file, store::journal_of(archive_key, archive));
 }
 
 GranularArchive load_archive(const std::filesystem::path& file) {
-    GranularArchive archive;
-    store::from_block(blocks_of(file), archive_block, file.string(), archive);
+    GranularArchive archive = store::Journal(file).value<GranularArchive>();
     if (archive.states.empty())
         throw InputError(file.string() + ": holds no state");
     std::int64_t last = -1;
@@ -175,24 +158,19 @@ GranularArchive load_archive(const std::filesystem::path& file) {
     return archive;
 }
 
-std::vector<std::byte> state_bytes(const granular::State& state) {
-    store::ByteWriter out;
-    store::Kept<granular::State>::put(out, state);
-    return out.take();
-}
+std::vector<std::byte> state_bytes(const granular::State& state) { return store::to_bytes(state); }
 
 granular::State state_of(const std::vector<std::byte>& bytes, const std::string& file) {
-    store::ByteReader in(bytes, file);
-    granular::State state;
-    store::Kept<granular::State>::get(in, state);
-    in.finish();
+    granular::State state = store::from_bytes<granular::State>(bytes, file);
     require_state(state, file);
     return state;
 }
 
 std::string describe_checkpoint(const std::filesystem::path& file) {
-    const auto is_archive = [](const store::Block& block) { return block.name == archive_block; };
-    if (file.filename() == "archive.rwc" || std::ranges::any_of(blocks_of(file), is_archive)) {
+    const std::string key = store::Journal(file).key();
+    if (key.starts_with("rods "))
+        return fmt::format("{}: state of {}\n", file.string(), key);
+    if (key == archive_key) {
         const GranularArchive a = load_archive(file);
         return fmt::format(
             "{}: archive of a granular run by rodwake {}\nrun {}, seed {}, {} states from step {} to "

@@ -19,85 +19,34 @@ namespace rodwake::app {
 
 namespace {
 
-/// Jobs as points of an executor, whose ids are places in the list.
-class JobPoints {
-public:
-    JobPoints(const std::vector<GranularJob>& jobs, const RunContext& context, const Logger& log,
-              std::size_t threads, OnJob on_job)
-        : jobs_(jobs), context_(context), log_(log), threads_(threads), on_job_(std::move(on_job)),
-          thrown_(jobs.size()) {}
-
-    scan::Evaluate evaluate() {
-        return [this](std::span<const scan::Point> points, std::span<scan::Result> results) {
-            for (std::size_t i = 0; i < points.size(); ++i)
-                one(points[i], results[i]);
-        };
-    }
-
-    /// What somebody else executed is read from its folder.
-    void take(const scan::Result& result) {
-        const auto number = static_cast<std::size_t>(result.point.id);
-        const GranularJob& job = jobs_[number];
-        if (job.result().end != StageEnd::interrupted || thrown_[number])
-            return;
-        if (result.status == scan::Status::exception) {
-            const RunError error(fmt::format("{}: {}", job.its().folder.string(), result.cause_text()));
-            thrown_[number] = std::make_exception_ptr(error); // the other runs go on
-            return;
+/// Jobs as points of an executor, whose ids are positions in the list. What a job throws is kept in `thrown`.
+scan::Evaluate evaluate_jobs(const std::vector<GranularJob>& jobs, const RunContext& context,
+                             const Logger& log, std::size_t threads, const OnJob& on_job,
+                             std::vector<std::exception_ptr>& thrown) {
+    return [&, threads](std::span<const scan::Point> points, std::span<scan::Result> results) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto start = std::chrono::steady_clock::now();
+            const auto number = static_cast<std::size_t>(points[i].id);
+            const GranularJob& job = jobs[number];
+            scan::Result& result = results[i];
+            result.point = points[i];
+            try {
+                job.result() = execute_task(job.of->plan, job.its(), context, log, threads,
+                                            [&](const granular::Simulation& s,
+                                                const granular::TableRow* row) { on_job(number, &s, row); });
+                result.status = job.result().end == StageEnd::finished ? scan::Status::ok
+                                : job.result().end == StageEnd::failed ? scan::Status::failed
+                                                                       : scan::Status::stopped;
+                result.set_cause(job.result().message);
+            } catch (const std::exception& error) {
+                thrown[number] = std::current_exception();
+                result.status = scan::Status::exception;
+                result.set_cause(rodwake::describe(error));
+            }
+            result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         }
-        if (result.ok())
-            job.result() = {StageEnd::finished, {}, summary_of(job)};
-        else
-            job.result() = {StageEnd::failed, std::string(result.cause_text()), {}};
-        on_job_(number, nullptr, nullptr);
-    }
-
-    /// The first thing that a job threw, here or on another rank.
-    void rethrow() const {
-        for (const std::exception_ptr& item : thrown_)
-            if (item)
-                std::rethrow_exception(item);
-    }
-
-private:
-    void one(const scan::Point& point, scan::Result& result) {
-        const auto start = std::chrono::steady_clock::now();
-        const auto number = static_cast<std::size_t>(point.id);
-        const GranularJob& job = jobs_[number];
-        result.point = point;
-        try {
-            job.result() = execute_task(job.of->plan, job.its(), context_, log_, threads_,
-                                        [&](const granular::Simulation& s, const granular::TableRow* row) {
-                                            on_job_(number, &s, row);
-                                        });
-            result.status = job.result().end == StageEnd::finished ? scan::Status::ok
-                            : job.result().end == StageEnd::failed ? scan::Status::failed
-                                                                   : scan::Status::stopped;
-            result.set_cause(job.result().message);
-        } catch (const std::exception& error) {
-            thrown_[number] = std::current_exception();
-            result.status = scan::Status::exception;
-            result.set_cause(rodwake::describe(error));
-        }
-        result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    }
-
-    static GranularSummary summary_of(const GranularJob& job) {
-        const std::filesystem::path file = job.its().folder / "summary.json";
-        auto summary = read_summary(file, job.of->plan.bed.problem, job.its().run);
-        if (!summary)
-            throw RunError(file.string() + ": another rank finished this run, and its summary is not there: "
-                                           "the ranks must share the folder");
-        return std::move(*summary);
-    }
-
-    const std::vector<GranularJob>& jobs_;
-    const RunContext& context_;
-    const Logger& log_;
-    std::size_t threads_;
-    OnJob on_job_;
-    std::vector<std::exception_ptr> thrown_;
-};
+    };
+}
 
 } // namespace
 
@@ -148,10 +97,11 @@ void execute_jobs(const std::vector<GranularJob>& jobs, const RunContext& contex
                   const OnJob& on_job) {
     // a single run has all threads; of several each has one, and a rank computes on one
     const std::size_t threads = context.executor ? 1 : context.thread_count();
-    JobPoints points(jobs, context, log, jobs.size() == 1 ? threads : 1, on_job);
-    const scan::Execute execute = context.executor
-                                      ? context.executor(points.evaluate(), context.stop)
-                                      : scan::on_threads(points.evaluate(), threads, context.stop);
+    std::vector<std::exception_ptr> thrown(jobs.size());
+    const scan::Evaluate evaluate =
+        evaluate_jobs(jobs, context, log, jobs.size() == 1 ? threads : 1, on_job, thrown);
+    const scan::Execute execute = context.executor ? context.executor(evaluate, context.stop)
+                                                   : scan::on_threads(evaluate, threads, context.stop);
     // Runs that an earlier command finished are not made again.
     std::vector<scan::Point> unfinished;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
@@ -161,11 +111,33 @@ void execute_jobs(const std::vector<GranularJob>& jobs, const RunContext& contex
         else
             unfinished.push_back({static_cast<std::int64_t>(i), {}});
     }
+    // Another rank leaves its summary in the folder of the run. What a job threw does not stop the others.
     execute(unfinished, [&](std::span<const scan::Result> results) {
-        for (const scan::Result& result : results)
-            points.take(result);
+        for (const scan::Result& result : results) {
+            const auto number = static_cast<std::size_t>(result.point.id);
+            const GranularJob& job = jobs[number];
+            if (job.result().end != StageEnd::interrupted || thrown[number])
+                continue;
+            if (result.status == scan::Status::exception) {
+                thrown[number] = std::make_exception_ptr(
+                    RunError(fmt::format("{}: {}", job.its().folder.string(), result.cause_text())));
+                continue;
+            }
+            job.result() = {StageEnd::failed, std::string(result.cause_text()), {}};
+            if (result.ok()) {
+                const std::filesystem::path file = job.its().folder / "summary.json";
+                auto summary = read_summary(file, job.of->plan.bed.problem, job.its().run);
+                if (!summary)
+                    throw RunError(file.string() + ": another rank finished this run, and its summary is not "
+                                                   "there: the ranks must share the folder");
+                job.result() = {StageEnd::finished, {}, std::move(*summary)};
+            }
+            on_job(number, nullptr, nullptr);
+        }
     });
-    points.rethrow();
+    for (const std::exception_ptr& item : thrown)
+        if (item)
+            std::rethrow_exception(item);
 }
 
 void serve_beds(const Plan& plan, const std::filesystem::path& folder, const RunContext& context,
@@ -173,8 +145,9 @@ void serve_beds(const Plan& plan, const std::filesystem::path& folder, const Run
     const Logger log = make_silent_logger();
     std::vector<BedWork> beds = beds_of(plan, folder, log);
     const std::vector<GranularJob> jobs = jobs_of(beds);
-    JobPoints points(jobs, context, log, 1, [](auto&&...) {});
-    job.serve(points.evaluate());
+    std::vector<std::exception_ptr> thrown(jobs.size());
+    const OnJob nobody = [](auto&&...) {};
+    job.serve(evaluate_jobs(jobs, context, log, 1, nobody, thrown));
 }
 
 namespace fs = std::filesystem;

@@ -283,7 +283,7 @@ std::vector<FileKind> granular_files() {
 } // namespace
 
 StageKind granular_stage() {
-    return {.name = "granular",
+    return {.stage = Stage::granular,
             .has_table = [](const scene::Scene& s) { return s.granular.has_value(); },
             .wanted =
                 [](const scene::Scene& s) { // frames from elsewhere need no run, a scan makes its own

@@ -4,16 +4,13 @@
 #include "rodwake/granular/bead_kinds.hpp"
 #include "rodwake/granular/problem.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "rodwake/store/block_file.hpp"
-#include "rodwake/store/bytes.hpp"
 #include "rodwake/store/frames.hpp"
 #include "rodwake/store/h5md_reader.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 namespace rodwake::app {
 
@@ -206,36 +203,22 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
     return measures;
 }
 
-namespace {
-
-constexpr const char* block_name = "measures";
-constexpr std::uint32_t layout = 4; ///< counted up when what an accumulator saves changes
-
-} // namespace
+/// The number is counted up when what an accumulator saves changes.
+static std::string record_key(const MeasurePlan& plan) { return "measures 4\n" + plan.key_text; }
 
 void write_records(const std::filesystem::path& file, const MeasurePlan& plan,
                    const measure::Measures& measures) {
-    store::ByteWriter out;
-    out.put_text(plan.key_text);
-    out.put_array(measures.save());
-    const std::vector<store::Block> blocks = {{block_name, out.take(), layout}};
-    store::write_atomically(file, store::encode_blocks(blocks));
+    store::write_atomically(file, store::journal_of(record_key(plan), measures.save()));
 }
 
 std::optional<measure::Measures> read_records(const std::filesystem::path& file, const MeasurePlan& plan) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in.is_open())
+    if (!std::filesystem::exists(file))
         return std::nullopt;
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
-    const auto blocks = store::decode_blocks(bytes, file.string());
-    store::ByteReader reader(store::find_block(blocks, block_name, file.string(), layout).content,
-                             file.string());
-    if (reader.get_text() != plan.key_text)
+    store::Journal records(file);
+    if (records.key() != record_key(plan))
         return std::nullopt;
-    const auto values = reader.get_array<double>();
-    reader.finish();
     measure::Measures measures = plan.sums;
-    measures.load(values, file.string());
+    measures.load(records.value<std::vector<double>>(), file.string());
     return measures;
 }
 

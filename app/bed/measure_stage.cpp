@@ -309,7 +309,7 @@ std::vector<FileKind> measure_result_files() {
 
 StageKind measure_stage() {
     return {
-        .name = "measure",
+        .stage = Stage::measure,
         .has_table = [](const scene::Scene& s) { return s.measure.has_value(); },
         .wanted =
             [](const scene::Scene& s) { return s.measure && scan_subject(s) != scene::ScanSubject::beds; },

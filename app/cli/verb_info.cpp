@@ -228,7 +228,7 @@ int describe_run(const fs::path& folder) {
         fmt::print("  {:<40} {}\n", file.name, file.what);
     for (const app::FileEntry& file : files)
         if (file.name.ends_with(".json") && file.name.find('/') == std::string::npos &&
-            file.name != "manifest.json" && file.name != "end_state.json" && !file.progress) {
+            file.name != "manifest.json" && !file.progress) {
             fmt::print("\n{}\n", file.name);
             fmt::print("{}", printable(file_text(folder / file.name)));
         }

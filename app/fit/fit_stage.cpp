@@ -22,22 +22,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Samples the posterior and writes its files; the journal keeps blocks of chains that are done. Returns
-/// false if a signal stopped it.
+/// Starts of the fit and blocks of the posterior alike: the work resumes from the journal, to which each item
+/// is added when it is done.
+template<class Method, class Item>
+void resume(Method& method, std::function<void(const Item&)> Method::*on_done, store::Journal& journal,
+            const RunContext& context, const Logger& log, const char* what, std::size_t total,
+            const char* items) {
+    method.threads = context.thread_count();
+    method.stop_requested = [&context] { return context.stopped(); };
+    method.done = journal.all<Item>();
+    std::size_t count = method.done.size();
+    if (count > 0)
+        log->info("{}: resuming after {} of {} {}", what, count, total, items);
+    Progress progress(context, what, static_cast<double>(total), items);
+    method.*on_done = [&journal, count, progress](const Item& item) mutable {
+        journal.add(item);
+        progress.update(static_cast<double>(++count));
+    };
+}
+
+/// Samples the posterior and writes its files. Returns false if a signal stopped it.
 bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, store::Journal& journal,
                    const RunContext& context, const fs::path& folder, const Logger& log) {
     fitting::PosteriorMethod method = posterior_method(plan);
-    method.threads = context.thread_count();
-    method.done = journal.all<fitting::ChainBlock>();
-    std::size_t count = method.done.size();
-    if (count > 0)
-        log->info("posterior: resuming after {} of {} blocks", count, fitting::block_count(method));
-    Progress progress(context, "posterior", static_cast<double>(fitting::block_count(method)), "blocks");
-    method.on_block_done = [&](const fitting::ChainBlock& block) {
-        journal.add(block);
-        progress.update(static_cast<double>(++count));
-    };
-    method.stop_requested = [&] { return context.stopped(); };
+    resume(method, &fitting::PosteriorMethod::on_block_done, journal, context, log, "posterior",
+           fitting::block_count(method), "blocks");
     const auto posterior = fitting::sample(plan.problem, fit_priors(plan), fit.values, method);
     if (!posterior)
         return false;
@@ -76,21 +85,11 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
                              const fs::path& folder, const Logger& log) {
     log_fit_data(plan, log);
 
-    // Search from all starts; the journal keeps those that are done.
+    // Search from all starts.
     const std::string key = fmt::format("fit {}", std::hash<std::string>{}(fit_key(scene, plan)));
     store::Journal journal(folder / journal_file, key, store::Journal::OfAnother::replace);
     fitting::Method method = plan.method;
-    method.threads = context.thread_count();
-    method.done = journal.all<fitting::StartResult>();
-    std::size_t count = method.done.size();
-    if (count > 0)
-        log->info("fit: resuming after {} of {} starts", count, method.starts);
-    Progress progress(context, "fit", static_cast<double>(method.starts), "starts");
-    method.on_start_done = [&](const fitting::StartResult& end) {
-        journal.add(end);
-        progress.update(static_cast<double>(++count));
-    };
-    method.stop_requested = [&] { return context.stopped(); };
+    resume(method, &fitting::Method::on_start_done, journal, context, log, "fit", method.starts, "starts");
     fitting::Fit fit = fitting::fit(plan.problem, method);
     method.on_start_done = nullptr;
     bool stopped = fit.termination == fitting::Termination::interrupted || context.stopped();
@@ -306,7 +305,7 @@ void require_same_beds_beside(const Plan& plan, const fs::path& folder, const Ru
 } // namespace
 
 StageKind fit_stage() {
-    return {.name = "fit",
+    return {.stage = Stage::fit,
             .has_table = [](const scene::Scene& s) { return s.fit.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.fit.has_value(); },
             .key =

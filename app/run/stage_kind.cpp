@@ -27,7 +27,12 @@ const std::vector<Stage>& all_stages() {
     return all;
 }
 
-const char* to_string(Stage stage) { return kind_of(stage).name; }
+const char* to_string(Stage stage) {
+#define RODWAKE_TEXT(name) #name,
+    static constexpr const char* names[] = {RODWAKE_STAGES(RODWAKE_TEXT)};
+#undef RODWAKE_TEXT
+    return names[static_cast<std::size_t>(stage)];
+}
 
 bool has_table(const scene::Scene& scene, Stage stage) { return kind_of(stage).has_table(scene); }
 

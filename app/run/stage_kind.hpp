@@ -30,7 +30,7 @@ struct InputRequest {
 };
 
 struct StageKind {
-    const char* name; ///< in provenance.json, manifest.json and messages
+    Stage stage; ///< one that is missing in the list of stages (app/plan.hpp) does not compile
     bool (*has_table)(const scene::Scene&) = nullptr;
     /// Whether `rodwake run` does it; null: only where a command asks for it.
     bool (*wanted)(const scene::Scene&) = nullptr;

@@ -228,20 +228,10 @@ CriticalSearch find_critical(const ScanPlan& plan, const scan::Ledger& ledger, s
         // end, the rest is a bracket of its own.
         while (!wanted.empty()) {
             std::map<std::int64_t, scan::Result> results;
-            for (const scan::Result& one : found.find(wanted))
-                results.emplace(one.point.id, one);
-            std::vector<scan::Point> unknown;
-            for (const scan::Point& bracket : wanted)
-                if (!results.contains(bracket.id))
-                    unknown.push_back(bracket);
-            done += static_cast<std::int64_t>(results.size());
-            const bool finished = execute(unknown, [&](std::span<const scan::Result> fresh) {
-                found.add(fresh);
-                for (const scan::Result& one : fresh)
-                    results.emplace(one.point.id, one);
-                done += static_cast<std::int64_t>(fresh.size());
-                progress(done, total);
-            });
+            const bool finished = scan::evaluate_missing(
+                found, execute, wanted,
+                [&](const scan::Result& one) { results.emplace(one.point.id, one), ++done; },
+                [&] { progress(done, total); });
             if (!finished)
                 return search;
             std::vector<scan::Point> rest;

@@ -336,7 +336,7 @@ std::vector<FileKind> scan_files() {
 } // namespace
 
 StageKind scan_stage() {
-    return {.name = "scan",
+    return {.stage = Stage::scan,
             .has_table = [](const scene::Scene& s) { return s.scan.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.scan.has_value(); },
             .key = scan_key,

@@ -181,7 +181,7 @@ constexpr ColumnInfo cut_columns[] = {{"x", "{length}", "position along the cut"
 
 StageKind field_stage() {
     return {
-        .name = "field",
+        .stage = Stage::field,
         .has_table = [](const scene::Scene& s) { return s.field.has_value(); },
         .wanted = [](const scene::Scene& s) { return s.field.has_value(); },
         .key =

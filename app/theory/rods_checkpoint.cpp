@@ -2,107 +2,86 @@
 
 #include "rodwake/app/run_folder.hpp"
 #include "rodwake/core/build_info.hpp"
-#include "rodwake/core/json_text.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/medium/simulate.hpp"
 #include "rodwake/rods/form.hpp"
-#include "run/record_json.hpp"
-
-#include <nlohmann/json.hpp>
+#include "rodwake/store/csv.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
+
+namespace rodwake::store {
+
+using namespace rods;
+using integrate::Statistics;
+
+template<>
+inline constexpr auto parts<Separation> = parts_of("first second distance", &Separation::first,
+                                                   &Separation::second, &Separation::distance);
+template<>
+inline constexpr auto parts<TailWindow> = parts_of("min_separation max_separation max_turning",
+                                                   &TailWindow::min_separation, &TailWindow::max_separation,
+                                                   &TailWindow::max_turning);
+template<>
+inline constexpr auto parts<BodyRecord> = parts_of("smallest_gap smallest_gap_time tail_start touching",
+                                                   &BodyRecord::smallest_gap, &BodyRecord::smallest_gap_time,
+                                                   &BodyRecord::tail_start, &BodyRecord::touching);
+template<>
+inline constexpr auto parts<SeparationRecord> = parts_of("smallest smallest_time tail_start late bodies",
+                                                         &SeparationRecord::smallest,
+                                                         &SeparationRecord::smallest_time,
+                                                         &SeparationRecord::tail_start,
+                                                         &SeparationRecord::late, &SeparationRecord::bodies);
+template<>
+inline constexpr auto parts<Statistics> =
+    parts_of("steps rhs_evaluations jacobian_evaluations error_test_failures convergence_failures "
+             "event_evaluations drift",
+             &Statistics::steps, &Statistics::rhs_evaluations, &Statistics::jacobian_evaluations,
+             &Statistics::error_test_failures, &Statistics::convergence_failures,
+             &Statistics::event_evaluations, &Statistics::drift);
+template<>
+inline constexpr auto parts<RodCheckpoint> = parts_of("time state headings times outputs record statistics",
+                                                      &RodCheckpoint::time, &RodCheckpoint::state,
+                                                      &RodCheckpoint::headings, &RodCheckpoint::times,
+                                                      &RodCheckpoint::outputs, &RodCheckpoint::record,
+                                                      &RodCheckpoint::statistics);
+
+} // namespace rodwake::store
 
 namespace rodwake::app {
 
 namespace {
 
-using nlohmann::json;
-
-/// Numbers are written with as many digits as their bits need; JSON has no infinity, null stands for it.
-double number(const json& value) {
-    return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
-}
-
 /// What must be the same for a checkpoint to be taken up: version, git id, scene, data of the field.
 std::string key_of(const scene::Scene& scene, const std::string& field) {
     const BuildInfo build = build_info();
-    return build.version + " " + build.git + "\n" + stage_key(scene, Stage::rods) + "\n" + field;
+    return "rods by rodwake " + build.version + " " + build.git + "\n\n" + stage_key(scene, Stage::rods) +
+           "\n" + field;
 }
 
-json to_json(const rods::SeparationRecord& record) {
-    json late = json::array();
-    for (const TailWindow& range : record.late)
-        late.push_back(
-            {finite_or_null(range.min_separation), finite_or_null(range.max_separation), range.max_turning});
-    const rods::Separation& pair = record.smallest;
-    return {{"smallest", {pair.first, pair.second, finite_or_null(pair.distance), record.smallest_time}},
-            {"tail_start", record.tail_start},
-            {"late", late},
-            {"bodies",
-             {finite_or_null(record.bodies.smallest_gap), record.bodies.smallest_gap_time,
-              record.bodies.tail_start, record.bodies.touching}}};
-}
-
-rods::SeparationRecord record_of(const json& value) {
-    rods::SeparationRecord record;
-    const json& pair = value.at("smallest");
-    record.smallest = {pair.at(0).get<std::size_t>(), pair.at(1).get<std::size_t>(), number(pair.at(2))};
-    record.smallest_time = pair.at(3).get<double>();
-    record.tail_start = value.at("tail_start").get<double>();
-    for (const json& range : value.at("late"))
-        record.late.push_back({number(range.at(0)), number(range.at(1)), range.at(2).get<double>()});
-    const json& bodies = value.at("bodies");
-    record.bodies = {number(bodies.at(0)), bodies.at(1).get<double>(), bodies.at(2).get<double>(),
-                     bodies.at(3).get<std::vector<double>>()};
-    return record;
-}
-
-json to_json(const integrate::Statistics& n) {
-    return {n.steps,
-            n.rhs_evaluations,
-            n.jacobian_evaluations,
-            n.error_test_failures,
-            n.convergence_failures,
-            n.event_evaluations,
-            n.drift};
-}
-
-integrate::Statistics statistics_of(const json& n) {
-    return {n.at(0).get<long>(), n.at(1).get<long>(), n.at(2).get<long>(),  n.at(3).get<long>(),
-            n.at(4).get<long>(), n.at(5).get<long>(), n.at(6).get<double>()};
+/// The number that is `value` in output units.
+double reduced(double value, double unit) {
+    const double near = value / unit;
+    for (const double number : {near, std::nextafter(near, -HUGE_VAL), std::nextafter(near, HUGE_VAL)})
+        if (number * unit == value)
+            return number;
+    return near;
 }
 
 } // namespace
 
-std::string checkpoint_json(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
-                            const std::string& field) {
-    return json_text(json{{"key", key_of(scene, field)},
-                          {"time", checkpoint.time},
-                          {"state", checkpoint.state},
-                          {"headings", checkpoint.headings},
-                          {"times", checkpoint.times},
-                          {"outputs", checkpoint.outputs},
-                          {"record", to_json(checkpoint.record)},
-                          {"statistics", to_json(checkpoint.statistics)}});
+std::string checkpoint_bytes(const rods::RodCheckpoint& checkpoint, const scene::Scene& scene,
+                             const std::string& field) {
+    return store::journal_of(key_of(scene, field), checkpoint);
 }
 
 std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& file,
                                                    const scene::Scene& scene, const std::string& field) try {
-    std::ifstream in(file);
-    if (!in)
+    store::Journal journal(file);
+    if (journal.key() != key_of(scene, field))
         return std::nullopt;
-    const json value = json::parse(in);
-    if (value.at("key") != key_of(scene, field))
-        return std::nullopt;
-    const rods::RodCheckpoint checkpoint{value.at("time").get<double>(),
-                                         value.at("state").get<std::vector<double>>(),
-                                         value.at("headings").get<std::vector<double>>(),
-                                         value.at("times").get<std::vector<double>>(),
-                                         value.at("outputs").get<std::vector<std::vector<double>>>(),
-                                         record_of(value.at("record")),
-                                         statistics_of(value.at("statistics"))};
+    rods::RodCheckpoint checkpoint = journal.value<rods::RodCheckpoint>();
     const std::size_t rods = scene.rods.size(), size = 3 * rods;
     const bool dynamic = scene.medium && scene.medium->is_dynamic();
     bool good = checkpoint.state.size() == (dynamic ? medium::state_size(scene.medium->memory(), rods)
@@ -113,9 +92,33 @@ std::optional<rods::RodCheckpoint> read_checkpoint(const std::filesystem::path& 
                     std::max<std::size_t>(rods, 1);
     for (const auto& output : checkpoint.outputs)
         good = good && output.size() == size;
-    return good ? std::optional(checkpoint) : std::nullopt;
-} catch (const json::exception&) {
+    return good ? std::optional(std::move(checkpoint)) : std::nullopt;
+} catch (const InputError&) {
     return std::nullopt;
+}
+
+bool take_rows(const std::filesystem::path& table, const OutputUnits& units, rods::RodCheckpoint& end) try {
+    const store::Table rows = store::read_csv(table, store::csv_names(table));
+    const std::vector<double> last = std::move(end.outputs.back());
+    if (rows.columns.size() != 1 + last.size())
+        return false;
+    end.times.clear();
+    end.outputs.clear();
+    bool ends_so = false;
+    for (std::size_t row = 0; row < rows.rows() && rows.columns[0][row] <= end.time * units.time; ++row) {
+        ends_so = true;
+        std::vector<double> poses(last.size());
+        for (std::size_t k = 0; k < last.size(); ++k) {
+            const double unit = k % 3 == 2 ? 1.0 : units.length, value = rows.columns[1 + k][row];
+            poses[k] = reduced(value, unit);
+            ends_so = ends_so && value == last[k] * unit;
+        }
+        end.times.push_back(reduced(rows.columns[0][row], units.time));
+        end.outputs.push_back(std::move(poses));
+    }
+    return ends_so;
+} catch (const InputError&) {
+    return false;
 }
 
 } // namespace rodwake::app

@@ -289,7 +289,7 @@ std::vector<FileKind> order_files() {
 } // namespace
 
 StageKind order_stage() {
-    return {.name = "order",
+    return {.stage = Stage::order,
             .has_table = [](const scene::Scene& s) { return s.rods_order.has_value(); },
             .wanted =
                 [](const scene::Scene& s) {

@@ -30,7 +30,8 @@ struct Work {
     rods::RodProblem problem; ///< the plan's, with its field
     rods::RodOptions options;
     rods::RodResult result;
-    std::vector<double> own_turn; ///< by own fields, where a dynamic medium tells them apart
+    std::optional<rods::RodCheckpoint> end = {}; ///< from which a run with a later t_end goes on
+    std::vector<double> own_turn;                ///< by own fields, where a dynamic medium tells them apart
     std::shared_ptr<const elastic::MeasuredDisplacement> measured; ///< with field = "measured"
     std::vector<rods::RodResult> samples; ///< in fields drawn from the measured one and its errors
     std::optional<rods::NoiseSums> noisy; ///< all runs with noise, of which `result` is the first
@@ -42,8 +43,9 @@ struct Work {
         const integrate::Status& status = result.solution.status;
         return status.ok() && status.termination != integrate::Termination::interrupted;
     }
-    std::string checkpoint_file() const { return of().folder + "checkpoint.json"; }
-    std::string end_file() const { return of().folder + "end_state.json"; }
+    std::string checkpoint_file() const { return of().folder + "rods_checkpoint.rwc"; }
+    std::string end_file() const { return of().folder + "rods_end.rwc"; }
+    std::string rows_file() const { return of().folder + "rods.csv"; }
     /// Two rods in steady wakes start at 0 again: they take milliseconds, and their certificate is of a whole
     /// run. So do runs with a film, whose frames are in its file already.
     bool goes_on() const {
@@ -75,6 +77,13 @@ void resume(const Session& session, Work& work) {
             continue;
         }
         const double earlier_end = checkpoint->time;
+        const auto rows = session.directory.file(work.rows_file());
+        if (name == work.end_file() && earlier_end < work.problem.t_end &&
+            !take_rows(rows, session.units, *checkpoint)) {
+            session.log->warn("{}: is not the table of the run that ended in {}; starting from the beginning",
+                              rows.string(), name);
+            continue;
+        }
         work.options.resume_from =
             rods::carried_over(*std::move(checkpoint), work.problem, work.options.criteria);
         if (work.options.resume_from)
@@ -129,11 +138,13 @@ void solve(const Session& session, Work& work, bool show_progress) {
         if (work.film)
             work.film->sync();
         session.directory.write(work.checkpoint_file(),
-                                checkpoint_json(checkpoint, work.of().scene, work.field_key()));
+                                checkpoint_bytes(checkpoint, work.of().scene, work.field_key()));
     };
     if (work.goes_on())
-        work.options.on_end = [&](const rods::RodCheckpoint& end) {
-            session.directory.write(work.end_file(), checkpoint_json(end, work.of().scene, work.field_key()));
+        work.options.on_end = [&](rods::RodCheckpoint end) { // whose other rows are in rods.csv
+            end.times = {end.times.back()};
+            end.outputs = {end.outputs.back()};
+            work.end = std::move(end);
         };
     resume(session, work);
     const auto& medium = work.of().scene.medium;
@@ -220,7 +231,10 @@ void store(Session& session, Work& work, std::int64_t order) {
     table.add(path.times);
     for (std::size_t rod = 0; rod < path.rods.size(); ++rod)
         table.add(path.rods[rod], std::to_string(rod));
-    session.directory.write(work.of().folder + "rods.csv", table.csv());
+    session.directory.write(work.rows_file(), table.csv());
+    if (work.end)
+        session.directory.write(work.end_file(),
+                                checkpoint_bytes(*work.end, work.of().scene, work.field_key()));
     std::optional<DrawnReport> drawn;
     if (!work.samples.empty())
         drawn = drawn_report(work.samples, work.problem.box, session.units);
@@ -261,7 +275,7 @@ StageEnd report(const Session& session, const Work& work) {
 
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const RodsPlan& plan, WakeFields& fields, std::size_t threads) {
-    Work work{&plan, plan.problem, plan.options, {}, {}, nullptr, {}, {}, nullptr};
+    Work work{&plan, plan.problem, plan.options, {}, {}, {}, nullptr, {}, {}, nullptr};
     const rods::RodProblem& problem = plan.problem;
     const auto& medium = plan.of.scene.medium;
     work.problem.sums.threads =
@@ -357,7 +371,7 @@ StageEnd run_rods(Session& session) {
 
 std::vector<FileKind> rods_files() {
     using enum Lifetime;
-    return {{"rods.csv", result, "rods against time", columns_of<TimeRow, Each<PoseRow>>()},
+    return {{"rods.csv", kept, "rods against time", columns_of<TimeRow, Each<PoseRow>>()},
             {"outcome.json", result, "how the encounter ended, and what the solver did",
              values_of<OutcomeReport>()},
             {"ensemble.csv", result,
@@ -374,8 +388,8 @@ std::vector<FileKind> rods_files() {
              "also where each rod feels the other rods alone; with positions and headings of the rods"},
             {"medium_film.log", progress, "frames so far"},
             {"noise.log", progress, "finished runs with noise, to resume from"},
-            {"end_state.json", kept, "state at t_end, from which a run with a later t_end goes on"},
-            {"checkpoint.json", progress, "state to resume from"}};
+            {"rods_end.rwc", kept, "state at t_end, from which a run with a later t_end goes on"},
+            {"rods_checkpoint.rwc", progress, "state to resume from"}};
 }
 
 /// Runs, and the time of a right-hand side at the start. A step of a dynamic medium has no part that could be
@@ -421,7 +435,7 @@ bool runs_on(const scene::Scene& old, const scene::Scene& scene) {
 } // namespace
 
 StageKind rods_stage() {
-    return {.name = "rods",
+    return {.stage = Stage::rods,
             .has_table = [](const scene::Scene& s) { return s.rods_run.has_value(); },
             .wanted = [](const scene::Scene& s) { return s.rods_run.has_value(); },
             .key =

@@ -4,15 +4,35 @@
 #include "rodwake/app/wake_tables.hpp"
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
-#include "run/table_files.hpp"
+#include "rodwake/store/journal.hpp"
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cstdlib>
-#include <fstream>
-#include <initializer_list>
-#include <optional>
+
+namespace rodwake::store {
+
+using elastic::CellTable, elastic::PeriodicTableData, elastic::PlaneTable;
+
+template<>
+inline constexpr auto parts<CellTable> = parts_of("cells_per_unit polynomial_of coefficients",
+                                                  &CellTable::cells_per_unit, &CellTable::polynomial_of,
+                                                  &CellTable::coefficients);
+template<>
+inline constexpr auto
+    parts<PlaneTable> = parts_of("eta tolerance strain_error gradient_error points_checked degree "
+                                 "lowest_level strain gradient",
+                                 &PlaneTable::eta, &PlaneTable::tolerance, &PlaneTable::strain_error,
+                                 &PlaneTable::gradient_error, &PlaneTable::points_checked,
+                                 &PlaneTable::degree, &PlaneTable::lowest_level, &PlaneTable::strain,
+                                 &PlaneTable::gradient);
+template<>
+inline constexpr auto parts<PeriodicTableData> = parts_of(
+    "eta xi box tolerance error place_pieces angle_pieces coefficients", &PeriodicTableData::eta,
+    &PeriodicTableData::xi, &PeriodicTableData::box, &PeriodicTableData::tolerance, &PeriodicTableData::error,
+    &PeriodicTableData::place_pieces, &PeriodicTableData::angle_pieces, &PeriodicTableData::coefficients);
+
+} // namespace rodwake::store
 
 namespace rodwake::app {
 
@@ -70,29 +90,45 @@ using elastic::PeriodicTable;
 using elastic::PeriodicTableData;
 using elastic::PlaneTable;
 
-/// Counted up whenever tables are made differently: files of the old way are then not found.
-constexpr std::uint64_t making = 1;
+// A table is kept under all numbers from which it is made. The first is counted up whenever tables are made
+// differently.
 
-/// FNV-1a: names differ where the numbers do, on every machine alike.
-std::string hashed(const char* kind, std::initializer_list<double> numbers) {
+std::string key_of(double eta, double tolerance) { return fmt::format("plane 2 {} {}", eta, tolerance); }
+
+std::string key_of(const elastic::Medium& medium, double box, double tolerance) {
+    return fmt::format("box 2 {} {} {} {}", medium.eta, medium.xi, box, tolerance);
+}
+
+/// The kind, and a hash of the key (FNV-1a), which is the same on every machine.
+std::string name_of(const std::string& key) {
     std::uint64_t hash = 0xcbf29ce484222325U;
-    const auto take = [&](std::uint64_t word) {
-        for (int byte = 0; byte < 8; ++byte)
-            hash = (hash ^ ((word >> (8 * byte)) & 0xffU)) * 0x100000001b3U;
-    };
-    take(making);
-    for (const double number : numbers)
-        take(std::bit_cast<std::uint64_t>(number));
-    return fmt::format("{}-{:016x}.rwt", kind, hash);
+    for (const char letter : key)
+        hash = (hash ^ static_cast<unsigned char>(letter)) * 0x100000001b3U;
+    return fmt::format("{}-{:016x}.rwt", key.substr(0, key.find(' ')), hash);
 }
 
-bool is_of(const PlaneTable& table, const PlaneTable& wanted) {
-    return table.eta == wanted.eta && table.tolerance == wanted.tolerance;
+/// Throws InputError for cells that do not fit together. Their polynomials have `rows` coefficients.
+void require_sound(const elastic::CellTable& cells, std::size_t rows, const fs::path& file) {
+    std::size_t count = 0;
+    bool sound = cells.cells_per_unit.size() < 100 && cells.coefficients.size() % rows == 0;
+    for (const std::int32_t n : cells.cells_per_unit) {
+        sound = sound && n >= 1 && n < 10'000;
+        count += sound ? 8 * static_cast<std::size_t>(n) * static_cast<std::size_t>(n) : 0;
+    }
+    const auto polynomials = static_cast<std::int64_t>(cells.coefficients.size() / rows);
+    for (const std::int32_t number : cells.polynomial_of)
+        sound = sound && number >= -1 && number < polynomials;
+    if (!sound || count != cells.polynomial_of.size())
+        throw InputError(file.string() + ": is damaged: the cells of the table do not fit together");
 }
 
-bool is_of(const PeriodicTableData& table, const PeriodicTableData& wanted) {
-    return table.eta == wanted.eta && table.xi == wanted.xi && table.box == wanted.box &&
-           table.tolerance == wanted.tolerance;
+void require_sound(const PlaneTable& table, const fs::path& file) {
+    if (table.degree < 1 || table.degree > 20 || std::abs(table.lowest_level) > 200)
+        throw InputError(fmt::format("{}: is damaged: a table of degree {} from level {} on", file.string(),
+                                     table.degree, table.lowest_level));
+    const auto terms = static_cast<std::size_t>((table.degree + 1) * (table.degree + 1));
+    require_sound(table.strain, 3 * terms, file);
+    require_sound(table.gradient, 6 * terms, file);
 }
 
 std::string table_text(const PlaneTable& table) {
@@ -105,31 +141,24 @@ std::string table_text(const PeriodicTableData& table) {
                        table.error);
 }
 
-/// Nothing if there is no such file. Throws InputError for one that is damaged or of something else.
-template<class Table>
-std::optional<Table> read(const fs::path& file, const Table& wanted) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in)
-        return std::nullopt;
-    std::string bytes(fs::file_size(file), '\0');
-    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    Table table = decode<Table>(bytes, file.string());
-    if (!is_of(table, wanted))
-        throw InputError(file.string() + ": is the table of another medium");
-    return table;
-}
-
-/// A table from its file, or made and kept there. `wanted` has what it is made from; without a name none is
-/// kept.
+/// A table from its file, or made and kept there. Without a folder none is kept.
 template<class Table, class Make>
-Table kept(const RunContext& context, const fs::path& file, const Table& wanted, const Make& make) {
+Table kept(const RunContext& context, const fs::path& folder, const std::string& key, const Make& make) {
+    const fs::path file = folder.empty() ? folder : folder / name_of(key);
     const auto log_line = [&](Severity severity, const std::string& text) {
         if (context.log)
             context.log(severity, text);
     };
     try {
-        if (auto table = file.empty() ? std::nullopt : read(file, wanted))
-            return std::move(*table);
+        if (!file.empty() && fs::exists(file)) {
+            store::Journal journal(file);
+            if (journal.key() != key)
+                throw InputError(file.string() + ": is the table of another medium");
+            Table table = journal.value<Table>();
+            if constexpr (std::is_same_v<Table, PlaneTable>)
+                require_sound(table, file);
+            return table;
+        }
     } catch (const std::exception& error) {
         log_line(Severity::warning, fmt::format("{}; it will be recomputed", error.what()));
     }
@@ -138,7 +167,7 @@ Table kept(const RunContext& context, const fs::path& file, const Table& wanted,
     try {
         if (!file.empty()) {
             fs::create_directories(file.parent_path());
-            store::write_atomically(file, encode(table));
+            store::write_atomically(file, store::journal_of(key, table));
         }
     } catch (const std::exception& error) {
         log_line(Severity::warning, fmt::format("the table of the wake is not kept: {}", error.what()));
@@ -156,17 +185,20 @@ fs::path table_folder() {
     return {};
 }
 
-std::string table_file_name(double eta, double tolerance) { return hashed("plane", {eta, tolerance}); }
+std::string table_file_name(double eta, double tolerance) { return name_of(key_of(eta, tolerance)); }
 
 std::string table_file_name(const elastic::Medium& medium, double box, double tolerance) {
-    return hashed("box", {medium.eta, medium.xi, box, tolerance});
+    return name_of(key_of(medium, box, tolerance));
 }
 
 std::shared_ptr<const PlaneTable> WakeTables::plane(double eta, double tolerance) {
     const std::scoped_lock lock(mutex_);
     auto& table = planes_[{eta, tolerance}];
     if (!table)
-        table = std::make_shared<const PlaneTable>(read_or_make_plane(eta, tolerance));
+        table = std::make_shared<const PlaneTable>(
+            kept<PlaneTable>(context_, folder_, key_of(eta, tolerance), [&] {
+                return elastic::make_plane_table(eta, tolerance, context_.thread_count());
+            }));
     return table;
 }
 
@@ -175,29 +207,10 @@ PeriodicTable WakeTables::periodic(const elastic::Medium& medium, double box, do
     const std::array key{medium.eta, medium.xi, box, tolerance};
     if (const auto known = boxes_.find(key); known != boxes_.end())
         return known->second;
-    return boxes_.emplace(key, read_or_make_box(medium, box, tolerance)).first->second;
-}
-
-PlaneTable WakeTables::read_or_make_plane(double eta, double tolerance) const {
-    PlaneTable wanted;
-    wanted.eta = eta;
-    wanted.tolerance = tolerance;
-    const fs::path file = folder_.empty() ? folder_ : folder_ / table_file_name(eta, tolerance);
-    return kept(context_, file, wanted,
-                [&] { return elastic::make_plane_table(eta, tolerance, context_.thread_count()); });
-}
-
-PeriodicTable WakeTables::read_or_make_box(const elastic::Medium& medium, double box,
-                                           double tolerance) const {
-    PeriodicTableData wanted;
-    wanted.eta = medium.eta;
-    wanted.xi = medium.xi;
-    wanted.box = box;
-    wanted.tolerance = tolerance;
-    const fs::path file = folder_.empty() ? folder_ : folder_ / table_file_name(medium, box, tolerance);
-    return PeriodicTable(kept(context_, file, wanted, [&] {
+    const auto data = kept<PeriodicTableData>(context_, folder_, key_of(medium, box, tolerance), [&] {
         return PeriodicTable(medium, box, tolerance, context_.thread_count()).data();
-    }));
+    });
+    return boxes_.emplace(key, PeriodicTable(data)).first->second;
 }
 
 bool has_new_field(const scene::Scene& scene, const StageChanges& all) {

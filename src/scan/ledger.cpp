@@ -50,7 +50,8 @@ void pack(store::ByteWriter& out, const LedgerHead& head, const Result& r) {
     out.put(r.retries);
 }
 
-Result unpack(store::ByteReader& in, const LedgerHead& head) {
+/// The next point of a record of this kind.
+Result unpack(store::ByteReader& in, const LedgerHead& head, std::uint32_t kind) {
     Result r;
     r.point.id = in.get<std::int64_t>();
     for (std::size_t k = 0; k < head.axes.size(); ++k)
@@ -60,6 +61,10 @@ Result unpack(store::ByteReader& in, const LedgerHead& head) {
     r.seconds = in.get<double>();
     r.outcome = in.get<std::int32_t>();
     r.retries = in.get<std::int32_t>();
+    if (kind == cause_record) {
+        r.status = in.get<Status>();
+        r.set_cause(in.get_text());
+    }
     return r;
 }
 
@@ -165,12 +170,12 @@ public:
                 failed.erase(id);
             }
         } else if (kind == cause_record) {
-            const std::int64_t id = unpack(in, head_).point.id;
-            places[id] = {static_cast<std::uint32_t>(record), 0};
-            if (in.get<Status>() != Status::ok)
-                failed.insert(id);
+            const Result r = unpack(in, head_, kind);
+            places[r.point.id] = {static_cast<std::uint32_t>(record), 0};
+            if (r.ok())
+                failed.erase(r.point.id);
             else
-                failed.erase(id);
+                failed.insert(r.point.id);
         } else if (kind == crossings_record) {
             for (const OutcomeChange& item : in.get_array<OutcomeChange>())
                 brackets[item.id] = item;
@@ -213,12 +218,7 @@ public:
             }
             const std::size_t size = packed_size(head_);
             store::ByteReader in(std::span(found->second).subspan(position.number * size), "ledger");
-            Result r = unpack(in, head_);
-            if (journal_->layout(position.record) == cause_record) {
-                r.status = in.get<Status>();
-                r.set_cause(in.get_text());
-            }
-            each(r);
+            each(unpack(in, head_, journal_->layout(position.record)));
         }
     }
 
@@ -239,11 +239,7 @@ public:
             store::ByteReader in(content, "ledger");
             const std::size_t points = kind == cause_record ? 1 : content.size() / size;
             for (std::uint32_t number = 0; number < points; ++number) {
-                Result r = unpack(in, head_);
-                if (kind == cause_record) {
-                    r.status = in.get<Status>();
-                    r.set_cause(in.get_text());
-                }
+                const Result r = unpack(in, head_, kind);
                 const auto place = places.find(r.point.id);
                 if (place != places.end() && place->second.record == record && place->second.number == number)
                     each(r);

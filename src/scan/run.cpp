@@ -15,7 +15,7 @@ namespace {
 /// Points handed out at once: what bounds the memory of a scan of any size.
 constexpr std::size_t slab = 1 << 16;
 
-/// Evaluates points and commits their results chunk by chunk.
+/// Evaluates points and counts them.
 class ChunkEvaluation {
 public:
     using Learn = std::function<void(const Result&)>;
@@ -23,30 +23,15 @@ public:
     ChunkEvaluation(Ledger& ledger, const Execute& execute, const RunOptions& options)
         : ledger_(ledger), execute_(execute), options_(options) {}
 
-    bool operator()(std::span<const Point> points, const Learn& learn = nullptr) {
-        return execute_(points, [&](std::span<const Result> results) {
-            ledger_.add(results);
-            if (learn)
-                std::ranges::for_each(results, learn);
-            done += static_cast<std::int64_t>(results.size());
-            report();
-        });
+    bool operator()(std::span<const Point> points, const Learn& learn) {
+        const auto count = [&](const Result& result) { ++done, learn(result); };
+        return evaluate_missing(ledger_, execute_, points, count, [&] { report(); });
     }
 
-    /// The same where the ledger may hold some of the points.
+    /// The same where the total grows by these points.
     bool complete(std::span<const Point> points, const Learn& learn, Summary& summary) {
-        const std::vector<Result> found = ledger_.find(points);
-        std::unordered_set<std::int64_t> known;
-        for (const Result& result : found) {
-            learn(result);
-            known.insert(result.point.id);
-        }
-        std::vector<Point> unknown;
-        std::ranges::copy_if(points, std::back_inserter(unknown),
-                             [&](const Point& point) { return !known.contains(point.id); });
-        done += static_cast<std::int64_t>(found.size());
-        total = done + static_cast<std::int64_t>(unknown.size());
-        const bool finished = (*this)(unknown, learn);
+        total = done + static_cast<std::int64_t>(points.size());
+        const bool finished = (*this)(points, learn);
         summary.left = total - done;
         return finished;
     }
@@ -79,7 +64,7 @@ void run_list(const Design& design, Ledger& ledger, ChunkEvaluation& evaluate, P
     }
     summary.complete = true;
     const auto flush = [&] {
-        summary.complete = summary.complete && evaluate(next);
+        summary.complete = summary.complete && evaluate(next, [](const Result&) {});
         next.clear();
     };
     for (std::int64_t i = part.index; i < points.size() && summary.complete; i += part.of) {
@@ -181,6 +166,23 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
 }
 
 } // namespace
+
+bool evaluate_missing(Ledger& ledger, const Execute& execute, std::span<const Point> points,
+                      const std::function<void(const Result&)>& learn, const std::function<void()>& report) {
+    std::unordered_set<std::int64_t> known;
+    for (const Result& result : ledger.find(points)) {
+        learn(result);
+        known.insert(result.point.id);
+    }
+    std::vector<Point> missing;
+    std::ranges::copy_if(points, std::back_inserter(missing),
+                         [&](const Point& point) { return !known.contains(point.id); });
+    return execute(missing, [&](std::span<const Result> results) {
+        ledger.add(results);
+        std::ranges::for_each(results, learn);
+        report();
+    });
+}
 
 void require_part(const Design& design, Part part) {
     if (design.kind == Kind::adaptive && part.of > 1)

@@ -94,23 +94,6 @@ void sync_folder_of(const std::filesystem::path& path) {
     sync(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), O_DIRECTORY);
 }
 
-std::string read_file(const std::filesystem::path& path) {
-    const Descriptor file(path, O_RDONLY | O_CLOEXEC);
-    if (file.get() < 0)
-        unreadable(path);
-    std::string text;
-    for (std::size_t used = 0;;) {
-        text.resize(used + (1U << 20));
-        const ssize_t got = ::read(file.get(), text.data() + used, text.size() - used);
-        if (got < 0 && errno != EINTR)
-            unreadable(path);
-        used += got < 0 ? 0 : static_cast<std::size_t>(got);
-        text.resize(got == 0 ? used : text.size());
-        if (got == 0)
-            return text;
-    }
-}
-
 std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed) {
     return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }

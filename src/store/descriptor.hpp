@@ -35,9 +35,6 @@ void write_all(int file, std::string_view content, const std::filesystem::path& 
 /// fsync. Throws RunError.
 void sync_file(const std::filesystem::path& path);
 
-/// The whole file. Throws InputError with the system's reason.
-std::string read_file(const std::filesystem::path& path);
-
 inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

@@ -2,8 +2,7 @@
 
 #include "rodwake/core/error.hpp"
 #include "rodwake/store/atomic_file.hpp"
-
-#include "descriptor.hpp"
+#include "rodwake/store/journal.hpp"
 
 namespace rodwake::store {
 
@@ -11,20 +10,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A generation that was looked for: whole (blocks), damaged (reason), or not there (neither).
-struct Attempt {
-    std::optional<std::vector<Block>> blocks;
-    std::string reason;
-};
-
-Attempt attempt(const fs::path& file) {
+bool is_there(const fs::path& file) {
     std::error_code error;
-    if (fs::symlink_status(file, error).type() == fs::file_type::not_found)
-        return {};
+    return fs::symlink_status(file, error).type() != fs::file_type::not_found;
+}
+
+/// Why a file that is there cannot be used; empty if it can.
+std::string fault_of(const fs::path& file) {
     try {
-        return {decode_blocks(read_file(file), file.string()), {}};
-    } catch (const InputError& reason) {
-        return {std::nullopt, reason.what()};
+        Journal(file).read(0);
+        return {};
+    } catch (const InputError& error) {
+        return error.what();
     }
 }
 
@@ -40,7 +37,7 @@ void write_generation(const fs::path& target, std::string_view bytes) {
     pending.write(bytes);
     pending.sync();
     std::error_code error;
-    if (attempt(target).blocks)
+    if (is_there(target) && fault_of(target).empty())
         fs::rename(target, previous_generation(target), error);
     if (error)
         throw RunError(target.string() +
@@ -48,20 +45,20 @@ void write_generation(const fs::path& target, std::string_view bytes) {
     pending.commit();
 }
 
-std::optional<LoadedGeneration> load_generation(const fs::path& target) {
+std::optional<Generation> find_generation(const fs::path& target) {
     const fs::path previous = previous_generation(target);
-    Attempt newest = attempt(target);
-    if (newest.blocks)
-        return LoadedGeneration{std::move(*newest.blocks), target, {}};
-    Attempt older = attempt(previous);
-    const std::string why = newest.reason.empty() ? target.string() + ": is missing" : newest.reason;
-    if (older.blocks)
-        return LoadedGeneration{std::move(*older.blocks), previous,
-                                why + "; resuming from " + previous.string()};
-    if (newest.reason.empty() && older.reason.empty())
+    if (!is_there(target) && !is_there(previous))
         return std::nullopt;
-    throw InputError(why + (older.reason.empty() ? "" : "; " + older.reason) +
-                     "; no checkpoint can be used: remove the files there to start again");
+    std::string why = is_there(target) ? fault_of(target) : target.string() + ": is missing";
+    if (why.empty())
+        return Generation{target, {}};
+    if (is_there(previous)) {
+        const std::string fault = fault_of(previous);
+        if (fault.empty())
+            return Generation{previous, why + "; resuming from " + previous.string()};
+        why += "; " + fault;
+    }
+    throw InputError(why + "; no checkpoint can be used: remove the files there to start again");
 }
 
 void remove_generations(const fs::path& target) {

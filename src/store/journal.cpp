@@ -70,56 +70,47 @@ std::string read_at(int descriptor, std::uint64_t offset, std::size_t size,
     return bytes;
 }
 
+std::string journal_of(std::string_view key) { return head_of_file() + framed(0, key, file_head); }
+
 } // namespace
+
+std::string journal_of(std::string_view key, std::uint32_t layout, std::span<const std::byte> content) {
+    const std::string empty = journal_of(key);
+    return empty + framed(layout, as_text(content), empty.size());
+}
 
 Journal::Journal(std::filesystem::path file, std::string_view key, OfAnother of_another)
     : file_(std::move(file)) {
-    const auto open = [&] {
-        if (descriptor_ >= 0)
-            ::close(descriptor_);
-        descriptor_ = ::open(file_.c_str(), O_RDWR | O_CLOEXEC);
-        if (descriptor_ < 0)
-            system_failure(file_, "open");
-    };
     std::error_code error;
     const auto size = std::filesystem::file_size(file_, error);
     if (error == std::errc::no_such_file_or_directory || (!error && size == 0)) // never begun
-        create(key);
+        write_atomically(file_, journal_of(key));
     try {
-        open();
-        try {
-            index();
-        } catch (const InputError&) {
-            if (of_another == OfAnother::refuse)
-                throw;
-        }
-        if (key_ != key && of_another == OfAnother::refuse)
-            throw InputError(file_.string() +
-                             ": is the journal of other work; choose another folder with -o, "
-                             "or --force to replace it");
-        if (key_ != key) {
-            replaced_ = true;
-            create(key);
-            open();
-            index();
-        }
-        shorten(); // by what was being written when the process ended
-    } catch (...) {
-        ::close(descriptor_);
-        throw;
+        open(O_RDWR);
+        index();
+    } catch (const InputError&) {
+        if (of_another == OfAnother::refuse)
+            throw;
     }
+    if (key_ != key && of_another == OfAnother::refuse)
+        throw InputError(file_.string() + ": is the journal of other work; choose another folder with -o, "
+                                          "or --force to replace it");
+    if (key_ != key) {
+        replaced_ = true;
+        write_atomically(file_, journal_of(key));
+        open(O_RDWR);
+        index();
+    }
+    shorten(); // by what was being written when the process ended
 }
 
 Journal::Journal(std::filesystem::path file) : file_(std::move(file)) {
-    descriptor_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor_ < 0)
-        throw InputError(fmt::format("{}: cannot be read: {}", file_.string(), std::strerror(errno)));
     try {
-        index();
-    } catch (...) {
-        ::close(descriptor_);
-        throw;
+        open(O_RDONLY);
+    } catch (const RunError& error) {
+        throw InputError(error.what());
     }
+    index();
 }
 
 Journal::~Journal() {
@@ -127,26 +118,27 @@ Journal::~Journal() {
         flush();
     } catch (const RunError&) { // flush() before it would have thrown
     }
-    ::close(descriptor_);
 }
 
-void Journal::create(std::string_view key) {
-    write_atomically(file_, head_of_file() + framed(0, key, file_head));
+void Journal::open(int flags) {
+    descriptor_ = std::make_unique<Descriptor>(file_, flags | O_CLOEXEC);
+    if (descriptor_->get() < 0)
+        system_failure(file_, "open");
 }
 
 /// Finds the whole records by their heads, through a window on the file.
 void Journal::index() {
-    const std::string head = read_at(descriptor_, 0, file_head, file_);
+    const std::string head = read_at(descriptor_->get(), 0, file_head, file_);
     if (!head.starts_with(magic))
         throw InputError(file_.string() +
-                         ": is not a journal of rodwake, or its first bytes are damaged; move "
-                         "it away");
+                         ": is not a journal of rodwake, or of an earlier version, or its first bytes "
+                         "are damaged; move it away");
     if (head != head_of_file())
         throw InputError(file_.string() +
                          ": is a journal of another version of rodwake, or of a machine of the other byte "
                          "order; choose another folder with -o, or --force to start anew");
     struct stat info {};
-    if (::fstat(descriptor_, &info) != 0)
+    if (::fstat(descriptor_->get(), &info) != 0)
         system_failure(file_, "read the size of");
     const auto size = static_cast<std::uint64_t>(info.st_size);
     records_.clear();
@@ -156,7 +148,7 @@ void Journal::index() {
     while (end_ + record_head + check_size <= size) {
         if (end_ < window_at || end_ + record_head > window_at + window.size()) {
             window_at = end_;
-            window = read_at(descriptor_, window_at, std::size_t{1} << 16, file_);
+            window = read_at(descriptor_->get(), window_at, std::size_t{1} << 16, file_);
             if (window.size() < record_head)
                 break;
         }
@@ -178,10 +170,24 @@ void Journal::index() {
     records_.erase(records_.begin());
 }
 
+const Journal::RecordSpan& Journal::span_of(std::size_t record) const {
+    if (record >= size())
+        throw InputError(fmt::format("{}: is damaged: it ends before record {}", file_.string(), record));
+    return records_[record];
+}
+
+void Journal::require_layout(std::size_t record, std::uint32_t layout) const {
+    if (span_of(record).layout != layout)
+        throw InputError(file_.string() +
+                         ": written by another version of rodwake with a different layout: resume with that "
+                         "version, choose another folder with -o, or --force to start again");
+}
+
 std::vector<std::byte> Journal::read(std::size_t record) {
     flush();
-    const RecordSpan& at = records_.at(record);
-    const std::string bytes = read_at(descriptor_, at.offset + record_head, at.length + check_size, file_);
+    const RecordSpan& at = span_of(record);
+    const std::string bytes =
+        read_at(descriptor_->get(), at.offset + record_head, at.length + check_size, file_);
     const std::string_view content = std::string_view(bytes).substr(0, at.length);
     if (bytes.size() != at.length + check_size ||
         peek<std::uint64_t>(bytes.data() + at.length) != xxh3(content, at.offset))
@@ -204,10 +210,10 @@ void Journal::keep(std::size_t records) {
 
 void Journal::shorten() {
     struct stat info {};
-    if (::fstat(descriptor_, &info) != 0)
+    if (::fstat(descriptor_->get(), &info) != 0)
         system_failure(file_, "read the size of");
     if (static_cast<std::uint64_t>(info.st_size) > end_ &&
-        ::ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
+        ::ftruncate(descriptor_->get(), static_cast<off_t>(end_)) != 0)
         system_failure(file_, "shorten");
 }
 
@@ -223,10 +229,10 @@ void Journal::flush() {
     const std::string out = std::exchange(buffer_, {}); // a failure is not tried again half-way
     if (out.empty())
         return;
-    if (::lseek(descriptor_, static_cast<off_t>(end_ - out.size()), SEEK_SET) < 0)
+    if (::lseek(descriptor_->get(), static_cast<off_t>(end_ - out.size()), SEEK_SET) < 0)
         system_failure(file_, "write");
     try {
-        write_all(descriptor_, out, file_);
+        write_all(descriptor_->get(), out, file_);
     } catch (const RunError& error) {
         throw RunError(std::string(error.what()) +
                        "; what was written before is kept, and the same command resumes from there");
@@ -235,7 +241,7 @@ void Journal::flush() {
 
 void Journal::sync() {
     flush();
-    if (::fsync(descriptor_) != 0)
+    if (::fsync(descriptor_->get()) != 0)
         system_failure(file_, "sync");
 }
 

@@ -69,7 +69,7 @@ class DynamicTest(ProgramTest):
 
     def test_resumed_to_the_byte(self):
         self.rods("whole", *LONG)
-        checkpoint = self.folder / "out/checkpoint.json"
+        checkpoint = self.folder / "out/rods_checkpoint.rwc"
         with self.started("rods", "pair.toml", *LONG, "-o", "out", "--quiet") as process:
             wait_until(lambda: (self.folder / "out/provenance.json").exists() or process.poll() is not None, 60)
             self.assertIsNone(process.poll(), "the run ended before it could be stopped")
@@ -135,7 +135,7 @@ class DynamicTest(ProgramTest):
     def test_a_film_whose_log_is_gone_begins_anew(self):
         film = *LONG, "-s", "medium.dynamic.film_interval=0.1", "-s", "medium.dynamic.film_grid=30", "-s", "rods_run.t_end=4"
         self.rods("whole", *film)
-        checkpoint = self.folder / "out/checkpoint.json"
+        checkpoint = self.folder / "out/rods_checkpoint.rwc"
         with self.started("rods", "pair.toml", *film, "-o", "out", "--quiet") as process:
             wait_until(lambda: (self.folder / "out/medium_film.log").exists() or process.poll() is not None, 60)
             self.stop(process, signal.SIGTERM, 10.0)

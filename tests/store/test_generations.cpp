@@ -3,6 +3,7 @@
 #include "rodwake/store/generations.hpp"
 
 #include "rodwake/core/error.hpp"
+#include "rodwake/store/journal.hpp"
 #include "scratch.hpp"
 #include "small_disk.hpp"
 
@@ -16,18 +17,15 @@ using Names = std::set<std::string>;
 namespace {
 
 std::string generation(char letter, std::size_t size = 1000) {
-    const store::Block block{"state", std::vector<std::byte>(size, static_cast<std::byte>(letter))};
-    return store::encode_blocks({&block, 1});
+    return store::journal_of("state", std::string(size, letter));
 }
 
-char letter_of(const store::LoadedGeneration& loaded) {
-    return static_cast<char>(store::find_block(loaded.blocks, "state", "c").content.front());
-}
+std::string content_of(const fs::path& file) { return store::Journal(file).value<std::string>(); }
 
-/// Letter of the generation that is loaded; '-' if there is none.
+/// Letter of the generation that is found; '-' if there is none.
 char loaded(const fs::path& target) {
-    const auto found = store::load_generation(target);
-    return found ? letter_of(*found) : '-';
+    const auto found = store::find_generation(target);
+    return found ? content_of(found->file).front() : '-';
 }
 
 } // namespace
@@ -35,15 +33,15 @@ char loaded(const fs::path& target) {
 TEST_CASE("The newest is loaded, the one before is kept, older ones go") {
     const Scratch scratch;
     const fs::path target = scratch / "run.rwc";
-    CHECK_FALSE(store::load_generation(target));
+    CHECK_FALSE(store::find_generation(target));
     store::write_generation(target, generation('a'));
     CHECK(scratch.entries() == Names{"run.rwc"});
     CHECK(loaded(target) == 'a');
     for (const char letter : {'b', 'c'})
         store::write_generation(target, generation(letter));
-    const auto newest = store::load_generation(target);
+    const auto newest = store::find_generation(target);
     REQUIRE(newest);
-    CHECK(letter_of(*newest) == 'c');
+    CHECK(loaded(target) == 'c');
     CHECK(newest->file == target);
     CHECK(newest->notice.empty());
     CHECK(loaded(scratch / "run.rwc.previous") == 'b');
@@ -59,14 +57,14 @@ TEST_CASE("A damaged or missing newest is reported and the previous used") {
     store::write_generation(target, generation('a'));
     store::write_generation(target, generation('b'));
     scratch.file("run.rwc", generation('b').substr(0, 500));
-    auto found = store::load_generation(target);
+    auto found = store::find_generation(target);
     REQUIRE(found);
-    CHECK(letter_of(*found) == 'a');
+    CHECK(loaded(target) == 'a');
     CHECK(found->file == store::previous_generation(target));
-    CHECK(has(found->notice, target.string() + ": truncated checkpoint"));
+    CHECK(has(found->notice, target.string() + ": is damaged"));
     CHECK(has(found->notice, "resuming from " + target.string() + ".previous"));
     fs::remove(target);
-    found = store::load_generation(target);
+    found = store::find_generation(target);
     REQUIRE(found);
     CHECK(has(found->notice, target.string() + ": is missing; resuming"));
 }
@@ -74,21 +72,20 @@ TEST_CASE("A damaged or missing newest is reported and the previous used") {
 TEST_CASE("If none is whole, both reasons are reported") {
     const Scratch scratch;
     const fs::path target = scratch / "run.rwc";
-    const auto refusal = [&] { return error_of<InputError>([&] { store::load_generation(target); }); };
+    const auto refusal = [&] { return error_of<InputError>([&] { store::find_generation(target); }); };
     scratch.file("run.rwc", "");
-    CHECK(has(refusal(), "run.rwc: not a checkpoint: the file is empty"));
+    CHECK(has(refusal(), "run.rwc: is not a journal"));
     scratch.file("run.rwc.previous", "x");
-    CHECK(has(refusal(), "is empty; " + target.string() + ".previous: not a checkpoint"));
+    CHECK(has(refusal(), "; " + target.string() + ".previous: is not a journal"));
     fs::remove(target);
-    CHECK(has(refusal(), "run.rwc: is missing; " + target.string() + ".previous: not a checkpoint"));
+    CHECK(has(refusal(), "run.rwc: is missing; " + target.string() + ".previous: is not a journal"));
 }
 
 TEST_CASE("A folder in its place is neither read nor moved") {
     const Scratch scratch;
     const fs::path target = scratch / "run.rwc";
     fs::create_directory(target);
-    CHECK(has(error_of<InputError>([&] { store::load_generation(target); }),
-              "cannot read the file: Is a directory"));
+    CHECK(has(error_of<RunError>([&] { store::find_generation(target); }), "Is a directory"));
     CHECK(
         has(error_of<RunError>([&] { store::write_generation(target, generation('a')); }), "Is a directory"));
     CHECK(scratch.entries() == Names{"run.rwc"});
@@ -132,8 +129,8 @@ TEST_CASE("Killed at any moment, a whole generation is found", "[.][long]") {
         ::usleep(100 * i);
         ::kill(pid, SIGKILL);
         ::waitpid(pid, nullptr, 0);
-        const auto found = store::load_generation(target);
+        const auto found = store::find_generation(target);
         REQUIRE(found);
-        REQUIRE(store::find_block(found->blocks, "state", "c").content.size() == 300000);
+        REQUIRE(content_of(found->file).size() == 300000);
     }
 }

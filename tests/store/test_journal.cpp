@@ -2,9 +2,11 @@
 
 #include "rodwake/store/journal.hpp"
 
+#include "kept_structs.hpp"
 #include "rodwake/core/error.hpp"
 #include "scratch.hpp"
 #include "small_disk.hpp"
+#include "store/descriptor.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -58,7 +60,7 @@ TEST_CASE("Records are appended and read, buffered or not") {
         CHECK(holds(journal, 50000));
         journal.sync();
         append(journal, 50000, 50010);
-        CHECK_THROWS_AS(journal.read(50010), std::out_of_range);
+        CHECK(has(error_of<InputError>([&] { journal.read(50010); }), "it ends before record 50010"));
     }
     Journal journal(scratch / "j", "key", refuse);
     CHECK(journal.key() == "key");
@@ -77,6 +79,28 @@ TEST_CASE("Values are kept by their layout") {
     CHECK(journal.all<std::vector<double>>() == std::vector<std::vector<double>>{{1.0, -0.0}, {}});
     CHECK(journal.get<std::string>(1) == "text");
     CHECK_FALSE(journal.get<std::string>(0));
+}
+
+TEST_CASE("A value is written as a whole, and refused if it is cut or of another layout") {
+    const Scratch scratch;
+    const Pose pose{{1.0, 2.0}, 3.0F, true};
+    const std::string bytes = store::journal_of("key", pose);
+    Journal journal(scratch.file("pose", bytes));
+    CHECK((journal.key() == "key" && journal.value<Pose>() == pose));
+    CHECK(has(error_of<InputError>([&] { journal.value<Poses>(); }),
+              "pose: written by another version of rodwake"));
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+        const fs::path cut = scratch.file("cut", bytes.substr(0, size));
+        INFO("size " << size);
+        CHECK_FALSE(error_of<InputError>([&] { Journal(cut).value<Pose>(); }).empty());
+    }
+}
+
+TEST_CASE("The checksum is XXH3-64") {
+    // Test vectors of the xxHash project for the empty input and seed 0.
+    CHECK(store::xxh3("") == 0x2D06800538D394C2ULL);
+    CHECK(store::xxh3("a") != store::xxh3("b"));
+    CHECK(store::xxh3("a", 1) != store::xxh3("a", 2));
 }
 
 TEST_CASE("A journal of other work is refused or replaced") {

@@ -39,10 +39,6 @@ public:
     elastic::PeriodicTable periodic(const elastic::Medium& medium, double box, double tolerance);
 
 private:
-    elastic::PlaneTable read_or_make_plane(double eta, double tolerance) const;
-    elastic::PeriodicTable read_or_make_box(const elastic::Medium& medium, double box,
-                                            double tolerance) const;
-
     const RunContext& context_;
     std::filesystem::path folder_;
     std::mutex mutex_;

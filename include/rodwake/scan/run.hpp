@@ -78,6 +78,12 @@ struct Summary {
     std::int64_t lost_crossings = 0; ///< edges where a point of the bisection failed: gaps of the curves
 };
 
+/// Evaluates those of the points that the ledger does not hold, and adds them to it. `learn` gets the results
+/// of all, `report` is called after each chunk. Returns false if it was stopped. Throws RunError if the
+/// ledger cannot be written.
+bool evaluate_missing(Ledger& ledger, const Execute& execute, std::span<const Point> points,
+                      const std::function<void(const Result&)>& learn, const std::function<void()>& report);
+
 /// Throws InputError for a share of an adaptive scan, whose points depend on all results.
 void require_part(const Design& design, Part part);
 

@@ -7,7 +7,6 @@
 //
 // Parts stand in the order of the members; one that is left out does not compile.
 
-#include "rodwake/store/block_file.hpp"
 #include "rodwake/store/bytes.hpp"
 
 #include <Eigen/Geometry>
@@ -155,25 +154,21 @@ struct Kept<std::vector<T>> {
 /// The lower half of XXH3-64 of the layout's text: names and types of all parts.
 std::uint32_t layout_hash(const std::string& layout);
 
-/// Throws InputError, which says that another version wrote the file, if there is no such block of this
-/// layout.
-const Block& find_archive(std::span<const Block> blocks, std::string_view name, const std::string& file,
-                          std::uint32_t layout);
-
 template<class T>
-Block to_block(const std::string& name, const T& value) {
+std::vector<std::byte> to_bytes(const T& value) {
     ByteWriter out;
     Kept<T>::put(out, value);
-    return {name, out.take(), layout_hash(Kept<T>::layout())};
+    return out.take();
 }
 
-/// Throws InputError as find_archive, and for bytes that end early or late.
+/// Throws InputError for bytes that end early or late.
 template<class T>
-void from_block(std::span<const Block> blocks, const std::string& name, const std::string& file, T& value) {
-    const Block& block = find_archive(blocks, name, file, layout_hash(Kept<T>::layout()));
-    ByteReader in(block.content, file + ": block " + name);
+T from_bytes(std::span<const std::byte> bytes, const std::string& file) {
+    ByteReader in(bytes, file);
+    T value{};
     Kept<T>::get(in, value);
     in.finish();
+    return value;
 }
 
 } // namespace rodwake::store

@@ -66,12 +66,6 @@ public:
         copy(values.data(), values.size() * sizeof(T));
         return values;
     }
-    /// An array of exactly this many values.
-    template<Plain T>
-    void get_array(std::span<T> values) {
-        want_size(array_size(sizeof(T)), values.size());
-        copy(values.data(), values.size_bytes());
-    }
     std::string get_text();
 
     /// Throws if there is something left.
@@ -82,7 +76,6 @@ private:
     void copy(void* to, std::size_t size);
     /// Number of elements of the array that follows; they are there.
     std::size_t array_size(std::size_t element);
-    void want_size(std::size_t found, std::size_t wanted) const;
 
     std::span<const std::byte> rest_;
     std::string where_;

@@ -1,7 +1,8 @@
 #pragma once
 // The journal of a run: records appended while the work goes on, and read back by the run that resumes it.
 // Starts of a fit, blocks of a posterior, runs with noise, points of a scan, rows and frames of a bed are
-// kept in this one way.
+// kept in this one way. A value that is replaced as a whole (a checkpoint, an archive, a table of a wake) is
+// a journal of one record, written in one step.
 //
 //   8  magic "RWKJRNL\n"    4  format version, 1    4  0x01020304, then records, the first of them the key
 //   for each record:
@@ -20,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,6 +29,8 @@
 #include <vector>
 
 namespace rodwake::store {
+
+class Descriptor;
 
 class Journal {
 public:
@@ -50,8 +54,8 @@ public:
     bool replaced() const { return replaced_; }
     /// Records besides the key.
     std::size_t size() const { return records_.size(); }
-    std::uint32_t layout(std::size_t record) const { return records_.at(record).layout; }
-    /// Throws InputError if the record is damaged.
+    std::uint32_t layout(std::size_t record) const { return span_of(record).layout; }
+    /// Throws InputError if the record is damaged, or the journal ends before it.
     std::vector<std::byte> read(std::size_t record);
     /// Drops all but the first records: the rest came after a checkpoint. Throws InputError if there are
     /// fewer.
@@ -68,22 +72,19 @@ public:
     /// A value whose parts are described (archive.hpp), in the file when the call returns.
     template<class T>
     void add(const T& value) {
-        ByteWriter out;
-        Kept<T>::put(out, value);
-        append(layout_hash(Kept<T>::layout()), out.take());
+        append(layout_hash(Kept<T>::layout()), to_bytes(value));
         flush();
+    }
+    /// Throws InputError as read, and for a record of another layout.
+    template<class T>
+    T value(std::size_t record = 0) {
+        require_layout(record, layout_hash(Kept<T>::layout()));
+        return from_bytes<T>(read(record), file_.string());
     }
     /// Nothing if the record is damaged, or of another layout.
     template<class T>
     std::optional<T> get(std::size_t record) try {
-        if (layout(record) != layout_hash(Kept<T>::layout()))
-            return std::nullopt;
-        const std::vector<std::byte> content = read(record);
-        ByteReader in(content, file_.string());
-        T value{};
-        Kept<T>::get(in, value);
-        in.finish();
-        return value;
+        return value<T>(record);
     } catch (const InputError&) {
         return std::nullopt;
     }
@@ -103,18 +104,27 @@ private:
         std::uint32_t layout;
     };
 
-    void create(std::string_view key);
+    void open(int flags);
     void index();
+    const RecordSpan& span_of(std::size_t record) const;
+    void require_layout(std::size_t record, std::uint32_t layout) const;
     /// Takes away what is behind the last whole record. A file without such is not touched.
     void shorten();
 
     std::filesystem::path file_;
-    int descriptor_ = -1;
+    std::unique_ptr<Descriptor> descriptor_;
     std::string key_;
     bool replaced_ = false;
     std::vector<RecordSpan> records_;
     std::uint64_t end_ = 0; ///< offset of the next record
     std::string buffer_;    ///< the last whole records, not yet in the file
 };
+
+/// A journal of one record as the bytes of a file: for write_atomically and write_generation.
+std::string journal_of(std::string_view key, std::uint32_t layout, std::span<const std::byte> content);
+template<class T>
+std::string journal_of(std::string_view key, const T& value) {
+    return journal_of(key, layout_hash(Kept<T>::layout()), to_bytes(value));
+}
 
 } // namespace rodwake::store
