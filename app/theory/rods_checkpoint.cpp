@@ -53,7 +53,7 @@ namespace rodwake::app {
 
 namespace {
 
-/// What must be the same for a checkpoint to be taken up: version, git id, scene, data of the field.
+/// A run resumes from a checkpoint of the same version, git id, scene and data of the field only.
 std::string key_of(const scene::Scene& scene, const std::string& field) {
     const BuildInfo build = build_info();
     return "rods by rodwake " + build.version + " " + build.git + "\n\n" + stage_key(scene, Stage::rods) +

@@ -126,7 +126,7 @@ void require_sound(const PlaneTable& table, const fs::path& file) {
     if (table.degree < 1 || table.degree > 20 || std::abs(table.lowest_level) > 200)
         throw InputError(fmt::format("{}: is damaged: a table of degree {} from level {} on", file.string(),
                                      table.degree, table.lowest_level));
-    const auto terms = static_cast<std::size_t>((table.degree + 1) * (table.degree + 1));
+    const std::size_t side = static_cast<std::size_t>(table.degree) + 1, terms = side * side;
     require_sound(table.strain, 3 * terms, file);
     require_sound(table.gradient, 6 * terms, file);
 }
