@@ -51,7 +51,7 @@ BEDS = {
     # A rod of the solid takes all of the periodic bed along. Here a uniform force on the beads, of this acceleration in m/s^2 a rod and against it,
     # holds the bed where it is.
     "held": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": "",
-             "hold": 3.0e-3},
+             "hold": 3.0e-3, "medium": (2.7, 9.1, 0.001)},
     "crystal": {"phi": 0.78, "gap": 1.2, "thick": 1.1, "start": "lattice", "equilibrate": 1, "walk": 30, "step": 0.5, "kinds": "", "more": "bead_spread = 0.05"},
 }
 # Of both rods: x, y in a, heading in degrees; how many runs unless --runs asks for less.

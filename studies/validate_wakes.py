@@ -32,7 +32,7 @@ ZONE = (CENTRES > 0.3 * BOX) & (CENTRES < 0.45 * BOX)  # ahead of the rod: displ
 # Bed and what is in it, a rod that walks, two of them 15 a apart, or a rod pulled at so many mm/s: seconds, runs, whether to make a map.
 ROADS = {("held", "walks"): (60, 12, True), ("held", "1"): (40, 8, True), ("crystal", "walks"): (30, 8, True), ("liquid", "walks"): (15, 8, True),
          ("held", "pair"): (20, 4, False), ("solid", "walks"): (20, 4, False), ("solid", "pair"): (20, 4, False), ("crystal", "pair"): (10, 4, False),
-         ("liquid", "pair"): (4, 4, False), ("held", "0.25"): (30, 3, False), ("held", "4"): (20, 6, True), ("liquid", "1"): (20, 4, False),
+         ("liquid", "pair"): (4, 4, False), ("held", "0.25"): (30, 3, False), ("held", "2"): (20, 6, True), ("liquid", "1"): (20, 4, False),
          ("liquid", "4"): (20, 4, True), ("solid", "1"): (20, 3, False)}
 PUSH, INTERVAL, LAG = 22.0, 3.7e-3, 0.4                # a/s^2; s, an interval that meets every phase of the plates; s
 MASKS = ((10, 16), (8, 15), (12, 14), (14, 14))        # strip, radius, a: those of scenes/quickstart.toml
@@ -114,7 +114,8 @@ def kept_of(name, how):
 
 def over(U, axis, y, x):
     """Mean of a component between these distances from the rod's line and from the rod."""
-    return np.nanmean(U[axis][(CENTRES[HALF:] > y[0]) & (CENTRES[HALF:] < y[1])][:, (CENTRES > x[0]) & (CENTRES < x[1])])
+    found = U[axis][(CENTRES[HALF:] > y[0]) & (CENTRES[HALF:] < y[1])][:, (CENTRES > x[0]) & (CENTRES < x[1])]
+    return found[np.isfinite(found)].mean() if np.isfinite(found).any() else NAN
 
 
 def strain(U):
@@ -164,8 +165,8 @@ def fitted(maps, drag_area):
     return others[0], leave_one_out(lambda kept: Fit(maps, MASKS[0], drag_area).best(maps[kept]), len(maps)), np.ptp(others, axis=0) / 2
 
 
-SHOWN = {"U_x on the line, 10 to 20 a behind": ((0, 3), (-20, -10)), "ahead": ((0, 3), (10, 20)), "12 to 21 a beside it, behind": ((12, 21), (-20, -10)),
-         "abreast, |x| < 5 a": ((12, 21), (-5, 5)), "ahead ": ((12, 21), (10, 20))}
+SHOWN = {"U_x on the line, 30 to 39 a behind": ((0, 3), (-39, -30)), "10 to 20 a behind": ((0, 3), (-20, -10)), "ahead": ((0, 3), (10, 20)),
+         "12 to 21 a beside it, behind": ((12, 21), (-20, -10)), "abreast, |x| < 5 a": ((12, 21), (-5, 5)), "ahead ": ((12, 21), (10, 20))}
 
 
 def of(name, key):
@@ -197,14 +198,16 @@ def wakes(_):
         force, way, drift = (mean([float(row[key]) for row in runs]) for key in ("force_uN", "speed", "drift"))
         through = mean([float(row["speed"]) - float(row["drift"]) for row in runs])
         lines.append([*label, len(runs), text(way), text(drift), text(through), text(force), f"{sum(float(row['cpu_seconds']) for row in runs) / 3600:.2f}"])
-        if len(U) < 4:
+        if len(U) < 3:
             continue
         drag_area, sound = force[0] * 1e-6 / (float(runs[0]["density"]) * of(name, "drag_rate")[0] * through[0] * A**3), elastic(name, force)
+        whole = sound and len(U) > 3 and np.isfinite(U[..., :HALF]).all()  # the rod has come far enough to fit what is behind it
         found.append([*label, len(U), *(text(mean([over(run, 0, *where) for run in U])) for where in SHOWN.values()),
-                      text(mean([1e3 * strain(run) for run in U]), digits=1)])
-        if sound:
+                      text(mean([1e3 * strain(run) for run in U]), digits=1), *([] if whole else "---")])
+        if whole:
             best, errors, masks = fitted(U, drag_area)
             found[-1] += [f"{text((best[k], errors[k]))} +- {masks[k]:.2f}" for k in (0, 1)] + [f"{best[2]:.1f}"]
+        if sound:
             theory = sound[2][0] * basis(sound[1][0], sound[2][0] / drag_area)[0]
             found.append([*label, "by sound", *(f"{over(theory, 0, *where):.2f}" for where in SHOWN.values()), f"{1e3 * strain(theory):.1f}", text(sound[2]),
                           f"{math.log(sound[1][0]):.2f} +- {sound[1][1] / sound[1][0]:.2f}", ""])
