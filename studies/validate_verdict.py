@@ -47,7 +47,7 @@ TWO_SIZES = '[[granular.bead_kinds]]\nradius = "0.4 mm"\nshare = 0.5\n[[granular
 BEDS = {
     "liquid": {"phi": 0.66, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 5, "walk": 12, "step": 0.25, "kinds": TWO_SIZES, "more": ""},
     "solid": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": "",
-              "medium": (2.7, 9.1, 0.001)},  # f/mu in a, eta, alpha, by sound and force (studies/validate_wakes.py)
+              "medium": (2.7, 9.1, 0.001)},  # f/mu in a, eta, alpha, by sound and force of the first runs of studies/validate_wakes.py
     # A rod of the solid takes all of the periodic bed along. Here a uniform force on the beads, of this acceleration in m/s^2 a rod and against it,
     # holds the bed where it is.
     "held": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": "",
