@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Does strain turn rods where there are no rows? Pairs of walking rods in beds of two sizes, a liquid and a solid, and in a crystal
-whose beads have a spread of 5 %. The table of docs/findings.md, section 15.
+"""Does strain turn rods where there are no rows? Pairs of walking rods in beds of two sizes, a liquid and a solid, which moves
+along with them or is held, and in a crystal whose beads have a spread of 5 %. The table of docs/findings.md, section 15.
 
     studies/validate_verdict.py [--program build/release/rodwake] [--only pairs,ends,weigh] [--runs 50] [-j 1] [--keep DIR]
 
@@ -9,7 +9,7 @@ pairs  two rods side by side, 15 and 18 a apart, over half the box, and 20 runs 
        rows are not made again, so another --runs adds to them.
 ends   of what is kept: change of the distance, contacts, how far which rod turned.
 weigh  rivals on the same tracks, as studies/validate_mechanism.py weighs them: strain, polar couplings, the medium's velocity, rows along
-       x, none; in the medium that sound and pushes give for the crystal, so that kappa counts in its unit.
+       x, none; in the solid in its own medium (studies/validate_wakes.py), elsewhere in that which sound and pushes give for the crystal.
 """
 
 import shutil
