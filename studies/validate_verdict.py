@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Does strain turn rods where there are no rows? Pairs of walking rods in beds of two sizes, a liquid and a solid, and in a crystal
-whose beads have a spread of 5 %. The table of docs/findings.md, section 15.
+"""Does strain turn rods where there are no rows? Pairs of walking rods in beds of two sizes, a liquid and a solid, which moves
+along with them or is held, and in a crystal whose beads have a spread of 5 %. The table of docs/findings.md, section 15.
 
     studies/validate_verdict.py [--program build/release/rodwake] [--only pairs,ends,weigh] [--runs 50] [-j 1] [--keep DIR]
 
@@ -9,7 +9,7 @@ pairs  two rods side by side, 15 and 18 a apart, over half the box, and 20 runs 
        rows are not made again, so another --runs adds to them.
 ends   of what is kept: change of the distance, contacts, how far which rod turned.
 weigh  rivals on the same tracks, as studies/validate_mechanism.py weighs them: strain, polar couplings, the medium's velocity, rows along
-       x, none; in the medium that sound and pushes give for the crystal, so that kappa counts in its unit.
+       x, none; in the solid in its own medium (studies/validate_wakes.py), elsewhere in that which sound and pushes give for the crystal.
 """
 
 import shutil
@@ -21,7 +21,7 @@ from validate_mechanism import A, FIT, MEDIA, NUMBERS, RIVALS, SIGMA_HEADING, SI
 
 TRACKS, BATCH = SOURCE / "studies/verdict_tracks.csv", 5
 SCENE = """schema = 1
-title = "Two rods in a {name}"
+title = "Rods in a {name}"
 [granular]
 phi_b = {phi}
 box = "78 a"
@@ -46,7 +46,12 @@ TWO_SIZES = '[[granular.bead_kinds]]\nradius = "0.4 mm"\nshare = 0.5\n[[granular
 # The step of tracks, s, is about 2 a of walking.
 BEDS = {
     "liquid": {"phi": 0.66, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 5, "walk": 12, "step": 0.25, "kinds": TWO_SIZES, "more": ""},
-    "solid": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": ""},
+    "solid": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": "",
+              "medium": (2.7, 9.1, 0.001)},  # f/mu in a, eta, alpha, by sound and force of the first runs of studies/validate_wakes.py
+    # A rod of the solid takes all of the periodic bed along. Here a uniform force on the beads, of this acceleration in m/s^2 a rod and against it,
+    # holds the bed where it is.
+    "held": {"phi": 0.84, "gap": 1.55, "thick": 1.4, "start": "random", "equilibrate": 20, "walk": 60, "step": 1.0, "kinds": TWO_SIZES, "more": "",
+             "hold": 3.0e-3, "medium": (2.7, 9.1, 0.001)},
     "crystal": {"phi": 0.78, "gap": 1.2, "thick": 1.1, "start": "lattice", "equilibrate": 1, "walk": 30, "step": 0.5, "kinds": "", "more": "bead_spread = 0.05"},
 }
 # Of both rods: x, y in a, heading in degrees; how many runs unless --runs asks for less.
@@ -62,7 +67,14 @@ def scene_of(name, start, seed, runs):
     bed, (rods, _) = BEDS[name], STARTS[start]
     more = bed["more"] if start == "across" else bed["more"] + '\nstop_at_travel = "39 a"'
     head = SCENE.format(**bed | {"name": name, "seed": seed, "runs": runs, "more": more})
-    return head + bed["kinds"] + "".join(ROD.format(x=x, y=y, heading=heading, thick=bed["thick"]) for x, y, heading in rods)
+    return (head + bed["kinds"] + "".join(ROD.format(x=x, y=y, heading=heading, thick=bed["thick"]) for x, y, heading in rods)
+            + hold(bed, [heading for *_, heading in rods]))
+
+
+def hold(bed, headings):
+    """Against the push of rods that head this way, in degrees."""
+    push = bed.get("hold", 0.0) * np.exp(1j * np.radians(headings)).sum()
+    return f'[granular.body_force]\nkind = "uniform"\nacceleration = {abs(push):.6g}\ndirection = {np.angle(-push):.6f}\n' if push else ""
 
 
 def rows_at_steps(track, step):
@@ -102,9 +114,15 @@ def kept_pairs(bed, start):
     return [np.array(one) for one in found.values()], seconds
 
 
+def winding_of(pair):
+    """Turns of one rod around the other."""
+    angle = np.unwrap(np.arctan2(pair[:, 5] - pair[:, 2], pair[:, 4] - pair[:, 1]))
+    return np.ptp(angle) / (2 * np.pi)
+
+
 def ends(_):
     """Inward: the lower rod to the left, the upper one to the right. The rods that start at right angles: rod 1 comes from below."""
-    beside, across = [], []
+    beside, across, winding = [], [], []
     for name in BEDS:
         for start in STARTS:
             found, seconds = kept_pairs(name, start)
@@ -112,24 +130,27 @@ def ends(_):
                 continue
             touched = sum(len(apart_yet(one)) < len(one) for one in found)
             turns = [(one[-1, 3] - one[0, 3], one[-1, 6] - one[0, 6]) for one in map(apart_yet, found)]
+            winding.append([name, start, len(found), f"{max(winding_of(one) for one in found):.2f}"])
             if start == "across":
                 across.append([name, len(found), touched, *(text(mean([turn[k] for turn in turns])) for k in (0, 1)),
-                               *(text(mean([abs(turn[k]) for turn in turns])) for k in (0, 1)), f"{seconds / 3600:.2f}"])
+                               *(text(mean([abs(turn[k]) for turn in turns])) for k in (0, 1)),
+                               text(mean([abs(turn[1]) - abs(turn[0]) for turn in turns])), f"{seconds / 3600:.2f}"])
                 continue
             change = [abs(one[-1, 5] - one[-1, 2]) - abs(one[0, 5] - one[0, 2]) for one in found]
             beside.append([name, start, len(found), text(mean(change)), f"{np.std(change, ddof=1):.1f}", touched,
                            text(mean([turn[1] - turn[0] for turn in turns])), f"{np.mean([speed_of(one) for one in found]):.1f}", f"{seconds / 3600:.2f}"])
     table("Pairs side by side", ["bed", "apart, a", "runs", "Delta y over half the box, a", "its scatter, a", "contacts", "turned inward, rad",
                                  "speed, a/s", "CPU hours"], beside)
-    table("Starts at right angles, 26 a apart", ["bed", "runs", "contacts", "rod 0 turned, rad", "rod 1", "|turn| of rod 0", "of rod 1", "CPU hours"], across)
+    table("Starts at right angles, 26 a apart", ["bed", "runs", "contacts", "rod 0 turned, rad", "rod 1", "|turn| of rod 0", "of rod 1", "difference", "CPU hours"], across)
+    table("Does a pair orbit? Turns of one rod around the other, most of all runs", ["bed", "start", "runs", "turns"], winding)
 
 
 def weigh(lab):
     """Pairs side by side, 15 and 18 a together, until they touch."""
-    (scale, eta, alpha), lines = MEDIA["medium"], []
-    for name in BEDS:
-        found = [one for start in ("15", "18") for one in map(apart_yet, kept_pairs(name, start)[0]) if len(one) > 3]
-        parts = []
+    lines = []
+    for name, bed in BEDS.items():
+        found = [one for start in ("15", "18") for one in map(apart_yet, kept_pairs(name, start)[0][:lab.options.runs]) if len(one) > 3]
+        (scale, eta, alpha), parts = bed.get("medium", MEDIA["medium"]), []
         for number, pair in enumerate(found):
             file = lab.write(f"{name}_{number}.csv", "t,x0,y0,theta0,x1,y1,theta1\n" +
                              "".join(",".join(f"{value:.4f}" for value in row) + "\n" for row in pair))

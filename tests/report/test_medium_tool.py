@@ -15,6 +15,7 @@ from rodwake import SOURCE
 
 sys.path.insert(0, str(SOURCE / "studies"))
 import lab  # noqa: E402
+import validate_wakes as wakes  # noqa: E402
 from medium import bed, hard, moments, monopole, moving, pairs, scaling, spread, static, strain, tail  # noqa: E402
 
 TRUE = np.array([4.6e4, 4.2e4, 1.5e4, 1.35e4])  # c11, c22, c12, c66, a^2/s^2
@@ -380,6 +381,26 @@ class HardTest(unittest.TestCase):
         self.assertAlmostEqual(row["P"], 6 * 4 * phi / math.pi)  # Z rho sigma^2
         self.assertAlmostEqual(row["contact"], 3)
         self.assertTrue(math.isnan(row["exponent_error"]))
+
+
+class WakesTest(unittest.TestCase):
+    def test_f_over_mu_and_eta_come_back_from_maps_relative_to_the_zone_ahead(self):
+        x = np.arange(-39, 39) + 0.5
+        medium = spread.Medium(x, x, (3.2, 3.2, 1.2, 1.0), 1 / 600, 0.0, 0.0, 1.0, 1.0)
+        U = 1.5 * medium.line(-5.6, 5.6) + 3 * medium.dipoles()[0] - 2 * medium.dipoles()[1] + 10 * medium.moments(2)[0]
+        zone = (x > 0.3 * 78) & (x < 0.45 * 78)
+        U -= U[:, :, zone].mean(axis=2, keepdims=True)
+        U[0] += 0.3 * (x[zone].mean() - x) / 78  # some beads are dragged along, and all others stay behind
+        exact = U.reshape(2, 26, 3, 26, 3).mean(axis=(2, 4))[:, 13:]
+        maps = exact + 0.02 * np.random.default_rng(1).normal(size=(8, *exact.shape))
+        (scale, log, chi2), errors, masks = wakes.fitted(maps, 900.0)
+        self.assertLess(abs(scale - 1.5), 3 * math.hypot(errors[0], masks[0]))
+        self.assertLess(abs(log - math.log(2.2)), 3 * math.hypot(errors[1], masks[1]))
+        self.assertLess(max(errors[0], masks[0]), 0.15)
+        self.assertLess(chi2, 1.7)  # 7/5 with sigma from eight runs
+        # Straight lines give the strain exactly.
+        X, Y = np.meshgrid(wakes.CENTRES, wakes.CENTRES[13:])
+        self.assertAlmostEqual(wakes.strain(np.array([-0.004 * Y, 0.002 * X])), -0.001, delta=1e-12)
 
 
 if __name__ == "__main__":
