@@ -20,7 +20,7 @@ import h5py
 import numpy as np
 from scipy.optimize import least_squares, minimize_scalar
 
-from lab import NAN, SOURCE, datasets, keep_row, kept_rows, leave_one_out, mean, parser, ratio, run_parts, table, text, told
+from lab import NAN, SOURCE, datasets, keep_row, kept_rows, leave_one_out, mean, parser, ratio, read_json, run_parts, table, text
 from medium.spread import Medium
 from validate_verdict import BEDS, ROD, SCENE, STARTS, hold
 
@@ -69,7 +69,7 @@ class Film:
 def coarse(folder):
     """[component][y][x]: means over bins weighted by samples, y from 0 on, U_x even and U_y odd; NaN where no bead came."""
     x, y, *u, count = datasets(folder / "measure.h5", "displacement", "x", "y", "Ux", "Uy", "count")
-    offset = told(folder, "measure")["displacement"]["offset"]
+    offset = read_json(folder, "measure")["displacement"]["offset"]
     X, Y = np.meshgrid(x, y)
     to = np.minimum(np.floor(np.abs(Y) / BIN).astype(int), HALF - 1), np.floor((X + BOX / 2) / BIN).astype(int) % len(CENTRES)
     sums = np.zeros((3, HALF, len(CENTRES)))
@@ -93,7 +93,7 @@ def rods(lab):
             if not (folder / "summary.json").is_file():  # beads overlapped by too much, and the run was stopped
                 print(f"{folder.name} failed")
                 continue
-            summary, film, case = told(folder, "summary"), Film(folder), {"bed": name, "rod": how, "seed": seed}
+            summary, film, case = read_json(folder, "summary"), Film(folder), {"bed": name, "rod": how, "seed": seed}
             for axis, values in zip("xy", coarse(folder)) if far else ():
                 for y, row in enumerate(values):
                     keep_row(MAPS, {**case, "U": axis, "y": BIN * (y + 0.5)} | {f"{x:g}": f"{value:.3f}" for x, value in zip(CENTRES, row)})
@@ -245,7 +245,7 @@ def bed(lab):
                 continue
             keys = (10, seed, 0.25, push, 5) if what == "drag" else (15, seed, INTERVAL, "")
             folder = lab.make(f"{name}_{what}_{seed}", scene(name, *keys), verbs=("dem",))
-            film, spent = Film(folder), told(folder, "summary")["cpu_seconds"]
+            film, spent = Film(folder), read_json(folder, "summary")["cpu_seconds"]
             for key, value in (currents(film) if what == "sound" else {"drag_rate": PUSH / film.drift(1.0)}).items():
                 keep_row(BED, {"bed": name, "what": what, "seed": seed, "key": key, "value": f"{value:.6g}", "cpu_seconds": round(spent)})
             shutil.rmtree(folder)
