@@ -64,7 +64,7 @@ def draw_folder(options, look):
 
 
 def draw_all(run, options, look):
-    """Figures, then the pages; failures are reported last: what could be drawn is there."""
+    """Draws the figures, then the pages. Failures are reported last, when everything else is drawn."""
     from rodwake_plots import draw, report, scan_page
 
     figures = draw.figures_of(run, options.film, options.overlay)

@@ -26,7 +26,7 @@ def shape_of(dataset):
 
 
 class H5mdFile:
-    """Datasets by their paths. What HDF5 cannot read is reported with the path that was asked for."""
+    """Datasets by their paths. Data that HDF5 cannot read are reported with the requested path."""
 
     def __init__(self, source):
         self.source = source

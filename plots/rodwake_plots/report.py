@@ -26,7 +26,7 @@ def write(run, shown):
 
 
 def document(run, shown, failures):
-    """A part that fails says so in its position, and in `failures`: the rest of the page is made all the same."""
+    """A part that fails shows its error on the page and adds it to `failures`. The rest of the page is made all the same."""
     parts = [(name, inside) for name, inside in sections_of(run, shown, failures) if inside]
     names = [(number, one.title or one.name.replace("_", " ")) for number, (one, _) in enumerate(shown, 1)]
     links = navigation([name for name, _ in parts], names)
