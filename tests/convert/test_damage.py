@@ -9,7 +9,7 @@ class Damage(ConvertTest):
     def test_damaged_films(self):
         for name, good in small_films(self.folder).items():
             chance, read, true = random.Random(7), 0, self.film(name, good).seen()
-            for k in range(40):
+            for k in range(80):
                 outcome = self.run_on(name, damaged(good, chance))
                 with self.subTest(name, k=k):
                     self.assertIn(outcome.code, (0, 2), outcome)
@@ -19,7 +19,7 @@ class Damage(ConvertTest):
                         read += 1
                         seen = Film(self.folder / "film.h5md").seen()
                         self.assertTrue(not name.startswith("sums") or seen == true)
-            self.assertLess(1, read)  # not all damage is refused, which would be easy
+            self.assertLess(3, read)  # not all damage is refused, which would be easy
 
 
 if __name__ == "__main__":
