@@ -46,7 +46,7 @@ QUOTED = {
     "non_reciprocity": {"app/scan/scan_values.cpp", FIGURES},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
-    "psi6": {FIGURES, "include/rodwake/scene/scene.hpp"},
+    "psi6": {FIGURES},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "omega": {"app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
