@@ -54,8 +54,8 @@ QUOTED = {
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
     "final_separation": {"app/scan/critical_encounters.cpp"},
     "separation": {"app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
-    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
-    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_x": {"app/bed/measured_file.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_y": {"app/bed/measured_file.cpp", "app/fit/read_fit_maps.cpp"},
     "turn1": {"app/run/record_table.hpp"},  # an example
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
     "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "app/fit/fit_stage.cpp", "fitting/misfit.cpp",
