@@ -20,6 +20,12 @@ struct R {{ double speed = 0.0; static constexpr auto fields() {{ return std::tu
 inline const auto size = std::get<0>(R::fields()).name.size();
 }}
 """
+COUNTED = """namespace {name} {{
+# 1 "{name}"
+struct R {{ double speed{text}; static constexpr auto fields() {{ return std::tuple{{rodwake::field("speed", &R::speed, {{"m/s", "of the rod"}})}}; }} }};
+static_assert(rodwake::undescribed_members<R>() == 0, "every member has its line");
+}}
+"""
 KEPT = """namespace {name} {{ struct R {{ double x, y; }}; }}
 # 1 "{name}"
 template<> inline constexpr auto rodwake::store::parts<{name}::R> = rodwake::store::parts_of({text});
@@ -108,6 +114,10 @@ class DescribedResultsTest(unittest.TestCase):
         said = errors_of("rodwake/core/record.hpp", SOURCE, '"speed", &R::speed, {"m/s", "of the rod"}', '"speed", &R::speed, {"m/ss", "of the rod"}',
                          '"speed", &R::speed, {"", "of the rod"}', '"speed", &R::speed, {"m/s", ""}', '"", &R::speed, {"m/s", "of the rod"}')
         self.assert_refused(said, "unit", "unit", "meaning", "name")
+
+    def test_a_member_without_its_line_does_not_compile(self):
+        said = errors_of("rodwake/core/record.hpp", COUNTED, "", ", force")
+        self.assert_refused(said, "every member has its line")
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
         speed, force = "[](const R& r) { return r.speed; }", "[](const R&) { return rodwake::Estimate{}; }"
