@@ -70,7 +70,7 @@ struct KindSummary {
                 "T_z", &R::T_z,
                 {"m^2/s^2", "var vz of the beads of the kind, mean from t = 0", OverRuns::mean, "T_z_kind"}),
             field("absorbing_state", &R::absorbing_state,
-                  {"", "whether the beads of the kind ended in step with the plates", OverRuns::not_told})};
+                  {"", "whether the beads of the kind ended in step with the plates", OverRuns::left_out})};
     }
 };
 
@@ -143,11 +143,17 @@ struct GranularSummary {
                   {"1", "mean from t = 0 of the column psi6 of table.csv", OverRuns::mean, "=", "="}),
             field("pressure", &R::pressure, {"N/m", "in the plane, mean from t = 0"}),
             field("absorbing_state", &R::absorbing_state,
-                  {"", "whether the beads ended in step with the plates", OverRuns::not_told}),
-            field("rods", &R::rods, {"", "of each rod", OverRuns::not_told}),
-            field("pair", &R::pair, {"", "of two rods", OverRuns::not_told})};
+                  {"", "whether the beads ended in step with the plates", OverRuns::left_out}),
+            field("rods", &R::rods, {"", "of each rod", OverRuns::left_out}),
+            field("pair", &R::pair, {"", "of two rods", OverRuns::left_out})};
     }
 };
+static_assert(undescribed_members<RodSummary>() == 0 && undescribed_members<KindSummary>() == 0 &&
+                  undescribed_members<PressureSummary>() == 0 && undescribed_members<PairSummary>() == 0,
+              "a number of a bed has its line in fields()");
+static_assert(undescribed_members<GranularSummary>() == 5,
+              "run, state_hash, beads_fraction, cost and kinds are written elsewhere; every other member of "
+              "the summary has its line in fields()");
 
 struct GranularResult {
     StageEnd end = StageEnd::finished;

@@ -57,6 +57,7 @@ struct MeasureKind {
     /// values_of<..., true> of the record that is its part of measure.json.
     std::span<const ColumnInfo> (*values)() = nullptr;
     std::span<const ColumnInfo> (*film_numbers)() = nullptr; ///< further ones, of [tracks] alone
+    std::span<const ColumnInfo> (*layers)() = nullptr;       ///< of its group of measure.h5
     std::vector<FileKind> (*files)() = nullptr;              ///< in the folder of the case
 };
 

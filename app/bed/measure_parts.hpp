@@ -36,6 +36,17 @@ std::vector<double> of_summaries(const MeasuredCase& data, const std::string& na
 /// Of the rod measure.rod in this run, from t = 0, `from` and `from_travel` on.
 measure::HeadingTrack track_of(const scene::Measure& measure, const RunTables& run);
 
+/// The layers of a grid are the columns of a described record; a pure number has no unit in HDF5.
+template<Described Layers>
+std::vector<GridLayer> layers_of(const Layers& layers) {
+    std::vector<GridLayer> all;
+    for_each_field<Layers>([&](const auto& field) {
+        const std::string unit(field.info.unit == "1" ? "" : field.info.unit);
+        all.push_back({std::string(field.name), field.of(layers), unit});
+    });
+    return all;
+}
+
 Column scaled(const Column& values, double scale);
 /// Two components as VTK wants vectors.
 Column vectors(const Column& x, const Column& y, double scale);

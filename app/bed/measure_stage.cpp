@@ -284,10 +284,22 @@ std::vector<ColumnInfo> measured_numbers() {
     return numbers;
 }
 
+/// measure.h5: the group of a measure and the name of the layer.
+std::vector<ColumnInfo> measured_layers() {
+    std::vector<ColumnInfo> layers;
+    for (const MeasureKind& kind : measure_kinds())
+        if (kind.layers)
+            for (const ColumnInfo& layer : kind.layers())
+                layers.push_back(
+                    column_info(fmt::format("{}/{}", kind.name, layer.name), layer.unit, layer.meaning));
+    return layers;
+}
+
 std::vector<FileKind> measure_result_files() {
-    static const std::vector<ColumnInfo> measured = measured_numbers();
+    static const std::vector<ColumnInfo> measured = measured_numbers(), layers = measured_layers();
     std::vector<FileKind> files = {
-        {"measure.h5", Lifetime::result, "fields on grids in the rod's frame"},
+        {"measure.h5", Lifetime::result, "fields on grids in the rod's frame, as a group for each measure",
+         layers},
         {"series.json", Lifetime::result, "fits over the rows of series.csv"},
         {"measure.json", Lifetime::result,
          "every measured number with its error; lengths in a, speeds in a/s", measured},

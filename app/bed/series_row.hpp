@@ -65,5 +65,8 @@ struct SeriesRow {
                   {"rad^2/a", "heading diffusion over the speed"})};
     }
 };
+static_assert(undescribed_members<SeriesRow>() == 3,
+              "bead_radius, separation and imposed_speed are scaled by functions; every other member of the "
+              "row has its line in fields()");
 
 } // namespace rodwake::app

@@ -10,10 +10,19 @@
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
 namespace rodwake::app {
+
+/// A member that is null in a file where there is none.
+template<class T>
+using OrNull = std::variant<std::monostate, T>;
+
+/// A JSON object with a value for each name.
+template<class T>
+using Named = std::vector<std::pair<std::string, T>>;
 
 /// JSON has no infinity and no NaN; null stands for them.
 inline nlohmann::ordered_json finite_or_null(double value) {
@@ -52,6 +61,14 @@ nlohmann::ordered_json member_json(const std::vector<T>& list) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const T& item : list)
         out.push_back(record_json(item));
+    return out;
+}
+
+template<class T>
+nlohmann::ordered_json member_json(const Named<T>& named) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    for (const auto& [name, value] : named)
+        out[name] = member_json(value);
     return out;
 }
 

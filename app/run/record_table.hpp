@@ -9,6 +9,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace rodwake::app {
@@ -105,6 +106,10 @@ void add_values(std::vector<ColumnInfo>& values, const std::string& before = "")
         else if constexpr (requires { requires Described<typename Member::value_type>; })
             add_values<typename Member::value_type, all>(
                 values, name + (requires(Member m) { m.size(); } ? ".<k>." : "."));
+        else if constexpr (requires { requires Described<typename Member::value_type::second_type>; })
+            add_values<typename Member::value_type::second_type, all>(values, name + ".<k>.");
+        else if constexpr (requires { requires Described<std::variant_alternative_t<1, Member>>; })
+            add_values<std::variant_alternative_t<1, Member>, all>(values, name + ".");
         else if (all || !field.info.unit.empty())
             values.push_back(column_info(name, field.info.unit, field.info.meaning, field.info.row));
     });

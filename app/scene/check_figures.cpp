@@ -28,7 +28,7 @@ std::vector<std::string> changed_keys(const Figure& f) {
         {"component", f.component != unset.component},
         {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
         {"along", f.along != unset.along},
-        {"quantity", f.quantity != unset.quantity},
+        {"quantity", !f.quantity.empty() && f.quantity != figure_quantities().front()},
         {"against", f.against != unset.against},
         {"gammas", f.gammas != unset.gammas},
         {"frame", f.frame != unset.frame},

@@ -133,6 +133,8 @@ void fields(Visitor& v, Figure& figure, const FigureUnits& units) {
           .doc("the axis of the rod's frame along which U is drawn")
           .example("\"y\""),
       figure.along);
+    if (figure.quantity.empty())
+        figure.quantity = figure_quantities().front();
     v(of_kinds("quantity")
           .one_of(figure_quantities())
           .doc("what is drawn, a point for the scene and one for each of [[variants]]")

@@ -34,10 +34,6 @@ struct PoseRow {
     }
 };
 
-/// null where there is none.
-template<class T>
-using OrNull = std::variant<std::monostate, T>;
-
 struct UnitNames {
     std::string length, time;
     std::optional<std::string> turn;

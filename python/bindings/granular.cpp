@@ -142,7 +142,7 @@ void bind_granular(py::module_& module) {
              })
         .def("rods", &rod_poses)
         .def("temperatures", &temperatures)
-        .def("psi6", [](const Bed& b) { return b.simulation().psi6(b.plan().schedule.order_cutoff); })
+        .def("bond_order", [](const Bed& b) { return b.simulation().psi6(b.plan().schedule.order_cutoff); })
         .def("state_hash", [](const Bed& b) { return granular::state_hash(b.simulation().state()); });
 
     // The heading follows from stored orientations, so it has the bits that the measures of a bed have.

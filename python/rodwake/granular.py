@@ -116,7 +116,7 @@ class Bed:
     @property
     def psi6(self) -> float:
         """|mean of psi_6|, the bond order of the beads, from 0 to 1."""
-        return float(self._core.psi6())
+        return float(self._core.bond_order())
 
     @property
     def state_hash(self) -> str:

@@ -20,6 +20,12 @@ struct R {{ double speed = 0.0; static constexpr auto fields() {{ return std::tu
 inline const auto size = std::get<0>(R::fields()).name.size();
 }}
 """
+COUNTED = """namespace {name} {{
+# 1 "{name}"
+struct R {{ double speed{text}; static constexpr auto fields() {{ return std::tuple{{rodwake::field("speed", &R::speed, {{"m/s", "of the rod"}})}}; }} }};
+static_assert(rodwake::undescribed_members<R>() == 0, "every member has its line");
+}}
+"""
 KEPT = """namespace {name} {{ struct R {{ double x, y; }}; }}
 # 1 "{name}"
 template<> inline constexpr auto rodwake::store::parts<{name}::R> = rodwake::store::parts_of({text});
@@ -46,7 +52,7 @@ QUOTED = {
     "non_reciprocity": {"app/scan/scan_values.cpp", FIGURES},
     "p_xy": {"app/bed/granular_run.hpp"},  # a mean of that column
     "rod_tracks": {"app/cli/verb_new.cpp", "app/scene/figure_kinds.cpp"},  # a kind of figure
-    "psi6": {FIGURES, "include/rodwake/scene/scene.hpp"},
+    "psi6": {FIGURES},
     "pushed": {"app/bed/measures/mechanics.cpp"},
     "rhs_evaluations": {"app/run/catalogue.cpp"},  # a column of tradeoff.csv, which Python writes
     "omega": {"app/scan/scan_values.cpp"},  # empty columns of scans where there is no orbit
@@ -54,8 +60,8 @@ QUOTED = {
     "lambda": {"models/rods/form.cpp"},  # the multiplier of the dae
     "final_separation": {"app/scan/critical_encounters.cpp"},
     "separation": {"app/scan/scan_values.cpp", "app/scan/critical_encounters.cpp"},  # a column of points that brackets read
-    "sigma_x": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
-    "sigma_y": {"app/bed/measured_file.cpp", "app/bed/measures/displacement.cpp", "app/bed/measures/flow.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_x": {"app/bed/measured_file.cpp", "app/fit/read_fit_maps.cpp"},
+    "sigma_y": {"app/bed/measured_file.cpp", "app/fit/read_fit_maps.cpp"},
     "turn1": {"app/run/record_table.hpp"},  # an example
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
     "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "app/fit/fit_stage.cpp", "fitting/misfit.cpp",
@@ -108,6 +114,10 @@ class DescribedResultsTest(unittest.TestCase):
         said = errors_of("rodwake/core/record.hpp", SOURCE, '"speed", &R::speed, {"m/s", "of the rod"}', '"speed", &R::speed, {"m/ss", "of the rod"}',
                          '"speed", &R::speed, {"", "of the rod"}', '"speed", &R::speed, {"m/s", ""}', '"", &R::speed, {"m/s", "of the rod"}')
         self.assert_refused(said, "unit", "unit", "meaning", "name")
+
+    def test_a_member_without_its_line_does_not_compile(self):
+        said = errors_of("rodwake/core/record.hpp", COUNTED, "", ", force")
+        self.assert_refused(said, "every member has its line")
 
     def test_a_value_of_a_measure_without_meaning_or_unit_does_not_compile(self):
         speed, force = "[](const R& r) { return r.speed; }", "[](const R&) { return rodwake::Estimate{}; }"

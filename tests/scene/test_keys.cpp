@@ -1,6 +1,7 @@
 // Every key of the scene, taken from the field lists: a new key without tests here fails.
 
 #include "key_values.hpp"
+#include "rodwake/core/record.hpp"
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
@@ -278,5 +279,45 @@ TEST_CASE("the example of every key is legal") {
                                       ? in_container("kind = \"rectangle\"\nsides = [\"40 a\", \"30 a\"]\n")
                                       : in_container("radius = \"20 a\"\n");
         CHECK(error_text(scene, overrides) == "");
+    }
+}
+
+TEST_CASE("a member of a scene's table without its key is found out") {
+    using namespace rodwake::scene;
+    using rodwake::member_count;
+    struct Table {
+        std::string name;
+        std::size_t members;
+        int without_key; ///< members less keys: tables of their own, and what several keys or none give
+    };
+    const std::vector<Table> tables = {
+        {"fit", member_count<Fit>(), -1},
+        {"fit.posterior", member_count<FitPosterior>(), 0},
+        {"fit.trajectories[]", member_count<FitTrajectory>(), 0},
+        {"field", member_count<Field>(), 1},
+        {"field.cuts[]", member_count<Cut>(), 0},
+        {"figures[]", member_count<Figure>(), 0},
+        {"granular", member_count<Granular>(), 9},
+        {"granular.container", member_count<BedContainer>(), 0},
+        {"granular.output", member_count<GranularOutput>(), 0},
+        {"granular.rods_random", member_count<RandomBedRods>(), 0},
+        {"measure", member_count<Measure>(), 0},
+        {"medium.measured", member_count<MeasuredMedium>(), 0},
+        {"noise", member_count<Noise>(), 0},
+        {"rods_order", member_count<RodsOrder>(), 0},
+        {"rods_random", member_count<RandomRods>(), 0},
+        {"rods_run", member_count<RodsRun>(), 0},
+        {"scan", member_count<Scan>(), 2},
+        {"scan.axes[]", member_count<ScanAxis>(), 0},
+        {"tracks", member_count<Tracks>(), 2},
+        {"tracks.columns", member_count<TracksColumns>(), 0},
+        {"variants[]", member_count<Variant>(), 0},
+    };
+    const auto keys = scene_keys();
+    for (const Table& table : tables) {
+        INFO(table.name);
+        CHECK(static_cast<int>(table.members) -
+                  static_cast<int>(std::ranges::count(keys, table.name, &KeyInfo::table)) ==
+              table.without_key);
     }
 }

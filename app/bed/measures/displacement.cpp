@@ -73,15 +73,31 @@ CsvFile profile_table(const DisplacementField& u, const char* component, const c
             csv_of(ProfileColumns{p, a})};
 }
 
-MeasureGrid grid_of(const DisplacementField& u, double to_a, const std::string& group = "/displacement") {
+struct DisplacementLayers : DisplacementField {
+    double a; ///< m
+
+    static constexpr auto fields() {
+        using R = DisplacementLayers;
+        return std::tuple{
+            field("Ux", {"a", "displacement along the rod's heading (NaN: no data)"},
+                  [](const R& r) { return scaled(r.Ux, 1.0 / r.a); }),
+            field("Uy", {"a", "displacement across the rod's heading (NaN: no data)"},
+                  [](const R& r) { return scaled(r.Uy, 1.0 / r.a); }),
+            field("sigma_x", {"a", "standard error of Ux (NaN: unknown)"},
+                  [](const R& r) { return scaled(r.sigma_x, 1.0 / r.a); }),
+            field("sigma_y", {"a", "standard error of Uy (NaN: unknown)"},
+                  [](const R& r) { return scaled(r.sigma_y, 1.0 / r.a); }),
+            field("count", &R::count, {"1", "beads behind the value, over all frames"}),
+            field("coherence", &R::coherence,
+                  {"1", "|mean of exp(i phase)| over the Bragg peaks, 1: the beads kept their lattice"})};
+    }
+};
+
+MeasureGrid grid_of(const DisplacementField& u, double a, const std::string& group = "/displacement") {
+    const double to_a = 1.0 / a;
     MeasureGrid grid{group,
                      u.grid,
-                     {{"Ux", scaled(u.Ux, to_a), "a"},
-                      {"Uy", scaled(u.Uy, to_a), "a"},
-                      {"sigma_x", scaled(u.sigma_x, to_a), "a"},
-                      {"sigma_y", scaled(u.sigma_y, to_a), "a"},
-                      {"count", u.count, ""},
-                      {"coherence", u.coherence, ""}},
+                     layers_of(DisplacementLayers{u, a}),
                      {{"method", measure::to_string(u.method)},
                       {"reference", reference_name(u)},
                       {"mean_speed_a_per_s", u.mean_speed * to_a},
@@ -134,11 +150,11 @@ struct DisplacementValues : DisplacementField {
 
 /// That of all runs, and of each by itself if it is wanted.
 std::vector<MeasureGrid> grids_of(const DisplacementField& all, std::span<const DisplacementAccumulator> runs,
-                                  bool each, double to_a) {
-    std::vector<MeasureGrid> grids = {grid_of(all, to_a)};
+                                  bool each, double a) {
+    std::vector<MeasureGrid> grids = {grid_of(all, a)};
     for (std::size_t run = 0; each && run < runs.size(); ++run)
         grids.push_back(
-            grid_of(measure::reduce(runs.subspan(run, 1)), to_a, fmt::format("/runs/{:04}", run + 1)));
+            grid_of(measure::reduce(runs.subspan(run, 1)), a, fmt::format("/runs/{:04}", run + 1)));
     return grids;
 }
 
@@ -150,7 +166,7 @@ MeasureReport report(const MeasuredCase& data) {
     return {.values = record_json(DisplacementValues{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
-            .grids = grids_of(u, runs, data.scene.measure->run_maps, to_a),
+            .grids = grids_of(u, runs, data.scene.measure->run_maps, a),
             .images = {MeasureImage{"displacement.vti",
                                     u.grid,
                                     {{"U", 3, vectors(u.Ux, u.Uy, to_a)},
@@ -179,6 +195,7 @@ MeasureKind displacement() {
             .reset_postprocessing_keys = reset_postprocessing_keys,
             .report = report,
             .values = values_of<DisplacementValues, true>,
+            .layers = columns_of<DisplacementLayers>,
             .files = files};
 }
 

@@ -65,6 +65,28 @@ struct FlowValues : FlowField {
     }
 };
 
+struct FlowLayers : FlowField {
+    double a; ///< m
+
+    static constexpr auto fields() {
+        using R = FlowLayers;
+        return std::tuple{field("vx", {"a/s", "velocity of the beads along the rod's heading (NaN: no bead)"},
+                                [](const R& r) { return scaled(r.vx, 1.0 / r.a); }),
+                          field("vy",
+                                {"a/s", "velocity of the beads across the rod's heading (NaN: no bead)"},
+                                [](const R& r) { return scaled(r.vy, 1.0 / r.a); }),
+                          field("sigma_x", {"a/s", "standard error of vx (NaN: unknown)"},
+                                [](const R& r) { return scaled(r.sigma_x, 1.0 / r.a); }),
+                          field("sigma_y", {"a/s", "standard error of vy (NaN: unknown)"},
+                                [](const R& r) { return scaled(r.sigma_y, 1.0 / r.a); }),
+                          field("unit_x", &R::unit_x,
+                                {"1", "mean of the unit vectors of the beads' velocities, along the heading; "
+                                      "1: all move the same way"}),
+                          field("unit_y", &R::unit_y, {"1", "the same across the heading"}),
+                          field("count", &R::count, {"1", "samples behind the value"})};
+    }
+};
+
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const FlowField f = measure::reduce(measure::take<FlowAccumulator>(data.sums, "flow"));
@@ -77,15 +99,7 @@ MeasureReport report(const MeasuredCase& data) {
                   "of run 1: beads near the rod in the first frame, there and in the last frame, unwrapped, "
                   "drift removed; a",
                   csv_of(rows)}},
-            .grids = {MeasureGrid{"/flow",
-                                  f.grid,
-                                  {{"vx", scaled(f.vx, to_a), "a/s"},
-                                   {"vy", scaled(f.vy, to_a), "a/s"},
-                                   {"sigma_x", scaled(f.sigma_x, to_a), "a/s"},
-                                   {"sigma_y", scaled(f.sigma_y, to_a), "a/s"},
-                                   {"unit_x", f.unit_x, ""},
-                                   {"unit_y", f.unit_y, ""},
-                                   {"count", f.count, ""}}}},
+            .grids = {MeasureGrid{"/flow", f.grid, layers_of(FlowLayers{f, a})}},
             .images = {MeasureImage{"flow.vti",
                                     f.grid,
                                     {{"velocity", 3, vectors(f.vx, f.vy, to_a)},
@@ -110,6 +124,7 @@ MeasureKind flow() {
             .include = include,
             .report = report,
             .values = values_of<FlowValues, true>,
+            .layers = columns_of<FlowLayers>,
             .files = files};
 }
 

@@ -63,7 +63,7 @@ enum class OverRuns : char {
     sum,
     largest,
     same, ///< of the first run, for it is the same in all
-    not_told
+    left_out
 };
 
 struct FieldInfo {
@@ -155,6 +155,33 @@ constexpr std::size_t field_count = std::tuple_size_v<decltype(Record::fields())
 template<Described Record, class Call>
 constexpr void for_each_field(const Call& f) {
     std::apply([&](const auto&... fields) { (f(fields), ...); }, Record::fields());
+}
+
+/// Stands for a member of any type.
+struct AnyMember {
+    template<class T>
+    operator T() const;
+};
+
+/// Number of members of an aggregate, a base counted as one.
+template<class Record, class... Members>
+consteval std::size_t member_count() {
+    if constexpr (requires { Record{Members{}..., AnyMember{}}; })
+        return member_count<Record, Members..., AnyMember>();
+    else
+        return sizeof...(Members);
+}
+
+/// Members that fields() does not list. A record states this number in a static_assert, so that a new member
+/// without its line does not compile.
+template<Described Record>
+consteval std::size_t undescribed_members() {
+    return std::apply(
+        [](const auto&... fields) {
+            return member_count<Record>() -
+                   (std::size_t{0} + ... + std::is_member_object_pointer_v<decltype(fields.get)>);
+        },
+        Record::fields());
 }
 
 template<Described Record>

@@ -52,6 +52,7 @@ struct TableRow : RowTime {
                 field("p_yy", &R::p_yy, {"N/m", "pressure along y, the same"})});
     }
 };
+static_assert(undescribed_members<TableRow>() == 0, "a column has its line in fields()");
 
 /// Where a rod is in a row of tracks.csv.
 struct TrackPoint {
@@ -71,6 +72,7 @@ struct TrackPoint {
                   {"N s", "momentum given to the beads along the heading since t = 0"})};
     }
 };
+static_assert(undescribed_members<TrackPoint>() == 0, "a column has its line in fields()");
 
 /// How far a rod came, forward along its own heading, since t = 0.
 struct RodProgress {

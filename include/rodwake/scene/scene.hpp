@@ -204,7 +204,7 @@ struct Figure {
     std::string component; ///< kinds cut, profile: Ux | Uy, displacement_map: also U, the size; set when read
     bool sqrt_scaled = false;                ///< kinds cut, profile: draw |s|^(1/2) U instead of U
     std::string along = "x";                 ///< kind profile: x | y
-    std::string quantity = "psi6";           ///< kind series: what is drawn ...
+    std::string quantity;                    ///< kind series: what is drawn (empty: its first quantity) ...
     std::string against = "phi_b";           ///< ... against what
     std::vector<std::vector<double>> gammas; ///< kind polar_streamlines: a panel for each [gamma1, gamma2]
     long frame = -1;                         ///< kind snapshot: which stored frame, from 0; -1: the last
