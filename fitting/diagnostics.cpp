@@ -15,54 +15,46 @@ namespace rodwake::fitting {
 
 namespace {
 
-/// Relative change of a value along a direction, or the change itself if the value is 0.
-struct Move {
-    std::string name;
-    double amount = 0.0;
-    bool relative = true;
-};
-
-std::vector<Move> moves(const Problem& problem, const Fit& fit, const FlatDirection& flat) {
-    std::vector<Move> all;
+/// A sentence like "the data do not fix eta and xi separately: raising eta by 1 % and lowering xi by 0.8 %
+/// changes the residuals hardly or not at all".
+std::string sentence(const Problem& problem, const Fit& fit, const FlatDirection& flat, bool exactly) {
+    // Relative change of each value along the direction, or the change itself if the value is 0.
+    struct Move {
+        std::string name;
+        double amount = 0.0;
+        bool relative = true;
+    };
+    std::vector<Move> moves;
+    double largest = 0.0;
     for (std::size_t i = 0; i < flat.change.size(); ++i) {
         const Parameter& p = problem.parameters[i];
         const double value = fit.values[i];
         const bool log = p.transform == Transform::log;
-        if (p.free() && flat.change[i] != 0.0)
-            all.push_back({p.name, log || value == 0.0 ? flat.change[i] : flat.change[i] / std::abs(value),
-                           log || value != 0.0});
+        if (!p.free() || flat.change[i] == 0.0)
+            continue;
+        moves.push_back({p.name, log || value == 0.0 ? flat.change[i] : flat.change[i] / std::abs(value),
+                         log || value != 0.0});
+        largest = std::max(largest, std::abs(moves.back().amount));
     }
-    return all;
-}
-
-std::string amount(const Move& move, double unit) {
-    return move.relative ? fmt::format("{:.2g} %", std::abs(move.amount) * unit)
-                         : fmt::format("{:.2g}", 0.01 * std::abs(move.amount) * unit);
-}
-
-std::string sentence(const std::vector<Move>& all, bool exactly) {
     const char* fix = exactly ? "do not fix" : "hardly fix";
-    const char* little = exactly
-                             ? "changes the residuals hardly or not at all"
-                             : "changes the residuals by less than a thousandth of what either does alone";
-    if (all.size() == 1)
-        return fmt::format("the data {} {}: {}", fix, all.front().name,
+    if (moves.size() == 1)
+        return fmt::format("the data {} {}: {}", fix, moves.front().name,
                            exactly ? "the residuals do not depend on it here"
                                    : "the residuals hardly depend on it");
-    std::string text;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        text += (i == 0 ? "" : i + 1 == all.size() ? " and " : ", ") + all[i].name;
-    // The text is "raising eta by 1 % and lowering xi by 0.8 %".
-    double largest = 0.0;
-    for (const Move& move : all)
-        largest = std::max(largest, std::abs(move.amount));
-    const double unit = (all.front().amount < 0.0 ? -1.0 : 1.0) / largest;
-    std::string changes;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        changes += fmt::format("{}{} {} by {}", i == 0 ? "" : " and ",
-                               all[i].amount * unit > 0.0 ? "raising" : "lowering", all[i].name,
-                               amount(all[i], std::abs(unit)));
-    return fmt::format("the data {} {} separately: {} {}", fix, text, changes, little);
+    const double unit = (moves.front().amount < 0.0 ? -1.0 : 1.0) / largest;
+    std::string listed, changes;
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+        const double amount = std::abs(moves[i].amount) * std::abs(unit);
+        listed += (i == 0 ? "" : i + 1 == moves.size() ? " and " : ", ") + moves[i].name;
+        changes += fmt::format(
+            "{}{} {} by {}", i == 0 ? "" : " and ", moves[i].amount * unit > 0.0 ? "raising" : "lowering",
+            moves[i].name,
+            moves[i].relative ? fmt::format("{:.2g} %", amount)
+                              : fmt::format("{:.2g}", 0.01 * std::abs(moves[i].amount) * std::abs(unit)));
+    }
+    return fmt::format("the data {} {} separately: {} {}", fix, listed, changes,
+                       exactly ? "changes the residuals hardly or not at all"
+                               : "changes the residuals by less than a thousandth of what either does alone");
 }
 
 /// Of all parameters, those that take part by less than a thousandth left out, largest = 1.
@@ -71,7 +63,7 @@ std::vector<double> change_of(const Problem& problem, const Fit& fit, const Sear
     std::vector<double> change(problem.parameters.size());
     double largest = 0.0;
     for (Eigen::Index k = 0; k < space.size(); ++k) {
-        const std::size_t i = space.free()[k];
+        const std::size_t i = space.free[k];
         if (std::abs(part[k]) > 1e-3)
             change[i] = direction[k] * space.slope(k, space.logarithmic(k) ? 1.0 : fit.values[i]);
         largest = std::max(largest, std::abs(change[i]));
@@ -96,7 +88,7 @@ std::vector<FlatDirection> flat_directions(const Problem& problem, const Fit& fi
         FlatDirection flat;
         flat.singular_value = c.singular_values[i];
         flat.change = change_of(problem, fit, space, c.directions.col(i), c.scaled.col(i));
-        flat.text = sentence(moves(problem, fit, flat), i >= c.rank);
+        flat.text = sentence(problem, fit, flat, i >= c.rank);
         all.push_back(std::move(flat));
     }
     return all;
@@ -107,34 +99,23 @@ namespace {
 using Diagnostics = std::vector<std::string>;
 constexpr double poor_chi2 = 0.01; // probability
 
-/// Along a flat direction the gradient is worth any number of its huge errors; that it is flat says more.
-void add_distance(Diagnostics& diagnostics, const Fit& fit, const Report& report, bool exact) {
-    const bool finished =
-        fit.termination == Termination::converged || fit.termination == Termination::roundoff;
-    if (!finished || exact || fit.distance <= 0.05 || (!report.flat.empty() && fit.distance <= 0.5))
-        return;
-    if (fit.distance <= 0.5)
-        diagnostics.push_back(
-            fmt::format("not quite at a stationary point: by the gradient the values may be off "
-                        "by {:.2g} standard errors; the errors themselves hold ({})",
-                        fit.distance, fit.reason));
-    else
-        diagnostics.push_back(
-            fmt::format("not at a stationary point: the gradient is worth {:.2g} standard errors; errors "
-                        "are not to be trusted ({})",
-                        fit.distance, fit.reason));
-}
-
-/// What the data allow of a parameter on a bound.
-std::string allowed(const Parameter& p, const ParameterEstimate& e) {
-    if (e.at_lower ? e.high == p.upper : e.low == p.lower)
-        return fmt::format("the data do not constrain it: any value {} fits within 95 %",
-                           std::isfinite(p.upper - p.lower) ? "between its bounds" : "beyond the bound");
-    return fmt::format("the data allow {} {:.4g} (95 %, one-sided, by the profile likelihood)",
-                       e.at_lower ? "values up to" : "values down to", e.at_lower ? e.high : e.low);
-}
-
-void add_errors(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
+/// The scatter of the residuals: whether chi2 is as expected, and what errors were taken from it.
+void add_scatter(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
+    if (problem.sigma_known && report.dof > 0 && std::isfinite(report.chi2)) {
+        const double reduced = report.chi2 / static_cast<double>(report.dof);
+        if (report.probability < poor_chi2)
+            diagnostics.push_back(fmt::format(
+                "poor chi2: {:.4g} for {} degrees of freedom (probability {}); the model is not exact or the "
+                "errors of the data are underestimated; if it is the latter, errors of the parameters grow "
+                "by a "
+                "factor of {:.3g}",
+                report.chi2, report.dof, describe_probability(report.probability), std::sqrt(reduced)));
+        else if (report.probability > 0.999)
+            diagnostics.push_back(
+                fmt::format("chi2 {:.4g} is small for {} degrees of freedom: the errors of the "
+                            "data are overestimated, or neighbouring data share noise",
+                            report.chi2, report.dof));
+    }
     if (fit.loss != Loss::squares && std::isfinite(report.error_factor))
         diagnostics.push_back(
             fmt::format("robust loss ({}, width {:g}): errors from the scatter of the residuals, {:.3g} "
@@ -148,22 +129,6 @@ void add_errors(Diagnostics& diagnostics, const Problem& problem, const Fit& fit
         diagnostics.push_back(
             "errors unknown: as many parameters as data points leave no scatter to take them "
             "from; give sigmas, or more data");
-}
-
-void add_chi2(Diagnostics& diagnostics, const Problem& problem, const Report& report) {
-    if (!problem.sigma_known || report.dof <= 0 || !std::isfinite(report.chi2))
-        return;
-    const double reduced = report.chi2 / static_cast<double>(report.dof);
-    if (report.probability < poor_chi2)
-        diagnostics.push_back(fmt::format(
-            "poor chi2: {:.4g} for {} degrees of freedom (probability {}); the model is not exact or the "
-            "errors of the data are underestimated; if it is the latter, errors of the parameters grow by a "
-            "factor of {:.3g}",
-            report.chi2, report.dof, describe_probability(report.probability), std::sqrt(reduced)));
-    else if (report.probability > 0.999)
-        diagnostics.push_back(fmt::format("chi2 {:.4g} is small for {} degrees of freedom: the errors of the "
-                                          "data are overestimated, or neighbouring data share noise",
-                                          report.chi2, report.dof));
 }
 
 /// Ends more than one standard error, or a hundredth, away in some parameter that has an error.
@@ -190,23 +155,37 @@ bool as_low(const Fit& fit, const StartResult& end) {
     return std::abs(end.objective - fit.objective) <= 1e-9 * std::abs(fit.objective) + 1e-12;
 }
 
-void add_others(Diagnostics& diagnostics, const Fit& fit, const Report& report, double rise) {
-    std::vector<StartResult> others;
-    for (const StartResult& s : fit.starts)
-        if (s.objective - fit.objective < 4.0 * rise && !at_the_best(fit, report, s) &&
-            elsewhere(report, fit, s))
-            others.push_back(s);
-    if (others.empty())
-        return;
-    const StartResult& best = *std::ranges::min_element(others, {}, &StartResult::objective);
-    diagnostics.push_back(
-        fmt::format("{} of {} starts ended elsewhere and nearly as well; the best of them at {} with an "
-                    "objective only {:.3g} above the best",
-                    others.size(), fit.starts.size(), place(report, best), best.objective - fit.objective));
-}
+/// Where the other starts ended.
+void add_starts(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report,
+                double rise) {
+    std::vector<StartResult> equal, nearly;
+    for (const StartResult& s : fit.starts) {
+        if (!elsewhere(report, fit, s))
+            continue;
+        if (as_low(fit, s))
+            equal.push_back(s);
+        else if (s.objective - fit.objective < 4.0 * rise)
+            nearly.push_back(s);
+    }
+    if (!equal.empty())
+        diagnostics.push_back(fmt::format(
+            "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
+            "data do not distinguish these",
+            report.same_optimum, equal.size(), place(report, equal.front())));
+    if (!nearly.empty()) {
+        const StartResult& best = *std::ranges::min_element(nearly, {}, &StartResult::objective);
+        diagnostics.push_back(fmt::format(
+            "{} of {} starts ended elsewhere and nearly as well; the best of them at {} with an "
+            "objective only {:.3g} above the best",
+            nearly.size(), fit.starts.size(), place(report, best), best.objective - fit.objective));
+    }
+    const auto failed =
+        std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
+    if (failed > 0 && fit.termination != Termination::failed)
+        diagnostics.push_back(
+            fmt::format("{} of {} starts found no point with finite residuals", failed, fit.starts.size()));
 
-/// Few starts at the best optimum: perhaps none is at the best there is.
-void add_starts(Diagnostics& diagnostics, const Problem& problem, const Fit& fit, const Report& report) {
+    // If few starts reach the best optimum, perhaps none is at the best there is.
     if (!std::isfinite(fit.objective))
         return;
     const std::size_t n = fit.starts.size();
@@ -244,16 +223,38 @@ std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, 
         diagnostics.push_back(fmt::format("not converged ({}): allow more evaluations", fit.reason));
     for (const FlatDirection& flat : report.flat)
         diagnostics.push_back(flat.text);
-    add_distance(diagnostics, fit, report, exact);
+
+    // Along a flat direction the gradient is worth any number of its huge errors; that it is flat says more.
+    const bool finished =
+        fit.termination == Termination::converged || fit.termination == Termination::roundoff;
+    if (finished && !exact && fit.distance > 0.5)
+        diagnostics.push_back(
+            fmt::format("not at a stationary point: the gradient is worth {:.2g} standard errors; errors "
+                        "are not to be trusted ({})",
+                        fit.distance, fit.reason));
+    else if (finished && !exact && fit.distance > 0.05 && report.flat.empty())
+        diagnostics.push_back(
+            fmt::format("not quite at a stationary point: by the gradient the values may be off "
+                        "by {:.2g} standard errors; the errors themselves hold ({})",
+                        fit.distance, fit.reason));
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
         const ParameterEstimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
-        if (e.at_lower || e.at_upper)
-            diagnostics.push_back(fmt::format(
-                "{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
-                "hold for it fixed there; {}",
-                e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed(p, e)));
-        else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
+        if (e.at_lower || e.at_upper) {
+            const bool unlimited = e.at_lower ? e.high == p.upper : e.low == p.lower;
+            const std::string allowed =
+                unlimited
+                    ? fmt::format("the data do not constrain it: any value {} fits within 95 %",
+                                  std::isfinite(p.upper - p.lower) ? "between its bounds"
+                                                                   : "beyond the bound")
+                    : fmt::format("the data allow {} {:.4g} (95 %, one-sided, by the profile likelihood)",
+                                  e.at_lower ? "values up to" : "values down to",
+                                  e.at_lower ? e.high : e.low);
+            diagnostics.push_back(
+                fmt::format("{} is on its {} bound {:.6g}: it has no error, and the errors of the others "
+                            "hold for it fixed there; {}",
+                            e.name, e.at_lower ? "lower" : "upper", e.at_lower ? p.lower : p.upper, allowed));
+        } else if (e.free && e.standard_error > 0.0 && e.low < p.lower && e.high > p.upper)
             diagnostics.push_back(fmt::format(
                 "the data do not constrain {}: its 95 % interval reaches beyond both of its bounds", e.name));
     }
@@ -265,24 +266,8 @@ std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, 
                 "{} = {:.3g} is no coupling of rods (usual are 0.01 to 1000): are f_over_mu and speed of "
                 "the tracks right, and their headings in radians?",
                 e.name, e.value));
-    add_chi2(diagnostics, problem, report);
-    add_errors(diagnostics, problem, fit, report);
-    std::vector<StartResult> equal;
-    for (const StartResult& s : fit.starts)
-        if (as_low(fit, s) && elsewhere(report, fit, s))
-            equal.push_back(s);
-    if (!equal.empty())
-        diagnostics.push_back(fmt::format(
-            "of the {} starts that ended at the best objective {} ended at other values, for one at {}: the "
-            "data do not distinguish these",
-            report.same_optimum, equal.size(), place(report, equal.front())));
-    add_others(diagnostics, fit, report, rise);
-    const auto failed =
-        std::ranges::count_if(fit.starts, [](const StartResult& s) { return !std::isfinite(s.objective); });
-    if (failed > 0 && fit.termination != Termination::failed)
-        diagnostics.push_back(
-            fmt::format("{} of {} starts found no point with finite residuals", failed, fit.starts.size()));
-    add_starts(diagnostics, problem, fit, report);
+    add_scatter(diagnostics, problem, fit, report);
+    add_starts(diagnostics, problem, fit, report, rise);
     return diagnostics;
 }
 
@@ -290,8 +275,8 @@ std::vector<bool> held_by_bounds(const SearchSpace& space, const Eigen::VectorXd
                                  const Eigen::VectorXd& gradient) {
     std::vector<bool> held(static_cast<std::size_t>(u.size()));
     for (Eigen::Index k = 0; k < u.size(); ++k)
-        held[k] = (u[k] <= space.lower()[k] && gradient[k] >= 0.0) ||
-                  (u[k] >= space.upper()[k] && gradient[k] <= 0.0);
+        held[k] =
+            (u[k] <= space.lower[k] && gradient[k] >= 0.0) || (u[k] >= space.upper[k] && gradient[k] <= 0.0);
     return held;
 }
 
@@ -319,31 +304,13 @@ Stationarity stationarity(const Evaluator& evaluator, const SearchPoint& point) 
             step.cwiseAbs().maxCoeff()};
 }
 
-namespace {
-
-constexpr double takes_part = 1e-6; // component of a unit vector; far above the rounding errors of the SVD
-
-void add_errors(Curvature& c, const Eigen::VectorXd& per_length, double largest) {
-    const Eigen::Index n = per_length.size();
-    c.root = Eigen::MatrixXd::Zero(n, c.rank);
-    for (Eigen::Index i = 0; i < c.rank; ++i)
-        c.root.col(i) = c.directions.col(i) / (c.singular_values[i] * largest);
-    c.standard_error = c.root.rowwise().stableNorm();
-    for (Eigen::Index i = c.rank; i < c.scaled.cols(); ++i)
-        for (Eigen::Index k = 0; k < n; ++k)
-            if (std::abs(c.scaled(k, i)) > takes_part)
-                c.standard_error[k] = infinite;
-}
-
-} // namespace
-
 Curvature curvature(const SearchSpace& space, const SearchPoint& point, const Eigen::VectorXd& gradient,
                     double rank_tolerance) {
     Curvature c;
     c.held.resize(static_cast<std::size_t>(point.u.size()));
     for (Eigen::Index k = 0; k < point.u.size(); ++k) {
         const double near = 1e-9 * std::max(1.0, std::abs(point.u[k]));
-        const double above = point.u[k] - space.lower()[k], below = space.upper()[k] - point.u[k];
+        const double above = point.u[k] - space.lower[k], below = space.upper[k] - point.u[k];
         c.held[k] = above <= 0.0 || below <= 0.0 || (above <= near && gradient[k] > 0.0) ||
                     (below <= near && gradient[k] < 0.0);
     }
@@ -368,7 +335,18 @@ Curvature curvature(const SearchSpace& space, const SearchPoint& point, const Ei
             c.singular_values = svd.singularValues() / largest;
         c.rank = (c.singular_values.array() > rank_tolerance).count();
     }
-    add_errors(c, per_length, largest);
+
+    // The errors of parameters that take part in a flat direction are infinite.
+    constexpr double takes_part =
+        1e-6; // component of a unit vector; far above the rounding errors of the SVD
+    c.root = Eigen::MatrixXd::Zero(norms.size(), c.rank);
+    for (Eigen::Index i = 0; i < c.rank; ++i)
+        c.root.col(i) = c.directions.col(i) / (c.singular_values[i] * largest);
+    c.standard_error = c.root.rowwise().stableNorm();
+    for (Eigen::Index i = c.rank; i < n; ++i)
+        for (Eigen::Index k = 0; k < norms.size(); ++k)
+            if (std::abs(c.scaled(k, i)) > takes_part)
+                c.standard_error[k] = infinite;
     return c;
 }
 

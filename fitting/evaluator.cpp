@@ -22,20 +22,6 @@ Evaluator::Evaluator(const Problem& problem, const SearchSpace& space, LossShape
                      std::function<bool()> stop)
     : problem_(problem), space_(space), loss_(loss), stop_(std::move(stop)) {}
 
-bool Evaluator::all_finite(const SearchPoint& point, const Eigen::MatrixXd* in_values) {
-    for (Eigen::Index i = 0; i < point.r.size(); ++i) {
-        const bool fine = std::isfinite(point.r[i]);
-        if (fine && (!in_values || in_values->row(i).allFinite()))
-            continue;
-        const auto index = static_cast<std::size_t>(i);
-        const std::string name =
-            problem_.residual_name ? problem_.residual_name(index) : fmt::format("{}", index);
-        trouble_ = fmt::format("{}residual {} is not a finite number", fine ? "a derivative of " : "", name);
-        return false;
-    }
-    return true;
-}
-
 bool Evaluator::guarded(std::span<const double> values, SearchPoint& point, Eigen::MatrixXd* in_values) {
     try {
         problem_.evaluate(values, point.r, in_values);
@@ -49,15 +35,17 @@ bool Evaluator::guarded(std::span<const double> values, SearchPoint& point, Eige
         trouble_ = "an exception of unknown type";
         return false;
     }
-    return all_finite(point, in_values);
-}
-
-// In extended precision: the last steps of Levenberg-Marquardt are judged by the last digits of the sum.
-double Evaluator::sum_of_losses(const Eigen::VectorXd& r) const {
-    long double sum = 0.0L;
-    for (const double one : r)
-        sum += loss_of(loss_, one * one).rho;
-    return static_cast<double>(sum);
+    for (Eigen::Index i = 0; i < point.r.size(); ++i) {
+        const bool fine = std::isfinite(point.r[i]);
+        if (fine && (!in_values || in_values->row(i).allFinite()))
+            continue;
+        const auto index = static_cast<std::size_t>(i);
+        const std::string name =
+            problem_.residual_name ? problem_.residual_name(index) : fmt::format("{}", index);
+        trouble_ = fmt::format("{}residual {} is not a finite number", fine ? "a derivative of " : "", name);
+        return false;
+    }
+    return true;
 }
 
 SearchPoint Evaluator::operator()(const Eigen::VectorXd& u, bool with_jacobian) {
@@ -76,7 +64,12 @@ SearchPoint Evaluator::operator()(const Eigen::VectorXd& u, bool with_jacobian) 
         return point;
     if (with_jacobian)
         point.jacobian = space_.chain(in_values_, values);
-    const double sum = sum_of_losses(point.r);
+
+    // In extended precision: the last steps of Levenberg-Marquardt are judged by the last digits of the sum.
+    long double exact = 0.0L;
+    for (const double r : point.r)
+        exact += loss_of(loss_, r * r).rho;
+    const auto sum = static_cast<double>(exact);
     if (!std::isfinite(sum) || !point.jacobian.allFinite()) {
         trouble_ = "the sum of squares is beyond the range of doubles";
         return point;

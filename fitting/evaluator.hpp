@@ -68,9 +68,8 @@ public:
     const std::string& trouble() const { return trouble_; }
 
 private:
+    /// Sets point.r; false, with trouble_ set, where the model throws or a number is not finite.
     bool guarded(std::span<const double> values, SearchPoint& point, Eigen::MatrixXd* in_values);
-    double sum_of_losses(const Eigen::VectorXd& r) const;
-    bool all_finite(const SearchPoint& point, const Eigen::MatrixXd* in_values);
 
     const Problem& problem_;
     const SearchSpace& space_;

@@ -42,10 +42,36 @@ SearchResult with_levenberg_marquardt(Evaluator& evaluator, const SearchResult& 
     return refined;
 }
 
-/// The better of two ends. NLopt sees only the sum of squares and may leap over a minimum to which the
-/// residuals lead, or the other way round. The first counts unless the second is lower by more than rounding,
-/// or as low and alone stationary.
-SearchResult better_of(SearchResult first, SearchResult second) {
+SearchResult search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
+                    std::uint32_t seed) {
+    if (start.size() == 0)
+        return levenberg_marquardt(evaluator, start);
+    SearchResult end = nlopt_search(evaluator, method, start, seed);
+    if (!evaluator.found()) {
+        if (!evaluator.stopped()) // what NLopt makes of the penalties is of no interest
+            end.reason = fmt::format("no finite residuals at any of {} points; at the last: {}",
+                                     evaluator.evaluations(), evaluator.trouble());
+        return end;
+    }
+    if (!method.levenberg_marquardt || evaluator.stopped())
+        return end;
+    SearchResult first = with_levenberg_marquardt(evaluator, end);
+    if (is_global(method.algorithm) || evaluator.stopped())
+        return first;
+
+    // The better of two ends, since NLopt sees only the sum of squares and may leap over a minimum to which
+    // the residuals lead, or the other way round. The first counts unless the second is lower by more than
+    // rounding, or as low and alone stationary.
+    SearchResult second = levenberg_marquardt(evaluator, start);
+    if (evaluator.stopped()) {
+        if (evaluator.best() < first.objective) {
+            first.u = evaluator.best_u();
+            first.objective = evaluator.best();
+        }
+        first.termination = Termination::interrupted;
+        first.reason += "; polish from the start itself: interrupted";
+        return first;
+    }
     if (!std::isfinite(second.objective)) {
         first.reason += "; from the start itself " + second.reason;
         return first;
@@ -63,39 +89,6 @@ SearchResult better_of(SearchResult first, SearchResult second) {
     second.reason = fmt::format("{}; taken instead: the polish from the start itself, which ends {} ({})",
                                 first.reason, how, second.reason);
     return second;
-}
-
-SearchResult local_search(Evaluator& evaluator, const SearchResult& end, const Eigen::VectorXd& start) {
-    SearchResult refined = with_levenberg_marquardt(evaluator, end);
-    if (evaluator.stopped())
-        return refined;
-    SearchResult direct = levenberg_marquardt(evaluator, start);
-    if (!evaluator.stopped())
-        return better_of(std::move(refined), std::move(direct));
-    if (evaluator.best() < refined.objective) {
-        refined.u = evaluator.best_u();
-        refined.objective = evaluator.best();
-    }
-    refined.termination = Termination::interrupted;
-    refined.reason += "; polish from the start itself: interrupted";
-    return refined;
-}
-
-SearchResult search(Evaluator& evaluator, const Method& method, const Eigen::VectorXd& start,
-                    std::uint32_t seed) {
-    if (start.size() == 0)
-        return levenberg_marquardt(evaluator, start);
-    SearchResult end = nlopt_search(evaluator, method, start, seed);
-    if (!evaluator.found()) {
-        if (!evaluator.stopped()) // what NLopt makes of the penalties is of no interest
-            end.reason = fmt::format("no finite residuals at any of {} points; at the last: {}",
-                                     evaluator.evaluations(), evaluator.trouble());
-        return end;
-    }
-    if (!method.levenberg_marquardt || evaluator.stopped())
-        return end;
-    return is_global(method.algorithm) ? with_levenberg_marquardt(evaluator, end)
-                                       : local_search(evaluator, end, start);
 }
 
 StartResult run_start(const Problem& problem, const Method& method, std::size_t index,

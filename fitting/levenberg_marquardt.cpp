@@ -9,39 +9,6 @@
 
 namespace rodwake::fitting {
 
-namespace {
-
-/// Damped least squares in the columns of `movable`, by QR of the augmented system: unlike the normal
-/// equations it does not square the condition number.
-Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
-                      const std::vector<Eigen::Index>& movable, const Eigen::VectorXd& weights,
-                      double lambda) {
-    const Eigen::Index m = a.rows(), n = static_cast<Eigen::Index>(movable.size());
-    Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(m + n, n);
-    augmented.topRows(m) = a(Eigen::all, movable);
-    for (Eigen::Index k = 0; k < n; ++k)
-        augmented(m + k, k) = std::sqrt(lambda) * weights[movable[k]];
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(m + n);
-    right.head(m) = -b;
-    return augmented.householderQr().solve(right);
-}
-
-/// Moves coordinates that left the box to its side and holds them there. Returns true if there were any.
-bool clip(const SearchSpace& space, const Eigen::VectorXd& u, Eigen::VectorXd& step,
-          std::vector<bool>& held) {
-    bool any = false;
-    for (Eigen::Index k = 0; k < u.size(); ++k) {
-        const double to = u[k] + step[k];
-        if (held[k] || (to >= space.lower()[k] && to <= space.upper()[k]))
-            continue;
-        step[k] = (to < space.lower()[k] ? space.lower()[k] : space.upper()[k]) - u[k];
-        held[k] = any = true;
-    }
-    return any;
-}
-
-} // namespace
-
 DampedStep damped_step(const Weighted& model, const SearchSpace& space, const Eigen::VectorXd& u,
                        const Eigen::VectorXd& weights, double lambda) {
     // Only the n x n triangle is needed from here on.
@@ -52,18 +19,38 @@ DampedStep damped_step(const Weighted& model, const SearchSpace& space, const Ei
     const Eigen::VectorXd gradient = a.transpose() * b;
     std::vector<bool> held = held_by_bounds(space, u, gradient);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    do {
+    for (bool clipped = true; clipped;) {
         std::vector<Eigen::Index> movable;
         for (Eigen::Index k = 0; k < n; ++k)
             if (!held[static_cast<std::size_t>(k)])
                 movable.push_back(k);
         if (movable.empty())
             break;
+
+        // Damped least squares in these columns, by QR of the augmented system: unlike the normal equations
+        // it does not square the condition number.
         Eigen::VectorXd fixed_part = step;
         fixed_part(movable).setZero();
+        const auto columns = static_cast<Eigen::Index>(movable.size());
+        Eigen::MatrixXd augmented = Eigen::MatrixXd::Zero(rows + columns, columns);
+        augmented.topRows(rows) = a(Eigen::all, movable);
+        for (Eigen::Index k = 0; k < columns; ++k)
+            augmented(rows + k, k) = std::sqrt(lambda) * weights[movable[k]];
+        Eigen::VectorXd right = Eigen::VectorXd::Zero(rows + columns);
+        right.head(rows) = -(b + a * fixed_part);
         step = fixed_part;
-        step(movable) = solve(a, b + a * fixed_part, movable, weights, lambda);
-    } while (clip(space, u, step, held));
+        step(movable) = augmented.householderQr().solve(right);
+
+        // Coordinates that left the box are moved to its side and held there.
+        clipped = false;
+        for (Eigen::Index k = 0; k < n; ++k) {
+            const double to = u[k] + step[k];
+            if (held[k] || (to >= space.lower[k] && to <= space.upper[k]))
+                continue;
+            step[k] = (to < space.lower[k] ? space.lower[k] : space.upper[k]) - u[k];
+            held[k] = clipped = true;
+        }
+    }
     return {step, -(2.0 * gradient.dot(step) + (a * step).squaredNorm())};
 }
 
@@ -83,7 +70,7 @@ struct LevenbergMarquardt {
 };
 
 bool inside(const SearchSpace& space, const Eigen::VectorXd& u) {
-    return (u.array() > space.lower().array()).all() && (u.array() < space.upper().array()).all();
+    return (u.array() > space.lower.array()).all() && (u.array() < space.upper.array()).all();
 }
 
 /// Geodesic acceleration (Transtrum and Sethna, arXiv:1201.5885): half the second-order correction of the
@@ -160,28 +147,6 @@ void refine(LevenbergMarquardt& run) {
     }
 }
 
-SearchResult verdict(const LevenbergMarquardt& run, long max_iterations) {
-    SearchResult end{run.here.u, run.here.objective, Termination::roundoff, {}};
-    const Stationarity s = stationarity(run.evaluator, run.here);
-    if (run.evaluator.best() < run.here.objective * (1.0 - 8.0 * eps)) { // a probe, just before a stop
-        end.u = run.evaluator.best_u();
-        end.objective = run.evaluator.best();
-    }
-    if (run.iterations >= max_iterations)
-        end.termination = Termination::budget;
-    else if (run.evaluator.stopped())
-        end.termination = Termination::interrupted;
-    else if (s.distance <= tight || s.newton <= tiny_change)
-        end.termination = Termination::converged;
-    const char* words = end.termination == Termination::converged     ? "stationary"
-                        : end.termination == Termination::interrupted ? "interrupted"
-                        : end.termination == Termination::budget
-                            ? "out of iterations"
-                            : "no smaller value to be found in double precision";
-    end.reason = fmt::format("polish: {} after {} steps", words, run.iterations);
-    return end;
-}
-
 } // namespace
 
 SearchResult levenberg_marquardt(Evaluator& evaluator, const Eigen::VectorXd& start, long max_iterations) {
@@ -193,11 +158,31 @@ SearchResult levenberg_marquardt(Evaluator& evaluator, const Eigen::VectorXd& st
     do {
         run.model = evaluator.weighted(run.here);
         run.weights = run.model.a.colwise().stableNorm().transpose();
-        run.weights = run.weights.unaryExpr([](double s) { return s > 0.0 ? s : 1.0; }).eval();
+        for (double& weight : run.weights)
+            weight = weight > 0.0 ? weight : 1.0;
     } while (start.size() > 0 && run.here.objective > 0.0 && advance(run, max_iterations));
     if (start.size() > 0 && run.here.objective > 0.0 && !evaluator.stopped())
         refine(run);
-    return verdict(run, max_iterations);
+
+    SearchResult end{run.here.u, run.here.objective, Termination::roundoff, {}};
+    const Stationarity s = stationarity(run.evaluator, run.here);
+    if (run.evaluator.best() < run.here.objective * (1.0 - 8.0 * eps)) { // a probe, just before a stop
+        end.u = run.evaluator.best_u();
+        end.objective = run.evaluator.best();
+    }
+    const char* words = "no smaller value to be found in double precision";
+    if (run.iterations >= max_iterations) {
+        end.termination = Termination::budget;
+        words = "out of iterations";
+    } else if (run.evaluator.stopped()) {
+        end.termination = Termination::interrupted;
+        words = "interrupted";
+    } else if (s.distance <= tight || s.newton <= tiny_change) {
+        end.termination = Termination::converged;
+        words = "stationary";
+    }
+    end.reason = fmt::format("polish: {} after {} steps", words, run.iterations);
+    return end;
 }
 
 } // namespace rodwake::fitting

@@ -55,10 +55,6 @@ enum MomentTerm : std::size_t {
 constexpr std::size_t sources = c11 - force;
 static_assert(static_cast<std::size_t>(OrthotropicParameter::eta_s) == eta_s - force);
 
-constexpr OrthotropicParameter orthotropic(std::size_t term) {
-    return static_cast<OrthotropicParameter>(term - force);
-}
-
 /// Index of each term among the parameters; -1: absent.
 struct MapTerms {
     std::array<long, term_count> index;
@@ -84,19 +80,18 @@ MapTerms map_terms(const std::vector<Parameter>& parameters) {
                                          fmt::join(names, ", ")));
         terms.index[static_cast<std::size_t>(at - names.begin())] = static_cast<long>(i);
     }
-    const auto has = [&](std::size_t term) { return terms.has(term); };
-    if (!has(eta) && (!has(c11) || !has(c22) || !has(c12) || !has(c66)))
+    if (!terms.has(eta) && (!terms.has(c11) || !terms.has(c22) || !terms.has(c12) || !terms.has(c66)))
         throw InputError(
             "a map needs c11, c22, c12 and c66, or f_over_mu and eta, as parameters or with fixed "
             "values");
-    if (has(eta) && (!has(f_over_mu) || has(force) || terms.has_any(c11, offset)))
+    if (terms.has(eta) && (!terms.has(f_over_mu) || terms.has(force) || terms.has_any(c11, offset)))
         throw InputError("an isotropic map has f_over_mu and eta instead of force and constants");
-    if (has(xi) + has(alpha) + has(drag_area) > 1)
+    if (terms.has(xi) + terms.has(alpha) + terms.has(drag_area) > 1)
         throw InputError("give one of xi, alpha and drag_area");
-    if (!has(eta) && !terms.has_any(force, c11))
+    if (!terms.has(eta) && !terms.has_any(force, c11))
         throw InputError("a map needs force, p_xx, p_yy, q_xxx, q_xyy or q_yxy: without a source there is no "
                          "displacement");
-    if (has(amplitude) && !has(force))
+    if (terms.has(amplitude) && !terms.has(force))
         throw InputError("amplitude scales the predicted monopole force: also give force");
     return terms;
 }
@@ -192,7 +187,8 @@ public:
             return out;
         }
         if (term >= c11)
-            return field_.derivative(medium(terms_, p), source(p), orthotropic(term));
+            return field_.derivative(medium(terms_, p), source(p),
+                                     static_cast<OrthotropicParameter>(term - force));
 
         // Sources; the monopole is amplitude times force.
         DisplacementMap out = unit(p, term == amplitude ? std::size_t{force} : term);
@@ -208,23 +204,21 @@ public:
 
 private:
     RodSource source(std::span<const double> p) const {
-        const auto value = [&](std::size_t term) { return terms_.value(p, term); };
-        const double monopole = value(terms_.has(eta) ? f_over_mu : force);
-        return {terms_.value(p, amplitude, 1.0) * monopole,
-                value(p_xx),
-                value(p_yy),
-                value(q_xxx),
-                value(q_xyy),
-                value(q_yxy),
-                value(t_xxxx),
-                value(t_xxyy),
-                value(h_xxxxx),
-                value(h_xxxyy)};
+        const double monopole = terms_.value(p, terms_.has(eta) ? f_over_mu : force);
+        RodSource s;
+        s.force = terms_.value(p, amplitude, 1.0) * monopole;
+        double* const moments[] = {&s.p_xx,   &s.p_yy,   &s.q_xxx,   &s.q_xyy,  &s.q_yxy,
+                                   &s.t_xxxx, &s.t_xxyy, &s.h_xxxxx, &s.h_xxxyy};
+        for (std::size_t k = 0; k < std::size(moments); ++k)
+            *moments[k] = terms_.value(p, p_xx + k);
+        return s;
     }
 
     /// Field of a source of strength 1.
     DisplacementMap unit(std::span<const double> p, std::size_t term) const {
-        return held_ ? (*held_)[term - force] : field_.derivative(medium(terms_, p), {}, orthotropic(term));
+        return held_ ? (*held_)[term - force]
+                     : field_.derivative(medium(terms_, p), {},
+                                         static_cast<OrthotropicParameter>(term - force));
     }
 
     MapTerms terms_;
@@ -248,6 +242,7 @@ struct FittedMap {
     Map map;
     std::vector<std::size_t> bins;
     MapField field;
+    std::vector<double> weight; ///< 1/sigma of each residual
     std::size_t first = 0;
     std::size_t like = 0; ///< the first map that has the same model, this one or one before
 };
@@ -257,17 +252,16 @@ std::string where(const Map& map, std::size_t bin) {
 }
 
 FittedMap fitted(const MapModel& model, const Map& map, const MapMask& mask, const MapTerms& terms) {
-    const auto wrong = [&](const auto& list) { return list.size() != map.bins(); };
-    const auto wrong_sigma = [&](const auto& list) { return !list.empty() && wrong(list); };
-    if (wrong(map.Ux) || wrong(map.Uy) || wrong(map.known) || wrong_sigma(map.sigma_x) ||
-        map.sigma_x.size() != map.sigma_y.size())
+    const std::size_t n = map.bins();
+    if (map.Ux.size() != n || map.Uy.size() != n || map.known.size() != n ||
+        (!map.sigma_x.empty() && map.sigma_x.size() != n) || map.sigma_x.size() != map.sigma_y.size())
         throw InputError(map.name + ": displacements, sigmas and the grid of the map differ in number");
     if (!(map.independent > 0.0 && map.independent <= 1.0))
         throw InputError(fmt::format("{}: independent = {}: a bin is worth more than 0 and at most 1 value",
                                      map.name, map.independent));
     if (!std::isfinite(map.speed))
         throw InputError(map.name + ": the speed of the rod must be a finite number");
-    FittedMap out{map, used_bins(map, mask), MapField(model, map, terms)};
+    FittedMap out{map, used_bins(map, mask), MapField(model, map, terms), {}};
     if (out.bins.empty())
         throw InputError(map.name + ": the mask leaves no bin with data");
     for (const std::size_t bin : out.bins) {
@@ -278,19 +272,10 @@ FittedMap fitted(const MapModel& model, const Map& map, const MapMask& mask, con
                 !(sigma > 0.0) || !std::isfinite(sigma))
                 throw InputError(fmt::format("{}: sigma = {}: must be above 0", where(map, bin), sigma));
     }
+    for (const auto* list : {&map.sigma_x, &map.sigma_y})
+        for (const std::size_t bin : out.bins)
+            out.weight.push_back(std::sqrt(map.independent) / (list->empty() ? 1.0 : (*list)[bin]));
     return out;
-}
-
-/// Calls with (row of the residuals, bin, component 0 or 1, 1/sigma).
-template<class Visit>
-void for_each_residual(const FittedMap& f, Visit visit) {
-    const double enlarged = std::sqrt(f.map.independent);
-    for (std::size_t component = 0; component < 2; ++component)
-        for (std::size_t i = 0; i < f.bins.size(); ++i) {
-            const auto& sigma = component == 0 ? f.map.sigma_x : f.map.sigma_y;
-            visit(static_cast<Eigen::Index>(f.first + component * f.bins.size() + i), f.bins[i], component,
-                  enlarged / (sigma.empty() ? 1.0 : sigma[f.bins[i]]));
-        }
 }
 
 /// Residuals and their derivatives. Maps on one grid, in one box and at one speed have one model, which is
@@ -300,47 +285,22 @@ void evaluate(const std::vector<FittedMap>& all, const MapTerms& terms, const st
     for (std::size_t i = 0; i < all.size(); ++i) {
         if (all[i].like != i)
             continue;
-        const auto for_each = [&](const elastic::DisplacementMap& u, auto visit) {
+        const auto set = [&](const DisplacementMap& u, bool minus_data, Eigen::Ref<Eigen::VectorXd> out) {
             for (const FittedMap& f : all)
-                if (f.like == i)
-                    for_each_residual(
-                        f, [&](Eigen::Index row, std::size_t bin, std::size_t component, double weight) {
-                            visit(row, weight, component == 0 ? u.Ux[bin] : u.Uy[bin],
-                                  component == 0 ? f.map.Ux[bin] : f.map.Uy[bin]);
-                        });
+                for (std::size_t k = 0; k < f.weight.size() && f.like == i; ++k) {
+                    const bool x = k < f.bins.size();
+                    const std::size_t bin = f.bins[x ? k : k - f.bins.size()];
+                    const double data = !minus_data ? 0.0 : x ? f.map.Ux[bin] : f.map.Uy[bin];
+                    out[static_cast<Eigen::Index>(f.first + k)] =
+                        f.weight[k] * ((x ? u.Ux[bin] : u.Uy[bin]) - data);
+                }
         };
-        for_each(all[i].field.at(p), [&](Eigen::Index row, double weight, double model, double data) {
-            r[row] = weight * (model - data);
-        });
+        set(all[i].field.at(p), true, r);
         for (std::size_t term = 0; jacobian && term < terms.index.size(); ++term)
             if (const long column = terms.index[term];
                 column >= 0 && wanted[static_cast<std::size_t>(column)])
-                for_each(all[i].field.derivative(p, term),
-                         [&](Eigen::Index row, double weight, double slope, double) {
-                             (*jacobian)(row, column) = weight * slope;
-                         });
+                set(all[i].field.derivative(p, term), false, jacobian->col(column));
     }
-}
-
-std::string residual_name(const std::vector<FittedMap>& all, std::size_t i) {
-    const FittedMap* of = &all.front();
-    for (const FittedMap& f : all)
-        if (f.first <= i)
-            of = &f;
-    const std::size_t own = i - of->first, n = of->bins.size();
-    return fmt::format("U_{} of {}", own < n ? "x" : "y", where(of->map, of->bins[own % n]));
-}
-
-/// Whether every constant of the medium is fixed. With alpha and drag_area the drag goes with the force.
-bool medium_is_fixed(const std::vector<Parameter>& parameters) {
-    static const std::vector<std::string> constants = {"c11",   "c22", "c12", "c66",   "zeta",     "rho",
-                                                       "eta_s", "eta", "xi",  "alpha", "drag_area"};
-    const bool by_force = std::ranges::any_of(
-        parameters, [](const Parameter& p) { return p.name == "alpha" || p.name == "drag_area"; });
-    return std::ranges::all_of(parameters, [&](const Parameter& p) {
-        const bool constant = std::ranges::find(constants, p.name) != constants.end();
-        return p.fixed || !(constant || (by_force && p.name == "f_over_mu"));
-    });
 }
 
 } // namespace
@@ -368,18 +328,28 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     Problem problem;
     double values = 0.0;
     std::vector<double> starts;
-    starts.reserve(parameters.size());
-    for (const Parameter& p : parameters)
+    std::vector<bool> wanted;
+    for (const Parameter& p : parameters) {
         starts.push_back(p.start);
+        wanted.push_back(!p.fixed);
+    }
+
+    // Fields of unit sources are computed once if every constant of the medium is fixed. With alpha and
+    // drag_area the drag goes with the force.
+    bool medium_is_fixed = true;
+    for (std::size_t term = c11; term < term_count; ++term) {
+        const bool constant = term <= eta_s || term > f_over_mu ||
+                              (term == f_over_mu && (terms.has(alpha) || terms.has(drag_area)));
+        if (constant && terms.has(term) && wanted[static_cast<std::size_t>(terms.index[term])])
+            medium_is_fixed = false;
+    }
     for (const Map& map : maps) {
         all->push_back(fitted(model, map, mask, terms));
         all->back().first = problem.residuals;
         const auto same_model = [&](const FittedMap& f) { // of an isotropic medium at any speed of one sign
-            const auto speed = [&](const Map& m) {
-                return terms.has(eta) ? std::copysign(1.0, m.speed) : m.speed;
-            };
-            return f.map.lx == map.lx && f.map.ly == map.ly && speed(f.map) == speed(map) &&
-                   f.map.x == map.x && f.map.y == map.y;
+            return f.map.lx == map.lx && f.map.ly == map.ly && f.map.x == map.x && f.map.y == map.y &&
+                   (terms.has(eta) ? std::signbit(f.map.speed) == std::signbit(map.speed)
+                                   : f.map.speed == map.speed);
         };
         all->back().like = static_cast<std::size_t>(std::ranges::find_if(*all, same_model) - all->begin());
         for (const char* quantity : {"U_x", "U_y"}) {
@@ -387,19 +357,14 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
             std::iota(series.residuals.begin(), series.residuals.end(), problem.residuals);
             problem.residuals += problem.series.emplace_back(std::move(series)).residuals.size();
         }
-        for_each_residual(all->back(), [&](Eigen::Index, std::size_t, std::size_t, double weight) {
+        for (const double weight : all->back().weight)
             problem.log_sigma.push_back(-std::log(weight));
-        });
         values += map.independent * 2.0 * static_cast<double>(all->back().bins.size());
-        if (all->back().like + 1 == all->size() && medium_is_fixed(parameters))
+        if (medium_is_fixed && all->back().like + 1 == all->size())
             all->back().field.hold_medium(starts);
     }
     if (all->empty())
         throw InputError("there are no maps to fit");
-    std::vector<bool> wanted;
-    wanted.reserve(parameters.size());
-    for (const Parameter& p : parameters)
-        wanted.push_back(!p.fixed);
     problem.parameters = std::move(parameters);
     const auto with = std::ranges::count_if(maps, [](const Map& m) { return !m.sigma_x.empty(); });
     if (with != 0 && with != static_cast<long>(maps.size()))
@@ -410,7 +375,12 @@ Problem map_problem(const MapModel& model, const std::vector<Map>& maps, const M
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                            Eigen::MatrixXd* jacobian) { evaluate(*all, terms, wanted, p, r, jacobian); };
-    problem.residual_name = [all](std::size_t i) { return residual_name(*all, i); };
+    problem.residual_name = [all](std::size_t i) {
+        const auto after = std::ranges::upper_bound(*all, i, {}, &FittedMap::first);
+        const FittedMap& f = *std::prev(after);
+        const std::size_t own = i - f.first, n = f.bins.size();
+        return fmt::format("U_{} of {}", own < n ? "x" : "y", where(f.map, f.bins[own % n]));
+    };
     validate(problem);
     return problem;
 }

@@ -53,39 +53,29 @@ struct Findings {
     }
 };
 
-class ResidualSet {
-public:
+struct ResidualSet {
     ResidualSet(const Problem& problem, const Fit& fit);
 
-    Eigen::VectorXd r; ///< of the fit
+    /// The tests of `residuals`.
     Findings look(const Eigen::VectorXd& residuals) const;
     /// Residuals that the right model would leave, drawn at random.
     Eigen::VectorXd drawn(std::uint64_t seed, std::uint32_t draw) const;
-    double dof() const { return static_cast<double>(r.size() - basis_.cols()); }
-    double independent_dof() const {
-        return problem_.independent * static_cast<double>(r.size()) - static_cast<double>(basis_.cols());
-    }
-    bool white() const { return problem_.independent >= 1.0; }
     /// Factor of r^2: 1 with known sigmas.
     double scale(const Eigen::VectorXd& residuals) const {
         const double chi2 = residuals.squaredNorm();
-        return problem_.sigma_known || !(chi2 > 0.0) ? 1.0 : independent_dof() / chi2;
+        return problem.sigma_known || !(chi2 > 0.0) ? 1.0 : independent_dof / chi2;
     }
-    const std::vector<ResidualGroup>& groups() const { return groups_; }
 
-private:
-    void find_groups();
-    void look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const;
-
-    const Problem& problem_;
-    std::vector<Series> series_;
-    Eigen::MatrixXd basis_;  ///< Q
-    Eigen::VectorXd remain_; ///< 1 - |Q_i|^2
-    std::vector<ResidualGroup> groups_;
+    const Problem& problem;
+    std::vector<Series> series;
+    Eigen::VectorXd r;      ///< of the fit
+    Eigen::MatrixXd basis;  ///< Q
+    Eigen::VectorXd remain; ///< 1 - |Q_i|^2
+    double independent_dof = 0.0;
+    std::vector<ResidualGroup> groups;
 };
 
-ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
-    : problem_(problem), series_(series_of(problem)) {
+ResidualSet::ResidualSet(const Problem& fitted, const Fit& fit) : problem(fitted), series(series_of(fitted)) {
     const auto rows = static_cast<Index>(problem.residuals);
     r = Eigen::VectorXd::Zero(rows);
     Eigen::MatrixXd by_value = Eigen::MatrixXd::Zero(rows, static_cast<Index>(problem.parameters.size()));
@@ -98,51 +88,68 @@ ResidualSet::ResidualSet(const Problem& problem, const Fit& fit)
     for (Index k = 0; k < columns.cols(); ++k)
         if (const double length = columns.col(k).norm(); length > 0.0)
             columns.col(k) /= length;
-    basis_ = Eigen::MatrixXd(columns.rows(), 0);
-    remain_ = Eigen::VectorXd::Ones(columns.rows());
+    basis = Eigen::MatrixXd(columns.rows(), 0);
+    remain = Eigen::VectorXd::Ones(columns.rows());
     if (columns.cols() > 0) {
         Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
         qr.setThreshold(rank_tolerance);
-        basis_ = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-        remain_ -= basis_.rowwise().squaredNorm();
+        basis = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+        remain -= basis.rowwise().squaredNorm();
     }
-    find_groups();
-}
+    independent_dof = problem.independent * static_cast<double>(r.size()) - static_cast<double>(basis.cols());
 
-/// Thirds of each quantity of a set of data; whole ones where there are many sets.
-void ResidualSet::find_groups() {
+    // The groups are thirds of each quantity of a set of data, and whole ones if there are many sets.
     constexpr std::size_t few = 3;
     static constexpr const char* thirds[] = {", first third", ", middle third", ", last third"};
     std::map<std::string, std::size_t> sets, place;
-    for (const Series& series : series_)
-        sets.emplace(series.data, 0);
-    for (const Series& series : series_)
-        for (std::size_t i = 0; i < series.residuals.size(); ++i) {
-            std::string name =
-                series.quantity == "values" ? series.data : series.data + ", " + series.quantity;
-            if (sets.size() <= few && series.residuals.size() > 2)
-                name += thirds[3 * i / series.residuals.size()];
-            const auto [at, fresh] = place.emplace(name, groups_.size());
+    for (const Series& s : series)
+        sets.emplace(s.data, 0);
+    for (const Series& s : series)
+        for (std::size_t i = 0; i < s.residuals.size(); ++i) {
+            std::string name = s.quantity == "values" ? s.data : s.data + ", " + s.quantity;
+            if (sets.size() <= few && s.residuals.size() > 2)
+                name += thirds[3 * i / s.residuals.size()];
+            const auto [at, fresh] = place.emplace(name, groups.size());
             if (fresh)
-                groups_.push_back({name, {}, 0.0});
-            ResidualGroup& group = groups_[at->second];
-            group.residuals.push_back(series.residuals[i]);
-            group.dof += problem_.independent - (1.0 - remain_[static_cast<Index>(series.residuals[i])]);
+                groups.push_back({name, {}, 0.0});
+            ResidualGroup& group = groups[at->second];
+            group.residuals.push_back(s.residuals[i]);
+            group.dof += problem.independent - (1.0 - remain[static_cast<Index>(s.residuals[i])]);
         }
-    std::erase_if(groups_, [](const ResidualGroup& group) { return group.dof < 1.0; });
+    std::erase_if(groups, [](const ResidualGroup& group) { return group.dof < 1.0; });
 }
 
-/// Wald and Wolfowitz's runs of all series together, given how many of each sign there are.
-void ResidualSet::look_at_signs(const Eigen::VectorXd& residuals, Findings& found) const {
-    double runs = 0.0, expected = 0.0, variance = 0.0;
-    for (const Series& series : series_) {
-        double plus = 0.0, own = 0.0;
-        for (std::size_t i = 0; i < series.residuals.size(); ++i) {
-            const bool up = residuals[static_cast<Index>(series.residuals[i])] > 0.0;
-            plus += up ? 1.0 : 0.0;
-            own += i == 0 || up != (residuals[static_cast<Index>(series.residuals[i - 1])] > 0.0) ? 1.0 : 0.0;
+Findings ResidualSet::look(const Eigen::VectorXd& residuals) const {
+    constexpr double least_remainder = 1e-3; // of a residual that the parameters take nearly all of
+    Findings found;
+    const double factor = scale(residuals);
+    if (problem.sigma_known)
+        found.chi2 = chi2_tail(residuals.squaredNorm(), independent_dof);
+    double least = 1.0;
+    for (std::size_t g = 0; g < groups.size() && groups.size() > 1; ++g) {
+        double chi2 = 0.0;
+        for (const std::size_t i : groups[g].residuals)
+            chi2 += residuals[static_cast<Index>(i)] * residuals[static_cast<Index>(i)];
+        if (const double p = chi2_tail(factor * chi2, groups[g].dof); p < least) {
+            least = p;
+            found.region_at = g;
         }
-        const auto n = static_cast<double>(series.residuals.size());
+    }
+    if (groups.size() > 1)
+        found.region = among(least, static_cast<double>(groups.size()));
+    if (problem.independent < 1.0)
+        return found;
+
+    // Wald and Wolfowitz's runs of all series together, given how many of each sign there are.
+    double runs = 0.0, expected = 0.0, variance = 0.0;
+    for (const Series& s : series) {
+        double plus = 0.0, own = 0.0;
+        for (std::size_t i = 0; i < s.residuals.size(); ++i) {
+            const bool up = residuals[static_cast<Index>(s.residuals[i])] > 0.0;
+            plus += up ? 1.0 : 0.0;
+            own += i == 0 || up != (residuals[static_cast<Index>(s.residuals[i - 1])] > 0.0) ? 1.0 : 0.0;
+        }
+        const auto n = static_cast<double>(s.residuals.size());
         if (n < 2.0)
             continue;
         const double both = 2.0 * plus * (n - plus);
@@ -150,39 +157,17 @@ void ResidualSet::look_at_signs(const Eigen::VectorXd& residuals, Findings& foun
         expected += 1.0 + both / n;
         variance += both * (both - n) / (n * n * (n - 1.0));
     }
-    if (!(variance > 0.0))
-        return;
-    found.runs_value = runs;
-    found.runs_expected = expected;
-    found.runs = normal_tail((expected - runs) / std::sqrt(variance));
-}
-
-Findings ResidualSet::look(const Eigen::VectorXd& residuals) const {
-    constexpr double least_remainder = 1e-3; // of a residual that the parameters take nearly all of
-    Findings found;
-    const double factor = scale(residuals);
-    if (problem_.sigma_known)
-        found.chi2 = chi2_tail(residuals.squaredNorm(), independent_dof());
-    double least = 1.0;
-    for (std::size_t g = 0; g < groups_.size() && groups_.size() > 1; ++g) {
-        double chi2 = 0.0;
-        for (const std::size_t i : groups_[g].residuals)
-            chi2 += residuals[static_cast<Index>(i)] * residuals[static_cast<Index>(i)];
-        if (const double p = chi2_tail(factor * chi2, groups_[g].dof); p < least) {
-            least = p;
-            found.region_at = g;
-        }
+    const auto dof = static_cast<double>(r.size() - basis.cols());
+    if (variance > 0.0 && residuals.squaredNorm() > (problem.sigma_known ? 1e-2 : 1e-14) * dof) {
+        found.runs_value = runs;
+        found.runs_expected = expected;
+        found.runs = normal_tail((expected - runs) / std::sqrt(variance));
     }
-    if (groups_.size() > 1)
-        found.region = among(least, static_cast<double>(groups_.size()));
-    if (!white())
-        return found;
-    if (residuals.squaredNorm() > (problem_.sigma_known ? 1e-2 : 1e-14) * dof())
-        look_at_signs(residuals, found);
+
     double most = 0.0;
     for (Index i = 0; i < residuals.size(); ++i)
-        if (const double size = factor * residuals[i] * residuals[i] / remain_[i];
-            remain_[i] > least_remainder && size > most) {
+        if (const double size = factor * residuals[i] * residuals[i] / remain[i];
+            remain[i] > least_remainder && size > most) {
             most = size;
             found.largest_at = static_cast<std::size_t>(i);
         }
@@ -202,36 +187,17 @@ Eigen::VectorXd ResidualSet::drawn(std::uint64_t seed, std::uint32_t draw) const
         if (i + 1 < z.size())
             z[i + 1] = pair[1];
     }
-    if (basis_.cols() > 0)
-        z -= basis_ * (basis_.transpose() * z);
+    if (basis.cols() > 0)
+        z -= basis * (basis.transpose() * z);
     return z;
-}
-
-/// Probability of a smallest probability like this, from draws; beyond them bounded by the sum over the
-/// tests.
-double calibrated(const ResidualSet& data, const Findings& found, std::uint64_t seed) {
-    constexpr double work = 4e6;
-    const auto draws =
-        static_cast<std::uint32_t>(std::clamp(work / static_cast<double>(data.r.size()), 200.0, 1000.0));
-    double tests = 0.0;
-    for (const auto& probability : {found.chi2, found.runs, found.largest, found.region})
-        tests += probability ? 1.0 : 0.0;
-    const double bound = std::min(1.0, tests * found.least());
-    if (!data.white()) // draws have no noise that neighbours share
-        return bound;
-    std::uint32_t as_small = 0;
-    for (std::uint32_t draw = 0; draw < draws; ++draw)
-        as_small += data.look(data.drawn(seed, draw)).least() <= found.least() ? 1 : 0;
-    const double share = (1.0 + as_small) / (1.0 + draws);
-    return as_small == 0 ? std::min(share, bound) : share;
 }
 
 void add_tests(const Problem& problem, const ResidualSet& data, const Findings& found, Misfit& out) {
     const double factor = data.scale(data.r);
     if (found.chi2)
-        out.tests.push_back({"chi2", data.r.squaredNorm(), data.independent_dof(), *found.chi2,
+        out.tests.push_back({"chi2", data.r.squaredNorm(), data.independent_dof, *found.chi2,
                              fmt::format("chi2 is {:.4g} for {:.4g} degrees of freedom", data.r.squaredNorm(),
-                                         data.independent_dof())});
+                                         data.independent_dof)});
     if (found.runs)
         out.tests.push_back({"runs", found.runs_value, found.runs_expected, *found.runs,
                              fmt::format("the residuals {}, {:.0f} runs where {:.0f} are expected",
@@ -247,7 +213,7 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
                          problem.residual_name ? problem.residual_name(at) : fmt::format("residual {}", at),
                          found.largest_value)});
     }
-    for (const ResidualGroup& group : data.groups()) {
+    for (const ResidualGroup& group : data.groups) {
         double chi2 = 0.0;
         for (const std::size_t i : group.residuals)
             chi2 += factor * data.r[static_cast<Index>(i)] * data.r[static_cast<Index>(i)];
@@ -261,59 +227,67 @@ void add_tests(const Problem& problem, const ResidualSet& data, const Findings& 
          fmt::format("{} has chi2 {:.3g} where {:.3g} is expected", worst.name, worst.chi2, worst.expected)});
 }
 
-/// The problem without the logarithms of scales behind its data.
-Problem data_alone(const Problem& problem) {
-    Problem out = problem;
-    out.residuals = data_count(problem);
-    out.log_scales = 0;
-    out.evaluate = [problem](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
-                             Eigen::MatrixXd* jacobian) {
-        Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
-        Eigen::MatrixXd slopes =
-            Eigen::MatrixXd::Zero(jacobian ? all.size() : 0, static_cast<Index>(p.size()));
-        problem.evaluate(p, all, jacobian ? &slopes : nullptr);
-        r = all.head(r.size());
-        if (jacobian)
-            *jacobian = slopes.topRows(r.size());
-    };
-    return out;
-}
-
 } // namespace
 
 Misfit misfit(const Problem& problem, const Fit& fit, std::uint64_t seed) {
-    if (problem.log_scales > 0)
-        return misfit(data_alone(problem), fit, seed);
+    if (problem.log_scales > 0) { // the test is of the data without the logarithms of scales behind them
+        Problem alone = problem;
+        alone.residuals = data_count(problem);
+        alone.log_scales = 0;
+        alone.evaluate = [problem](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
+                                   Eigen::MatrixXd* jacobian) {
+            Eigen::VectorXd all = Eigen::VectorXd::Zero(static_cast<Index>(problem.residuals));
+            Eigen::MatrixXd slopes =
+                Eigen::MatrixXd::Zero(jacobian ? all.size() : 0, static_cast<Index>(p.size()));
+            problem.evaluate(p, all, jacobian ? &slopes : nullptr);
+            r = all.head(r.size());
+            if (jacobian)
+                *jacobian = slopes.topRows(r.size());
+        };
+        return misfit(alone, fit, seed);
+    }
     Misfit out;
     const ResidualSet data(problem, fit);
-    if (!(data.independent_dof() >= 1.0) || !data.r.allFinite())
+    if (!(data.independent_dof >= 1.0) || !data.r.allFinite())
         return out;
     const Findings found = data.look(data.r);
     add_tests(problem, data, found, out);
     if (out.tests.empty())
         return out;
-    out.probability = calibrated(data, found, seed);
     out.worst = std::ranges::min_element(out.tests, {}, &MisfitTest::probability)->text;
+
+    // The probability of a smallest probability like this comes from draws; beyond them it is bounded by the
+    // sum over the tests, and so it is for noise that neighbours share, which draws lack.
+    constexpr double work = 4e6;
+    const auto draws =
+        static_cast<std::uint32_t>(std::clamp(work / static_cast<double>(data.r.size()), 200.0, 1000.0));
+    double tests = 0.0;
+    for (const auto& probability : {found.chi2, found.runs, found.largest, found.region})
+        tests += probability ? 1.0 : 0.0;
+    const double bound = std::min(1.0, tests * found.least());
+    out.probability = bound;
+    if (problem.independent < 1.0)
+        return out;
+    std::uint32_t as_small = 0;
+    for (std::uint32_t draw = 0; draw < draws; ++draw)
+        as_small += data.look(data.drawn(seed, draw)).least() <= found.least() ? 1 : 0;
+    const double share = (1.0 + as_small) / (1.0 + draws);
+    out.probability = as_small == 0 ? std::min(share, bound) : share;
     return out;
 }
 
 namespace {
 
-/// Residuals that are left out and predicted.
-struct Stretch {
-    std::vector<bool> in;
-
-    Index count(bool inside) const { return std::ranges::count(in, inside); }
-};
-
-/// The problem without the residuals of a stretch.
-Problem without(const Problem& problem, const Stretch& stretch) {
+/// Log-likelihood of the residuals that are left out, as predicted by a fit of the others, which begins at
+/// the end of the fit of all. Nothing if that has no degree of freedom.
+std::optional<double> predicted(const Problem& problem, const Method& method, const Fit& fit,
+                                const std::vector<bool>& left_out) {
     Problem rest = problem;
-    rest.residuals = static_cast<std::size_t>(stretch.count(false));
+    rest.residuals = static_cast<std::size_t>(std::ranges::count(left_out, false));
     rest.series.clear();
     rest.residual_name = nullptr;
-    rest.evaluate = [problem, stretch](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
-                                       Eigen::MatrixXd* jacobian) {
+    rest.evaluate = [&problem, &left_out](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, // NOLINT
+                                          Eigen::MatrixXd* jacobian) {
         const auto rows = static_cast<Index>(problem.residuals);
         Eigen::VectorXd all = Eigen::VectorXd::Zero(rows);
         Eigen::MatrixXd slopes;
@@ -322,7 +296,7 @@ Problem without(const Problem& problem, const Stretch& stretch) {
         problem.evaluate(p, all, jacobian ? &slopes : nullptr);
         Index to = 0;
         for (Index from = 0; from < rows; ++from) {
-            if (stretch.in[static_cast<std::size_t>(from)])
+            if (left_out[static_cast<std::size_t>(from)])
                 continue;
             r[to] = all[from];
             if (jacobian)
@@ -330,21 +304,13 @@ Problem without(const Problem& problem, const Stretch& stretch) {
             ++to;
         }
     };
-    return rest;
-}
-
-/// Log-likelihood of a stretch as predicted by a fit of the others, which begins at the end of the fit of
-/// all. Nothing if that has no degree of freedom.
-std::optional<double> predicted(const Problem& problem, const Method& method, const Fit& fit,
-                                const Stretch& stretch) {
-    const Problem rest = without(problem, stretch);
     const long dof = degrees_of_freedom(rest);
     if (dof < 1)
         return std::nullopt;
     const SearchSpace space(rest);
     Evaluator evaluator(rest, space, {method.loss, method.loss_width}, method.stop_requested);
     std::vector<double> start;
-    for (const std::size_t i : space.free())
+    for (const std::size_t i : space.free)
         start.push_back(fit.values[i]);
     const SearchResult end = levenberg_marquardt(evaluator, space.coordinates(start));
     evaluator.require_memory();
@@ -357,8 +323,8 @@ std::optional<double> predicted(const Problem& problem, const Method& method, co
     problem.evaluate(space.values(end.u), r, nullptr);
     double chi2 = 0.0;
     for (Index i = 0; i < r.size(); ++i)
-        chi2 += stretch.in[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
-    const double count = problem.independent * static_cast<double>(stretch.count(true));
+        chi2 += left_out[static_cast<std::size_t>(i)] ? r[i] * r[i] : 0.0;
+    const double count = problem.independent * static_cast<double>(std::ranges::count(left_out, true));
     return -0.5 * (chi2 / variance + count * std::log(variance));
 }
 
@@ -388,11 +354,11 @@ std::optional<CrossValidation> cross_validate(const Problem& problem, const Meth
             blocks = std::min(blocks, series.residuals.size());
     CrossValidation out;
     for (std::size_t block = 0; block < blocks; ++block) {
-        Stretch stretch{std::vector<bool>(problem.residuals, false)};
+        std::vector<bool> left_out(problem.residuals, false);
         for (const Series& series : series_of(problem))
             for (std::size_t i = 0; i < series.residuals.size(); ++i)
-                stretch.in[series.residuals[i]] = blocks * i / series.residuals.size() == block;
-        const auto log_likelihood = blocks < 2 ? std::nullopt : predicted(problem, method, fit, stretch);
+                left_out[series.residuals[i]] = blocks * i / series.residuals.size() == block;
+        const auto log_likelihood = blocks < 2 ? std::nullopt : predicted(problem, method, fit, left_out);
         if (!log_likelihood)
             return std::nullopt;
         out.blocks.push_back(*log_likelihood);

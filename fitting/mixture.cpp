@@ -18,40 +18,16 @@ namespace {
 constexpr double freedom = 5.0;
 constexpr std::size_t most_places = 2500;
 
-/// By the share that it has in each place; held to what it was by as many places as it has dimensions, so
-/// that a few do not make it flat.
-Mixture::MixtureComponent moved(Mixture::MixtureComponent part,
-                                const std::vector<const Eigen::VectorXd*>& positions,
-                                const std::vector<double>& shares) {
-    const auto hold = static_cast<double>(part.middle.size() + 1);
-    const double count = std::accumulate(shares.begin(), shares.end(), 0.0);
-    part.weight = count / static_cast<double>(positions.size());
-    if (count < 3.0 * hold)
-        return part;
-    Eigen::VectorXd middle = 0.0 * part.middle;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-        middle += shares[i] / count * *positions[i];
-    Eigen::MatrixXd found = 0.0 * part.covariance;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-        found += shares[i] * (*positions[i] - middle) * (*positions[i] - middle).transpose();
-    part.middle = middle;
-    part.covariance = (found + hold * part.covariance) / (count + hold);
-    part.covariance.diagonal().array() += 1e-14; // of places that are all the same
-    return part;
-}
-
 } // namespace
 
 Eigen::VectorXd normal_draws(RandomStream& random, Eigen::Index size) {
     Eigen::VectorXd out(size);
-    for (double& one : out)
-        one = normal_quantile(random.uniform());
+    for (double& value : out)
+        value = normal_quantile(random.uniform());
     return out;
 }
 
-Mixture::Mixture(std::vector<MixtureComponent> parts) : parts_(std::move(parts)) { settle(); }
-
-void Mixture::settle() {
+Mixture::Mixture(std::vector<MixtureComponent> parts) : parts_(std::move(parts)) {
     double all = 0.0;
     for (const MixtureComponent& part : parts_)
         all += part.weight;
@@ -130,7 +106,20 @@ Mixture Mixture::learned(const std::vector<Eigen::VectorXd>& positions, std::siz
     const double worth = 2.0 * (1.0 + d + 0.5 * d * (d + 1.0)) * std::log(count) / count;
     Mixture best = followed(some, 6);
     for (std::size_t i = 0; i < splits && best.parts() < most_parts; ++i) {
-        Mixture next = best.split().followed(some, 6);
+        // The heaviest part is split in two along its longest axis.
+        constexpr double apart = 0.8; // of its standard deviation there
+        std::vector<MixtureComponent> parts = best.parts_;
+        MixtureComponent& heavy = *std::ranges::max_element(parts, {}, &MixtureComponent::weight);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(heavy.covariance);
+        const Eigen::Index last = heavy.middle.size() - 1;
+        const Eigen::VectorXd step =
+            apart * std::sqrt(std::max(0.0, axes.eigenvalues()[last])) * axes.eigenvectors().col(last);
+        heavy.weight *= 0.5;
+        heavy.covariance -= step * step.transpose();
+        MixtureComponent other = heavy;
+        heavy.middle -= step, other.middle += step;
+        parts.push_back(std::move(other));
+        Mixture next = Mixture(std::move(parts)).followed(some, 6);
         if (next.mean_log_density(some) < best.mean_log_density(some) + worth)
             break;
         best = std::move(next);
@@ -148,29 +137,29 @@ Mixture Mixture::followed(const Positions& positions, int rounds) const {
     }
     std::vector<MixtureComponent> parts;
     for (std::size_t k = 0; k < parts_.size(); ++k) {
-        parts.push_back(moved(parts_[k], positions, shares[k]));
-        // one that is not seen for a while is not given up
-        parts.back().weight = std::max(parts.back().weight, 0.2 / static_cast<double>(parts_.size()));
+        // A part moves by the share that it has in each position. It is held to what it was by as many
+        // positions as it has dimensions, so that a few do not make it flat.
+        MixtureComponent& part = parts.emplace_back(parts_[k]);
+        const auto hold = static_cast<double>(part.middle.size() + 1);
+        const double count = std::accumulate(shares[k].begin(), shares[k].end(), 0.0);
+        if (count >= 3.0 * hold) {
+            Eigen::VectorXd middle = 0.0 * part.middle;
+            for (std::size_t i = 0; i < positions.size(); ++i)
+                middle += shares[k][i] / count * *positions[i];
+            Eigen::MatrixXd found = 0.0 * part.covariance;
+            for (std::size_t i = 0; i < positions.size(); ++i)
+                found += shares[k][i] * (*positions[i] - middle) * (*positions[i] - middle).transpose();
+            part.middle = middle;
+            part.covariance = (found + hold * part.covariance) / (count + hold);
+            part.covariance.diagonal().array() += 1e-14; // of positions that are all the same
+        }
+
+        // One that is not seen for a while is not given up.
+        part.weight = count / static_cast<double>(positions.size());
+        part.weight = std::max(part.weight, 0.2 / static_cast<double>(parts_.size()));
     }
     const Mixture next(std::move(parts));
     return rounds > 1 ? next.followed(positions, rounds - 1) : next;
-}
-
-/// The heaviest part in two along its longest axis.
-Mixture Mixture::split() const {
-    constexpr double apart = 0.8; // of its standard deviation there
-    std::vector<MixtureComponent> parts = parts_;
-    MixtureComponent& heavy = *std::ranges::max_element(parts, {}, &MixtureComponent::weight);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(heavy.covariance);
-    const Eigen::Index last = heavy.middle.size() - 1;
-    const Eigen::VectorXd step =
-        apart * std::sqrt(std::max(0.0, axes.eigenvalues()[last])) * axes.eigenvectors().col(last);
-    heavy.weight *= 0.5;
-    heavy.covariance -= step * step.transpose();
-    MixtureComponent other = heavy;
-    heavy.middle -= step, other.middle += step;
-    parts.push_back(std::move(other));
-    return Mixture(std::move(parts));
 }
 
 double Mixture::mean_log_density(const Positions& positions) const {

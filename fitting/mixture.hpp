@@ -41,8 +41,6 @@ private:
     double log_density(std::size_t i, const Eigen::VectorXd& z) const;
     double mean_log_density(const Positions& places) const;
     Mixture followed(const Positions& places, int rounds) const;
-    Mixture split() const;
-    void settle();
 
     std::vector<MixtureComponent> parts_;
     MixtureComponent

@@ -12,10 +12,7 @@ namespace rodwake::fitting {
 
 namespace {
 
-struct Destroy {
-    void operator()(nlopt_opt opt) const { nlopt_destroy(opt); }
-};
-using Handle = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, Destroy>;
+using Handle = std::unique_ptr<std::remove_pointer_t<nlopt_opt>, decltype(&nlopt_destroy)>;
 
 /// NLopt works on v = stretch u and objective/unit. With gradients, stretch makes the curvature's diagonal 1
 /// at the start, so that first steps along the gradient have a sensible length.
@@ -24,34 +21,26 @@ struct NloptStage {
     nlopt_opt handle = nullptr;
     Eigen::VectorXd stretch{};
     double unit = 1.0, worst = 1e6;
-
-    Eigen::VectorXd to_u(const double* v) const {
-        return Eigen::Map<const Eigen::VectorXd>(v, stretch.size()).cwiseQuotient(stretch);
-    }
 };
-
-/// A wall that rises away from the best point, higher than anything met so far.
-double penalty(const NloptStage& stage, const Eigen::VectorXd& u, double* gradient) {
-    if (!gradient)
-        return 2.0 * stage.worst;
-    Eigen::Map<Eigen::VectorXd> slope(gradient, u.size());
-    slope.setZero();
-    if (!stage.evaluator.found())
-        return 2.0 * stage.worst;
-    const Eigen::VectorXd away = u - stage.evaluator.best_u();
-    if (away.squaredNorm() > 0.0)
-        slope = (stage.worst / away.squaredNorm() * away).cwiseQuotient(stage.stretch);
-    return 2.0 * stage.worst;
-}
 
 double objective(unsigned, const double* v, double* gradient, void* data) {
     NloptStage& stage = *static_cast<NloptStage*>(data);
-    const Eigen::VectorXd u = stage.to_u(v);
+    const Eigen::VectorXd u =
+        Eigen::Map<const Eigen::VectorXd>(v, stage.stretch.size()).cwiseQuotient(stage.stretch);
     const SearchPoint point = stage.evaluator(u, gradient != nullptr);
     if (stage.evaluator.stopped())
         nlopt_force_stop(stage.handle);
-    if (!point.finite())
-        return penalty(stage, u, gradient);
+    if (!point.finite()) {
+        // A wall that rises away from the best point, higher than anything met so far.
+        const Eigen::VectorXd away = stage.evaluator.found() ? Eigen::VectorXd(u - stage.evaluator.best_u())
+                                                             : Eigen::VectorXd::Zero(u.size());
+        if (gradient)
+            Eigen::Map<Eigen::VectorXd>(gradient, u.size()).setZero();
+        if (gradient && away.squaredNorm() > 0.0)
+            Eigen::Map<Eigen::VectorXd>(gradient, u.size()) =
+                (stage.worst / away.squaredNorm() * away).cwiseQuotient(stage.stretch);
+        return 2.0 * stage.worst;
+    }
     if (gradient)
         Eigen::Map<Eigen::VectorXd>(gradient, u.size()) =
             stage.evaluator.gradient(point).cwiseQuotient(stage.stretch) / stage.unit;
@@ -106,42 +95,14 @@ std::string meaning(nlopt_result result) {
     }
 }
 
-Termination termination_of(nlopt_result result) {
-    if (result == NLOPT_FORCED_STOP)
-        return Termination::interrupted;
-    if (result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED)
-        return Termination::budget;
-    return result > 0 ? Termination::converged : Termination::roundoff;
-}
-
-/// So that no first step goes beyond a factor e in the logarithm, and ten natural steps else if those are
-/// known: a slope that is small far from the minimum must not send the search past it.
-double least_stretch(const SearchSpace& space, Eigen::Index k) {
-    if (space.logarithmic(k))
-        return 1.0 / space.coordinate(k, std::numbers::e);
-    return space.scale_known(k) ? 0.1 : 1e-8;
-}
-
-Eigen::VectorXd stretch_of(const Evaluator& evaluator, const SearchPoint& start) {
-    const SearchSpace& space = evaluator.space();
-    Eigen::VectorXd stretch = Eigen::VectorXd::Ones(start.u.size());
-    if (start.jacobian.size() == 0 || start.objective == 0.0)
-        return stretch;
-    const Weighted w = evaluator.weighted(start);
-    for (Eigen::Index k = 0; k < stretch.size(); ++k)
-        stretch[k] =
-            std::clamp(w.a.col(k).stableNorm() / std::sqrt(start.objective), least_stretch(space, k), 1e8);
-    return stretch;
-}
-
 Handle make(const Method& method, Algorithm algorithm, const NloptStage& stage) {
     const auto n = static_cast<unsigned>(stage.stretch.size());
-    Handle opt(nlopt_create(of_nlopt(algorithm), n));
+    Handle opt(nlopt_create(of_nlopt(algorithm), n), &nlopt_destroy);
     if (!opt)
         throw std::bad_alloc();
     const SearchSpace& space = stage.evaluator.space();
-    const Eigen::VectorXd lower = space.lower().cwiseProduct(stage.stretch);
-    const Eigen::VectorXd upper = space.upper().cwiseProduct(stage.stretch);
+    const Eigen::VectorXd lower = space.lower.cwiseProduct(stage.stretch);
+    const Eigen::VectorXd upper = space.upper.cwiseProduct(stage.stretch);
     nlopt_set_lower_bounds(opt.get(), lower.data());
     nlopt_set_upper_bounds(opt.get(), upper.data());
     nlopt_set_ftol_rel(opt.get(), method.tolerance);
@@ -149,7 +110,7 @@ Handle make(const Method& method, Algorithm algorithm, const NloptStage& stage) 
     nlopt_set_maxeval(opt.get(), static_cast<int>(std::min<long>(method.max_evaluations, 1'000'000'000)));
     if (!is_global(algorithm) && !needs_gradient(algorithm)) {
         const Eigen::VectorXd first_steps =
-            (0.3 * (space.upper() - space.lower())).cwiseMin(0.25).cwiseProduct(stage.stretch);
+            (0.3 * (space.upper - space.lower)).cwiseMin(0.25).cwiseProduct(stage.stretch);
         nlopt_set_initial_step(opt.get(), first_steps.data());
     }
     return opt;
@@ -160,7 +121,19 @@ SearchResult one_stage(Evaluator& evaluator, const Method& method, Algorithm alg
     const bool with_gradient = needs_gradient(algorithm);
     const SearchPoint first = evaluator(start, with_gradient);
     NloptStage stage{evaluator};
-    stage.stretch = stretch_of(evaluator, first);
+    stage.stretch = Eigen::VectorXd::Ones(start.size());
+    if (first.jacobian.size() > 0 && first.objective != 0.0) {
+        // No first step goes beyond a factor e in the logarithm, and ten natural steps else if those are
+        // known: a slope that is small far from the minimum must not send the search past it.
+        const SearchSpace& space = evaluator.space();
+        const Weighted w = evaluator.weighted(first);
+        for (Eigen::Index k = 0; k < start.size(); ++k) {
+            const double least = space.logarithmic(k)   ? 1.0 / space.coordinate(k, std::numbers::e)
+                                 : space.scale_known(k) ? 0.1
+                                                        : 1e-8;
+            stage.stretch[k] = std::clamp(w.a.col(k).stableNorm() / std::sqrt(first.objective), least, 1e8);
+        }
+    }
     if (first.finite() && first.objective > 0.0)
         stage.unit = first.objective;
     const Handle opt = make(method, algorithm, stage);
@@ -173,8 +146,14 @@ SearchResult one_stage(Evaluator& evaluator, const Method& method, Algorithm alg
     const nlopt_result result = nlopt_optimize(opt.get(), v.data(), &smallest);
     if (result == NLOPT_OUT_OF_MEMORY) // the start would end early and count as converged
         throw std::bad_alloc();
-    SearchResult end{
-        evaluator.found() ? evaluator.best_u() : start, evaluator.best(), termination_of(result), {}};
+    SearchResult end{evaluator.found() ? evaluator.best_u() : start,
+                     evaluator.best(),
+                     result == NLOPT_FORCED_STOP ? Termination::interrupted
+                     : result == NLOPT_MAXEVAL_REACHED || result == NLOPT_MAXTIME_REACHED
+                         ? Termination::budget
+                     : result > 0 ? Termination::converged
+                                  : Termination::roundoff,
+                     {}};
     const char* name = nlopt_result_to_string(result);
     end.reason = fmt::format("{}: {} ({})", to_string(algorithm), name ? name : "unknown", meaning(result));
     return end;

@@ -38,8 +38,6 @@ struct Belief {
 
 struct DiffusionCoefficients {
     double rotational = 0.0, translational = 0.0;
-
-    double of(Index component) const { return component % 3 == 2 ? rotational : translational; }
 };
 
 double sigma_at(const Trajectory& trajectory, Index component) {
@@ -65,18 +63,47 @@ public:
           driven_(n_), mean_(n_), rate_(n_), P_(n_, n_), J_(n_, n_), JP_transposed_(n_, n_) {
         for (Index i = 0; i < n_; ++i) {
             unit_[i] = sigma_at(trajectory, i);
-            driven_[i] = 2.0 * diffusion.of(i);
+            driven_[i] = 2.0 * (i % 3 == 2 ? diffusion.rotational : diffusion.translational);
         }
     }
 
     /// Moves on by `span`. Throws RunError where the solve fails.
     void foretell(double span, const std::string& name, Belief& belief) {
         begin_ = belief.mean;
+        integrate::OdeProblem problem;
+        problem.initial_state.assign(static_cast<std::size_t>(n_), 0.0);
+        for (Index j = 0; j < n_; ++j)
+            for (Index i = 0; i <= j; ++i)
+                problem.initial_state.push_back(belief.covariance(i, j) / (unit_[i] * unit_[j]));
+        problem.rhs = [this](double, integrate::State y, std::span<double> out) {
+            unpack(y);
+            const auto size = static_cast<std::size_t>(n_);
+            model_.linearise({mean_.data(), size}, {rate_.data(), size}, J_);
+            for (Index i = 0; i < n_; i += 3) {
+                const double blur = std::exp(-0.5 * P_(i + 2, i + 2));
+                for (const Index k : {i, i + 1}) { // places are driven by their own heading alone
+                    rate_[k] *= blur;
+                    JP_transposed_.col(k) = blur * J_(k, i + 2) * P_.col(i + 2);
+                }
+                JP_transposed_.col(i + 2).noalias() = P_ * J_.row(i + 2).transpose();
+            }
+            Eigen::Map<Eigen::VectorXd>(out.data(), n_) = rate_.cwiseQuotient(unit_);
+            double* packed = out.data() + n_;
+            for (Index j = 0; j < n_; ++j)
+                for (Index i = 0; i <= j; ++i)
+                    *packed++ = (JP_transposed_(i, j) + JP_transposed_(j, i) + (i == j ? driven_[i] : 0.0)) /
+                                (unit_[i] * unit_[j]);
+        };
+        if (model_.interacting()) // steps may be as long as a row: none passes over an encounter
+            problem.step_limit = [this](double, integrate::State y) {
+                mean_ = begin_ + Eigen::Map<const Eigen::VectorXd>(y.data(), n_).cwiseProduct(unit_);
+                return rods::encounter_step({mean_.data(), static_cast<std::size_t>(n_)}, box_);
+            };
         integrate::OdeOptions options;
         options.method = integrate::Method::erk;
         options.rtol = 1e-8, options.atol = 1e-7, options.max_steps = 2000;
         options.initial_step = span / static_cast<double>(steps_);
-        const auto end = integrate::solve(problem(belief), options, std::array{span});
+        const auto end = integrate::solve(problem, options, std::array{span});
         if (!end.status.ok())
             throw RunError(name + ": " + end.status.message());
         steps_ = std::max(1L, end.statistics.steps);
@@ -86,47 +113,12 @@ public:
     }
 
 private:
-    integrate::OdeProblem problem(const Belief& from) {
-        integrate::OdeProblem problem;
-        problem.initial_state.assign(static_cast<std::size_t>(n_), 0.0);
-        for (Index j = 0; j < n_; ++j)
-            for (Index i = 0; i <= j; ++i)
-                problem.initial_state.push_back(from.covariance(i, j) / (unit_[i] * unit_[j]));
-        problem.rhs = [this](double, integrate::State y, std::span<double> out) { slope(y, out); };
-        if (model_.interacting()) // steps may be as long as a row: none passes over an encounter
-            problem.step_limit = [this](double, integrate::State y) {
-                mean_ = begin_ + Eigen::Map<const Eigen::VectorXd>(y.data(), n_).cwiseProduct(unit_);
-                return rods::encounter_step({mean_.data(), static_cast<std::size_t>(n_)}, box_);
-            };
-        return problem;
-    }
-
     void unpack(integrate::State y) {
         mean_ = begin_ + Eigen::Map<const Eigen::VectorXd>(y.data(), n_).cwiseProduct(unit_);
         const double* packed = y.data() + n_;
         for (Index j = 0; j < n_; ++j)
             for (Index i = 0; i <= j; ++i)
                 P_(i, j) = P_(j, i) = *packed++ * unit_[i] * unit_[j];
-    }
-
-    void slope(integrate::State y, std::span<double> out) {
-        unpack(y);
-        const auto size = static_cast<std::size_t>(n_);
-        model_.linearise({mean_.data(), size}, {rate_.data(), size}, J_);
-        for (Index i = 0; i < n_; i += 3) {
-            const double blur = std::exp(-0.5 * P_(i + 2, i + 2));
-            for (const Index k : {i, i + 1}) { // places are driven by their own heading alone
-                rate_[k] *= blur;
-                JP_transposed_.col(k) = blur * J_(k, i + 2) * P_.col(i + 2);
-            }
-            JP_transposed_.col(i + 2).noalias() = P_ * J_.row(i + 2).transpose();
-        }
-        Eigen::Map<Eigen::VectorXd>(out.data(), n_) = rate_.cwiseQuotient(unit_);
-        double* packed = out.data() + n_;
-        for (Index j = 0; j < n_; ++j)
-            for (Index i = 0; i <= j; ++i)
-                *packed++ = (JP_transposed_(i, j) + JP_transposed_(j, i) + (i == j ? driven_[i] : 0.0)) /
-                            (unit_[i] * unit_[j]);
     }
 
     const rods::RodModel& model_;
@@ -147,144 +139,91 @@ Belief at_start(const Trajectory& trajectory) {
     return belief;
 }
 
-class NoisyTrajectories {
-public:
-    NoisyTrajectories(const std::vector<Trajectory>& all, const std::vector<Parameter>& parameters)
-        : all_(all) {
-        for (const Parameter& p : parameters) {
-            roles_.push_back(role_of(p.name, all));
-            wanted_.push_back(!p.fixed);
-        }
-        for (const Trajectory& trajectory : all)
-            data_ += (trajectory.times.size() - 1) * trajectory.states.front().size();
-    }
+struct NoisyTrajectories {
+    std::vector<Trajectory> all;
+    std::vector<Role> roles;
+    std::vector<bool> wanted; ///< parameters to differentiate by
+    std::size_t data = 0;
 
-    std::size_t data() const { return data_; }
-
-    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
-    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
-        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
-        if (!(diffusion.rotational >= 0.0 && diffusion.translational >= 0.0))
-            throw RunError("D_r and D_t must not be negative");
-        fill(p, r);
-        if (!jacobian)
-            return;
-        jacobian->setZero();
-        std::vector<double> moved(p.begin(), p.end());
-        for (std::size_t j = 0; j < p.size(); ++j)
-            if (wanted_[j])
-                jacobian->col(static_cast<Index>(j)) = slope(moved, j);
-    }
-
-    /// Of each datum, then the zero that makes 1 + 2 ln(s/sigma) the logarithm of s.
-    std::vector<double> log_sigma() const {
-        std::vector<double> out;
-        for (const Trajectory& track : all_)
-            for (std::size_t row = 1; row < track.states.size(); ++row)
-                for (std::size_t i = 0; i < track.states[row].size(); ++i)
-                    out.push_back(std::log(sigma_at(track, static_cast<Index>(i))));
-        out.resize(2 * data_, -log_root_2pi - 0.5);
-        return out;
-    }
-
-    std::vector<Series> series() const {
-        std::vector<Series> out;
-        std::size_t first = 0;
-        for (const Trajectory& item : all_) {
-            const std::size_t n = item.states.front().size(), rows = item.times.size() - 1;
-            for (std::size_t i = 0; i < n; ++i) {
-                Series& s = out.emplace_back(Series{item.name, i % 3 == 2 ? "headings" : "positions", {}});
-                for (std::size_t row = 0; row < rows; ++row)
-                    s.residuals.push_back(first + row * n + i);
-            }
-            first += rows * n;
-        }
-        return out;
-    }
-
-    std::string name(std::size_t i) const {
-        static constexpr const char* names[] = {"x", "y", "theta"};
-        i %= data_;
-        for (const Trajectory& each : all_) {
-            const std::size_t n = each.states.front().size(), own = (each.times.size() - 1) * n;
-            if (i < own)
-                return fmt::format("{} {}{}", row_name(each, i / n + 1), names[i % n % 3], i % n / 3);
-            i -= own;
-        }
-        return "";
-    }
-
-private:
-    void fill(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
-        const DiffusionCoefficients diffusion = diffusion_of(roles_, p);
-        Index at = 0;
-        for (std::size_t k = 0; k < all_.size(); ++k) {
-            const Trajectory& one = all_[k];
-            const rods::RodModel model = rods::model_of(rod_problem(one, k, roles_, p));
-            MomentEquations moments(model, diffusion, one);
-            Belief belief = at_start(one);
-            for (std::size_t row = 1; row < one.times.size(); ++row) {
-                moments.foretell(one.times[row] - one.times[row - 1], one.name, belief);
-                at = add_row(one, row, belief, at, r);
-            }
-        }
-    }
-
-    Index add_row(const Trajectory& one, std::size_t row, Belief& belief, Index at,
-                  Eigen::Ref<Eigen::VectorXd> r) const { // NOLINT: a view
-        const Index n = belief.mean.size();
-        const Eigen::VectorXd innovation =
-            Eigen::Map<const Eigen::VectorXd>(one.states[row].data(), n) - belief.mean;
-        Eigen::VectorXd variance(n);
-        for (Index i = 0; i < n; ++i)
-            variance[i] = sigma_at(one, i) * sigma_at(one, i);
-        Eigen::MatrixXd S = belief.covariance;
-        S.diagonal() += variance;
-        const Eigen::LLT<Eigen::MatrixXd> root(S);
-        if (root.info() != Eigen::Success)
-            throw RunError(one.name + ": the covariance of a row is not positive");
-        r.segment(at, n) = -root.matrixL().solve(innovation);
-        for (Index i = 0; i < n; ++i) // rounding may leave it a little below 1
-            r[static_cast<Index>(data_) + at + i] =
-                std::sqrt(std::max(0.0, 1.0 + std::log(std::pow(root.matrixLLT()(i, i), 2) / variance[i])));
-        // The row is taken in by Joseph's form, which stays positive.
-        const Eigen::MatrixXd gain = root.solve(belief.covariance).transpose(),
-                              rest = Eigen::MatrixXd::Identity(n, n) - gain;
-        belief.mean += gain * innovation;
-        belief.covariance =
-            (rest * belief.covariance * rest.transpose() + gain * variance.asDiagonal() * gain.transpose())
-                .eval();
-        return at + n;
-    }
-
-    /// Central differences, on the scale of what a parameter of this kind is: 1e-6 of the slope are left.
-    Eigen::VectorXd slope(std::vector<double>& p, std::size_t j) const {
-        const double value = p[j], scale = roles_[j].diffusion ? noise_scale(*roles_[j].diffusion) : 0.1;
-        const bool positive = roles_[j].physical && *roles_[j].physical >= rods::Parameter::eta &&
-                              *roles_[j].physical <= rods::Parameter::xi;
-        const double h = 2e-3 * (positive ? std::abs(value) : std::max(std::abs(value), scale));
-        Eigen::VectorXd low(static_cast<Eigen::Index>(2 * data_)), high = low;
-        p[j] = value + h;
-        fill(p, high);
-        p[j] = value - h;
-        fill(p, low);
-        p[j] = value;
-        return (high - low) / (2.0 * h);
-    }
-
-    /// What adds a variance of a tenth of sigma's from row to row.
-    double noise_scale(Role::Diffusion which) const {
-        const Trajectory& one = all_.front();
-        const double sigma = which == Role::Diffusion::rotational ? one.sigma_heading : one.sigma_position;
-        return 0.05 * sigma * sigma * static_cast<double>(one.times.size()) /
-               (one.times.back() - one.times.front());
-    }
-
-    std::vector<Trajectory> all_;
-    std::vector<Role> roles_;
-    std::vector<bool> wanted_;
-    std::size_t data_ = 0;
+    void set_residuals(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const;
+    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const;
 };
+
+// NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
+void NoisyTrajectories::set_residuals(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r) const {
+    const DiffusionCoefficients diffusion = diffusion_of(roles, p);
+    Index at = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const Trajectory& track = all[k];
+        const rods::RodModel model = rods::model_of(rod_problem(track, k, roles, p));
+        MomentEquations moments(model, diffusion, track);
+        Belief belief = at_start(track);
+        const Index n = belief.mean.size();
+        for (std::size_t row = 1; row < track.times.size(); ++row, at += n) {
+            moments.foretell(track.times[row] - track.times[row - 1], track.name, belief);
+            const Eigen::VectorXd innovation =
+                Eigen::Map<const Eigen::VectorXd>(track.states[row].data(), n) - belief.mean;
+            Eigen::VectorXd variance(n);
+            for (Index i = 0; i < n; ++i)
+                variance[i] = sigma_at(track, i) * sigma_at(track, i);
+            Eigen::MatrixXd S = belief.covariance;
+            S.diagonal() += variance;
+            const Eigen::LLT<Eigen::MatrixXd> root(S);
+            if (root.info() != Eigen::Success)
+                throw RunError(track.name + ": the covariance of a row is not positive");
+            r.segment(at, n) = -root.matrixL().solve(innovation);
+            for (Index i = 0; i < n; ++i) // rounding may leave it a little below 1
+                r[static_cast<Index>(data) + at + i] = std::sqrt(
+                    std::max(0.0, 1.0 + std::log(std::pow(root.matrixLLT()(i, i), 2) / variance[i])));
+
+            // The row is taken in by Joseph's form, which stays positive.
+            const Eigen::MatrixXd gain = root.solve(belief.covariance).transpose(),
+                                  rest = Eigen::MatrixXd::Identity(n, n) - gain;
+            belief.mean += gain * innovation;
+            belief.covariance = (rest * belief.covariance * rest.transpose() +
+                                 gain * variance.asDiagonal() * gain.transpose())
+                                    .eval();
+        }
+    }
+}
+
+// NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
+void NoisyTrajectories::evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                 Eigen::MatrixXd* jacobian) const {
+    const DiffusionCoefficients diffusion = diffusion_of(roles, p);
+    if (!(diffusion.rotational >= 0.0 && diffusion.translational >= 0.0))
+        throw RunError("D_r and D_t must not be negative");
+    set_residuals(p, r);
+    if (!jacobian)
+        return;
+
+    // Central differences, on the scale of what a parameter of this kind is: 1e-6 of the slope are left. The
+    // scale of a diffusion coefficient adds a variance of a tenth of sigma's from row to row.
+    jacobian->setZero();
+    std::vector<double> moved(p.begin(), p.end());
+    for (std::size_t j = 0; j < p.size(); ++j) {
+        if (!wanted[j])
+            continue;
+        double scale = 0.1;
+        if (roles[j].diffusion) {
+            const Trajectory& track = all.front();
+            const double sigma = *roles[j].diffusion == Role::Diffusion::rotational ? track.sigma_heading
+                                                                                    : track.sigma_position;
+            scale = 0.05 * sigma * sigma * static_cast<double>(track.times.size()) /
+                    (track.times.back() - track.times.front());
+        }
+        const bool positive = roles[j].physical && *roles[j].physical >= rods::Parameter::eta &&
+                              *roles[j].physical <= rods::Parameter::xi;
+        const double h = 2e-3 * (positive ? std::abs(p[j]) : std::max(std::abs(p[j]), scale));
+        Eigen::VectorXd low(static_cast<Index>(2 * data)), high = low;
+        moved[j] = p[j] + h;
+        set_residuals(moved, high);
+        moved[j] = p[j] - h;
+        set_residuals(moved, low);
+        moved[j] = p[j];
+        jacobian->col(static_cast<Index>(j)) = (high - low) / (2.0 * h);
+    }
+}
 
 } // namespace
 
@@ -301,17 +240,46 @@ Problem noisy_problem(const std::vector<Trajectory>& trajectories, std::vector<P
         if (trajectory.times.size() < 2)
             throw InputError(trajectory.name + ": a single row has no information on rods that diffuse");
     }
-    const auto all = std::make_shared<const NoisyTrajectories>(trajectories, parameters);
+    const auto noisy = std::make_shared<NoisyTrajectories>();
+    noisy->all = trajectories;
+    for (const Parameter& p : parameters) {
+        noisy->roles.push_back(role_of(p.name, trajectories));
+        noisy->wanted.push_back(!p.fixed);
+    }
+
+    // x, y and heading of each rod are series of residuals; sigmas are by datum.
     Problem problem;
     problem.parameters = std::move(parameters);
-    problem.residuals = 2 * all->data();
-    problem.log_scales = all->data();
-    problem.log_sigma = all->log_sigma();
-    problem.series = all->series();
+    for (const Trajectory& track : trajectories) {
+        const std::size_t n = track.states.front().size(), rows = track.times.size() - 1;
+        for (std::size_t i = 0; i < n; ++i) {
+            Series& s =
+                problem.series.emplace_back(Series{track.name, i % 3 == 2 ? "headings" : "positions", {}});
+            for (std::size_t row = 0; row < rows; ++row)
+                s.residuals.push_back(noisy->data + row * n + i);
+        }
+        for (std::size_t k = 0; k < rows * n; ++k)
+            problem.log_sigma.push_back(std::log(sigma_at(track, static_cast<Index>(k % n))));
+        noisy->data += rows * n;
+    }
+    problem.residuals = 2 * noisy->data;
+    problem.log_scales = noisy->data;
+    problem.log_sigma.resize(2 * noisy->data,
+                             -log_root_2pi - 0.5); // 1 + 2 ln(s/sigma) becomes the logarithm of s
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
-    problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                             Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
-    problem.residual_name = [all](std::size_t i) { return all->name(i); };
+    problem.evaluate = [noisy](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                               Eigen::MatrixXd* jacobian) { noisy->evaluate(p, r, jacobian); };
+    problem.residual_name = [noisy](std::size_t i) -> std::string {
+        static constexpr const char* names[] = {"x", "y", "theta"};
+        i %= noisy->data;
+        for (const Trajectory& track : noisy->all) {
+            const std::size_t n = track.states.front().size(), own = (track.times.size() - 1) * n;
+            if (i < own)
+                return fmt::format("{} {}{}", row_name(track, i / n + 1), names[i % n % 3], i % n / 3);
+            i -= own;
+        }
+        return "";
+    };
     return problem;
 }
 

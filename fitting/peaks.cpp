@@ -71,17 +71,6 @@ Peak climb(const Density& density, Eigen::VectorXd z) {
             value - 0.5 * stiffness.array().log().sum()};
 }
 
-/// The first few draws from the prior where the model exists.
-Peak from_prior(const Density& density, const PosteriorMethod& method, std::uint32_t number) {
-    RandomStream random(method.seed, number, of_search);
-    for (int trial = 0; trial < 10; ++trial) {
-        const Eigen::VectorXd z = normal_draws(random, density.size());
-        if (std::isfinite(density.at(z)))
-            return climb(density, z);
-    }
-    return {};
-}
-
 } // namespace
 
 Mixture peaks(const Density& density, const Eigen::VectorXd& from, const PosteriorMethod& method) {
@@ -90,10 +79,22 @@ Mixture peaks(const Density& density, const Eigen::VectorXd& from, const Posteri
     constexpr double greatest = 1e12;   // of a logarithm in which rounding leaves differences of 1e-3
     std::vector<Peak> found(searches + 1);
     parallel_for(found.size(), method.threads, [&](std::size_t i) {
-        if (i == 0)
+        if (i == 0) {
             found[i] = climb(density, from);
-        else if (!method.stop_requested || !method.stop_requested())
-            found[i] = from_prior(density, method, static_cast<std::uint32_t>(i));
+            return;
+        }
+        if (method.stop_requested && method.stop_requested())
+            return;
+
+        // The other searches begin at the first of a few draws from the prior where the model exists.
+        RandomStream random(method.seed, static_cast<std::uint32_t>(i), of_search);
+        for (int trial = 0; trial < 10; ++trial) {
+            const Eigen::VectorXd z = normal_draws(random, density.size());
+            if (std::isfinite(density.at(z))) {
+                found[i] = climb(density, z);
+                return;
+            }
+        }
     });
     std::ranges::stable_sort(found, std::ranges::greater(), &Peak::log_mass);
     const double most = found.front().log_mass;

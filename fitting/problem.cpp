@@ -20,12 +20,23 @@ const Parameter* find(const Problem& problem, const std::string& name) {
     return found == problem.parameters.end() ? nullptr : &*found;
 }
 
-void check_free(const Parameter& p) {
+void check(const Problem& problem, const Parameter& p) {
     if (!std::isfinite(p.start))
         throw InputError(fmt::format("fit: the start of {} is not a finite number", p.name));
     if (!(p.scale >= 0.0) || !std::isfinite(p.scale))
         throw InputError(
             fmt::format("fit: the scale of {} is {}: must be above 0, or 0 to choose", p.name, p.scale));
+    if (!p.tied_to.empty()) {
+        if (p.fixed)
+            throw InputError(
+                fmt::format("fit: {} is both fixed and tied to {}: choose one", p.name, p.tied_to));
+        const Parameter* to = find(problem, p.tied_to);
+        if (!to || !to->free())
+            throw InputError(fmt::format("fit: {} is tied to {}, which is {}: must be a free parameter",
+                                         p.name, p.tied_to, to ? "not free itself" : "no parameter"));
+        if (!std::isfinite(p.tie_factor))
+            throw InputError(fmt::format("fit: the factor that ties {} is not a finite number", p.name));
+    }
     if (!p.free())
         return;
     if (std::isnan(p.lower) || std::isnan(p.upper))
@@ -51,19 +62,6 @@ void check_free(const Parameter& p) {
     }
 }
 
-void check_tie(const Problem& problem, const Parameter& p) {
-    if (p.tied_to.empty())
-        return;
-    if (p.fixed)
-        throw InputError(fmt::format("fit: {} is both fixed and tied to {}: choose one", p.name, p.tied_to));
-    const Parameter* to = find(problem, p.tied_to);
-    if (!to || !to->free())
-        throw InputError(fmt::format("fit: {} is tied to {}, which is {}: must be a free parameter", p.name,
-                                     p.tied_to, to ? "not free itself" : "no parameter"));
-    if (!std::isfinite(p.tie_factor))
-        throw InputError(fmt::format("fit: the factor that ties {} is not a finite number", p.name));
-}
-
 } // namespace
 
 void validate(const Problem& problem) {
@@ -74,10 +72,8 @@ void validate(const Problem& problem) {
         if (find(problem, name) != &problem.parameters[i])
             throw InputError(fmt::format("fit: two parameters are called \"{}\"", name));
     }
-    for (const Parameter& p : problem.parameters) {
-        check_free(p);
-        check_tie(problem, p);
-    }
+    for (const Parameter& p : problem.parameters)
+        check(problem, p);
     if (!problem.evaluate)
         throw InputError("fit: the problem has no function that gives its residuals");
     if (!(problem.independent > 0.0 && problem.independent <= 1.0))
@@ -150,22 +146,6 @@ std::vector<Range> runs_in(std::span<const double> positions) {
     return shortest * all.size() > positions.size() ? std::vector<Range>{{0, positions.size()}} : all;
 }
 
-/// Of `order`, the rows of one run by place.
-void set_worth(std::span<const double> positions, std::span<const std::size_t> order, double spacing,
-               std::vector<double>& worth) {
-    std::size_t low = 0, high = 0; // the rows closer than `spacing` are [low, high)
-    for (const std::size_t row : order) {
-        while (positions[row] - positions[order[low]] >= spacing)
-            ++low;
-        while (high < order.size() && positions[order[high]] - positions[row] < spacing)
-            ++high;
-        const auto count = static_cast<double>(high - low);
-        const double span = positions[order[high - 1]] - positions[order[low]];
-        worth[row] =
-            count < 2.0 ? 1.0 : std::min(1.0, std::max(span / (spacing * (count - 1.0)), 1.0 / count));
-    }
-}
-
 } // namespace
 
 std::vector<double> independent_worth(std::span<const double> positions, double spacing) {
@@ -176,7 +156,17 @@ std::vector<double> independent_worth(std::span<const double> positions, double 
         std::vector<std::size_t> order(last - first);
         std::iota(order.begin(), order.end(), first);
         std::ranges::sort(order, {}, [&](std::size_t row) { return positions[row]; });
-        set_worth(positions, order, spacing, worth);
+        std::size_t low = 0, high = 0; // the rows closer than `spacing` are [low, high)
+        for (const std::size_t row : order) {
+            while (positions[row] - positions[order[low]] >= spacing)
+                ++low;
+            while (high < order.size() && positions[order[high]] - positions[row] < spacing)
+                ++high;
+            const auto count = static_cast<double>(high - low);
+            const double span = positions[order[high - 1]] - positions[order[low]];
+            worth[row] =
+                count < 2.0 ? 1.0 : std::min(1.0, std::max(span / (spacing * (count - 1.0)), 1.0 / count));
+        }
     }
     return worth;
 }
@@ -221,22 +211,6 @@ std::size_t slot_of(const Parameter& parameter, std::vector<Parameter>& all) {
     return static_cast<std::size_t>(found - all.begin());
 }
 
-void evaluate(const ProblemPart& part, std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-              Eigen::MatrixXd* jacobian) {
-    const auto rows = static_cast<Eigen::Index>(part.problem.residuals),
-               first = static_cast<Eigen::Index>(part.first_residual);
-    std::vector<double> own;
-    for (const std::size_t j : part.index)
-        own.push_back(p[j]);
-    Eigen::MatrixXd slopes;
-    if (jacobian)
-        slopes.setZero(rows, static_cast<Eigen::Index>(own.size()));
-    part.problem.evaluate(own, r.segment(first, rows), jacobian ? &slopes : nullptr);
-    for (std::size_t j = 0; jacobian && j < own.size(); ++j)
-        jacobian->col(static_cast<Eigen::Index>(part.index[j])).segment(first, rows) =
-            slopes.col(static_cast<Eigen::Index>(j));
-}
-
 } // namespace
 
 Problem joined(const std::vector<Problem>& problems) {
@@ -267,20 +241,31 @@ Problem joined(const std::vector<Problem>& problems) {
         parts->push_back(std::move(part));
     }
     whole.independent = whole.residuals > 0 ? values / static_cast<double>(data_count(whole)) : 1.0;
-    whole.evaluate = [parts](std::span<const double> p, const Eigen::Ref<Eigen::VectorXd>& r,
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
+    whole.evaluate = [parts](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
                              Eigen::MatrixXd* jacobian) {
         if (jacobian)
             jacobian->setZero();
-        for (const ProblemPart& part : *parts)
-            evaluate(part, p, r, jacobian);
+        for (const ProblemPart& part : *parts) {
+            const auto rows = static_cast<Eigen::Index>(part.problem.residuals),
+                       first = static_cast<Eigen::Index>(part.first_residual);
+            std::vector<double> own;
+            for (const std::size_t j : part.index)
+                own.push_back(p[j]);
+            Eigen::MatrixXd slopes;
+            if (jacobian)
+                slopes.setZero(rows, static_cast<Eigen::Index>(own.size()));
+            part.problem.evaluate(own, r.segment(first, rows), jacobian ? &slopes : nullptr);
+            for (std::size_t j = 0; jacobian && j < own.size(); ++j)
+                jacobian->col(static_cast<Eigen::Index>(part.index[j])).segment(first, rows) =
+                    slopes.col(static_cast<Eigen::Index>(j));
+        }
     };
     whole.residual_name = [parts](std::size_t i) {
-        const ProblemPart* of = &parts->front();
-        for (const ProblemPart& candidate : *parts)
-            if (candidate.first_residual <= i)
-                of = &candidate;
-        const std::size_t own = i - of->first_residual;
-        return of->problem.residual_name ? of->problem.residual_name(own) : fmt::format("{}", own);
+        const auto after = std::ranges::upper_bound(*parts, i, {}, &ProblemPart::first_residual);
+        const ProblemPart& part = *std::prev(after);
+        const std::size_t own = i - part.first_residual;
+        return part.problem.residual_name ? part.problem.residual_name(own) : fmt::format("{}", own);
     };
     return whole;
 }

@@ -10,23 +10,17 @@ namespace rodwake::fitting {
 
 namespace {
 
-std::vector<double> mean(const std::vector<std::vector<double>>& values) {
-    std::vector<double> sum(values.front().size(), 0.0);
-    for (const auto& item : values)
-        for (std::size_t k = 0; k < sum.size(); ++k)
-            sum[k] += item[k] / static_cast<double>(values.size());
-    return sum;
-}
-
 /// Of the deviations from the mean.
 std::vector<double> sum_of_squares(const std::vector<std::vector<double>>& values) {
     if (values.size() < 2)
         throw InputError(fmt::format("a spread needs two values or more; there are {}", values.size()));
-    const std::vector<double> middle = mean(values);
-    std::vector<double> sum(middle.size(), 0.0);
+    std::vector<double> mean(values.front().size(), 0.0), sum = mean;
+    for (const auto& item : values)
+        for (std::size_t k = 0; k < mean.size(); ++k)
+            mean[k] += item[k] / static_cast<double>(values.size());
     for (const auto& item : values)
         for (std::size_t k = 0; k < sum.size(); ++k)
-            sum[k] += (item[k] - middle[k]) * (item[k] - middle[k]);
+            sum[k] += (item[k] - mean[k]) * (item[k] - mean[k]);
     return sum;
 }
 

@@ -23,48 +23,6 @@ struct CurvatureErrors {
 /// 0 * infinity is 0 here: no error times any factor is none.
 double product(double a, double b) { return a == 0.0 || b == 0.0 ? 0.0 : a * b; }
 
-/// Value at u + shift; beyond the doubles at the end of the axis.
-double shifted(const SearchSpace& space, Eigen::Index k, double value, double shift) {
-    if (!space.logarithmic(k))
-        return value + space.slope(k, value) * shift;
-    return value * std::exp(space.slope(k, 1.0) * shift);
-}
-
-void set_free(ParameterEstimate& e, Eigen::Index k, const CurvatureErrors& errors, const Parameter& p) {
-    if (errors.curvature.held[k]) {
-        e.at_lower = e.value - p.lower <= p.upper - e.value;
-        e.at_upper = !e.at_lower;
-        return;
-    }
-    const double error = product(errors.curvature.standard_error[k], errors.factor);
-    e.standard_error = product(errors.space.slope(k, e.value), error);
-    if (error == 0.0)
-        return;
-    e.low = shifted(errors.space, k, e.value, -errors.quantile * error);
-    e.high = shifted(errors.space, k, e.value, errors.quantile * error);
-}
-
-/// Of a parameter on a bound: the interval to the side that is free.
-void set_one_sided(const Problem& problem, const Fit& fit, std::size_t i, ParameterEstimate& e) {
-    if (!e.at_lower && !e.at_upper)
-        return;
-    const Parameter& p = problem.parameters[i];
-    const auto limit = one_sided_limit(problem, fit, i);
-    if (e.at_lower)
-        e.high = limit.value_or(p.upper);
-    else
-        e.low = limit.value_or(p.lower);
-}
-
-/// Of 95 %: normal, or Student's t.
-double quantile95(bool normal, long dof) {
-    if (normal)
-        return 1.959964;
-    if (dof <= 0)
-        return infinite;
-    return boost::math::quantile(boost::math::students_t(static_cast<double>(dof)), 0.975);
-}
-
 std::vector<ParameterEstimate> estimates_of(const Problem& problem, const Fit& fit,
                                             const CurvatureErrors& errors) {
     std::vector<ParameterEstimate> estimates;
@@ -76,9 +34,26 @@ std::vector<ParameterEstimate> estimates_of(const Problem& problem, const Fit& f
         estimates.push_back(e);
     }
     for (Eigen::Index k = 0; k < errors.space.size(); ++k) {
-        const std::size_t i = errors.space.free()[k];
-        set_free(estimates[i], k, errors, problem.parameters[i]);
-        set_one_sided(problem, fit, i, estimates[i]);
+        const std::size_t i = errors.space.free[k];
+        const Parameter& p = problem.parameters[i];
+        ParameterEstimate& e = estimates[i];
+        if (errors.curvature.held[k]) {
+            // On a bound the interval reaches to the side that is free.
+            e.at_lower = e.value - p.lower <= p.upper - e.value;
+            e.at_upper = !e.at_lower;
+            const auto limit = one_sided_limit(problem, fit, i);
+            (e.at_lower ? e.high : e.low) = limit.value_or(e.at_lower ? p.upper : p.lower);
+            continue;
+        }
+        const double error = product(errors.curvature.standard_error[k], errors.factor);
+        e.standard_error = product(errors.space.slope(k, e.value), error);
+        if (error == 0.0)
+            continue;
+        // Logarithms turn a shift beyond the doubles into the end of the axis.
+        const bool log = errors.space.logarithmic(k);
+        const double shift = errors.space.slope(k, log ? 1.0 : e.value) * (errors.quantile * error);
+        e.low = log ? e.value * std::exp(-shift) : e.value - shift;
+        e.high = log ? e.value * std::exp(shift) : e.value + shift;
     }
     for (std::size_t i = 0; i < estimates.size(); ++i) {
         const Parameter& p = problem.parameters[i];
@@ -100,7 +75,7 @@ void set_matrices(Report& report, const Fit& fit, const CurvatureErrors& errors)
     const Eigen::Index n = errors.space.size();
     Eigen::VectorXd slope(n);
     for (Eigen::Index k = 0; k < n; ++k)
-        slope[k] = errors.space.slope(k, fit.values[errors.space.free()[k]]);
+        slope[k] = errors.space.slope(k, fit.values[errors.space.free[k]]);
     const Curvature& c = errors.curvature;
     const double factor = std::isfinite(errors.factor) ? errors.factor : 0.0;
     report.root = factor * (slope.asDiagonal() * c.root);
@@ -146,11 +121,6 @@ Report without_curvature(const Problem& problem, const Fit& fit) {
     return report;
 }
 
-std::size_t same_optimum(const Fit& fit, const Report& report) {
-    return static_cast<std::size_t>(std::ranges::count_if(
-        fit.starts, [&](const StartResult& start) { return at_the_best(fit, report, start); }));
-}
-
 } // namespace
 
 Report report(const Problem& problem, const Fit& fit, const ReportOptions& options) {
@@ -158,7 +128,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     const LossShape loss{fit.loss, fit.loss_width};
     Evaluator evaluator(problem, space, loss);
     std::vector<double> values;
-    for (const std::size_t i : space.free())
+    for (const std::size_t i : space.free)
         values.push_back(fit.values[i]);
     const SearchPoint point = evaluator(space.coordinates(values), true);
     evaluator.require_memory();
@@ -169,7 +139,7 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     }
     const Curvature c = curvature(space, point, evaluator.gradient(point), options.rank_tolerance);
     Report report;
-    report.free = space.free();
+    report.free = space.free;
     report.rank = c.rank;
     report.chi2 = chi2_of(problem, point.r);
     report.dof = degrees_of_freedom(problem);
@@ -178,11 +148,17 @@ Report report(const Problem& problem, const Fit& fit, const ReportOptions& optio
     if (problem.sigma_known && report.dof > 0)
         report.probability = measure::chi2_probability(report.chi2, report.dof);
     const bool normal = problem.sigma_known && fit.loss == Loss::squares;
-    const CurvatureErrors errors{space, c, scale.factor, quantile95(normal, report.dof)};
+    const double quantile95 = // normal, or Student's t
+        normal ? 1.959964
+        : report.dof <= 0
+            ? infinite
+            : boost::math::quantile(boost::math::students_t(static_cast<double>(report.dof)), 0.975);
+    const CurvatureErrors errors{space, c, scale.factor, quantile95};
     report.estimates = estimates_of(problem, fit, errors);
     set_matrices(report, fit, errors);
     report.flat = flat_directions(problem, fit, space, c);
-    report.same_optimum = same_optimum(fit, report);
+    for (const StartResult& start : fit.starts)
+        report.same_optimum += at_the_best(fit, report, start) ? 1 : 0;
     report.diagnostics = diagnostics_of(problem, fit, report, scale.rise,
                                         stationarity(evaluator, point).newton <= tiny_change);
     return report;
@@ -257,24 +233,6 @@ std::string with_error(double value, double error, bool known) {
 
 std::string interval(double low, double high) { return fmt::format("[{:.5g}, {:.5g}]", low, high); }
 
-std::string bounds(const Parameter& p) {
-    const bool below = std::isfinite(p.lower), above = std::isfinite(p.upper);
-    if (below && above)
-        return interval(p.lower, p.upper);
-    return below ? fmt::format(">= {:.5g}", p.lower) : above ? fmt::format("<= {:.5g}", p.upper) : "";
-}
-
-std::string kind(const Parameter& p, const ParameterEstimate& e) {
-    if (p.fixed)
-        return "fixed";
-    if (!e.tied_to.empty())
-        return fmt::format("{:g} {}", e.tie_factor, e.tied_to);
-    return e.at_lower                      ? "on lower bound"
-           : e.at_upper                    ? "on upper bound"
-           : p.transform == Transform::log ? "log"
-                                           : "";
-}
-
 using Row = std::vector<std::string>;
 
 std::string table(const std::vector<Row>& rows) {
@@ -297,11 +255,22 @@ std::string estimates(const Problem& problem, const Report& report) {
     for (std::size_t i = 0; i < report.estimates.size(); ++i) {
         const ParameterEstimate& e = report.estimates[i];
         const Parameter& p = problem.parameters[i];
-        const bool known = std::isfinite(report.error_factor);
+        const bool known = std::isfinite(report.error_factor), below = std::isfinite(p.lower),
+                   above = std::isfinite(p.upper);
+        const std::string bounds = !p.free()        ? ""
+                                   : below && above ? interval(p.lower, p.upper)
+                                   : below          ? fmt::format(">= {:.5g}", p.lower)
+                                   : above          ? fmt::format("<= {:.5g}", p.upper)
+                                                    : "";
+        const std::string kind = p.fixed              ? "fixed"
+                                 : !e.tied_to.empty() ? fmt::format("{:g} {}", e.tie_factor, e.tied_to)
+                                 : e.at_lower         ? "on lower bound"
+                                 : e.at_upper         ? "on upper bound"
+                                 : p.transform == Transform::log ? "log"
+                                                                 : "";
         rows.push_back({e.name, with_error(e.value, e.standard_error, known),
                         known && e.low < e.high ? interval(e.low, e.high) : "",
-                        e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", p.free() ? bounds(p) : "",
-                        kind(p, e)});
+                        e.tied_to.empty() ? fmt::format("{:.5g}", p.start) : "", bounds, kind});
     }
     return table(rows);
 }
@@ -351,13 +320,6 @@ std::string starts(const Fit& fit, const Report& report) {
     return text + (sorted.size() > 10 ? fmt::format("  and {} more\n", sorted.size() - 10) : "");
 }
 
-std::string diagnostics(const Report& report) {
-    std::string text = report.diagnostics.empty() ? "" : "\nRemarks\n";
-    for (const std::string& remark : report.diagnostics)
-        text += "  - " + remark + "\n";
-    return text;
-}
-
 } // namespace
 
 std::string to_text(const Problem& problem, const Fit& fit, const Report& report) {
@@ -371,10 +333,14 @@ std::string to_text(const Problem& problem, const Fit& fit, const Report& report
         text += ", probability " + describe_probability(report.probability);
     if (fit.loss != Loss::squares)
         text += fmt::format("\nobjective of the loss = {:.6g}", fit.objective);
-    return estimates(problem, report) + correlations(problem, report) + text +
-           fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,
-                       fit.reason) +
-           starts(fit, report) + diagnostics(report);
+    text += fmt::format("\n{} after {} evaluations; {}\n", to_string(fit.termination), fit.evaluations,
+                        fit.reason) +
+            starts(fit, report);
+    if (!report.diagnostics.empty())
+        text += "\nRemarks\n";
+    for (const std::string& remark : report.diagnostics)
+        text += "  - " + remark + "\n";
+    return estimates(problem, report) + correlations(problem, report) + text;
 }
 
 } // namespace rodwake::fitting

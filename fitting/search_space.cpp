@@ -18,17 +18,17 @@ double natural_scale(const Parameter& p) {
     return std::isfinite(width) ? 0.1 * width : 1.0;
 }
 
-SearchSpace::SearchSpace(const Problem& problem) : problem_(&problem), free_(free_parameters(problem)) {
+SearchSpace::SearchSpace(const Problem& problem) : free(free_parameters(problem)), problem_(&problem) {
     const Eigen::Index n = size();
     scale_.resize(n);
-    lower_.resize(n);
-    upper_.resize(n);
+    lower.resize(n);
+    upper.resize(n);
     for (Eigen::Index k = 0; k < n; ++k) {
         const Parameter& p = parameter(k);
         scale_[k] = natural_scale(p);
         const bool open = logarithmic(k) && !(p.lower > 0.0);
-        lower_[k] = open ? -infinite : coordinate(k, p.lower);
-        upper_[k] = coordinate(k, p.upper);
+        lower[k] = open ? -infinite : coordinate(k, p.lower);
+        upper[k] = coordinate(k, p.upper);
     }
     for (std::size_t i = 0; i < problem.parameters.size(); ++i)
         for (Eigen::Index k = 0; k < n; ++k)
@@ -49,9 +49,9 @@ double SearchSpace::coordinate(Eigen::Index k, double value) const {
 
 double SearchSpace::value(Eigen::Index k, double u) const {
     const Parameter& p = parameter(k);
-    if (u <= lower_[k] && lower_[k] > -infinite)
+    if (u <= lower[k] && lower[k] > -infinite)
         return p.lower;
-    if (u >= upper_[k] && upper_[k] < infinite)
+    if (u >= upper[k] && upper[k] < infinite)
         return p.upper;
     const double x = u * scale_[k];
     return std::clamp(logarithmic(k) ? std::exp(x) : x, p.lower, p.upper);
@@ -69,7 +69,7 @@ Eigen::VectorXd SearchSpace::coordinates(std::span<const double> free_values) co
 }
 
 std::vector<double> SearchSpace::free_values(const Eigen::VectorXd& u) const {
-    std::vector<double> values(free_.size());
+    std::vector<double> values(free.size());
     for (Eigen::Index k = 0; k < size(); ++k)
         values[k] = value(k, u[k]);
     return values;
@@ -82,49 +82,43 @@ std::vector<double> SearchSpace::values(const Eigen::VectorXd& u) const {
 Eigen::MatrixXd SearchSpace::chain(const Eigen::MatrixXd& in_values, std::span<const double> values) const {
     Eigen::MatrixXd in_u(in_values.rows(), size());
     for (Eigen::Index k = 0; k < size(); ++k)
-        in_u.col(k) = in_values.col(free_[k]);
+        in_u.col(k) = in_values.col(free[k]);
     for (const TiedValue& tie : ties_)
         in_u.col(tie.to) += tie.factor * in_values.col(tie.parameter);
     for (Eigen::Index k = 0; k < size(); ++k)
-        in_u.col(k) *= slope(k, values[free_[k]]);
+        in_u.col(k) *= slope(k, values[free[k]]);
     return in_u;
 }
-
-namespace {
-
-/// start times a factor in [1/spread, spread], even in the logarithm, within the bounds.
-double by_factor(const Parameter& p, double spread, RandomStream& random) {
-    // The sign is that of the start, or that of a coin where both are possible.
-    const double given = p.start < 0.0 ? -1.0 : 1.0;
-    const bool both = p.transform == Transform::linear && p.lower < 0.0 && p.upper > 0.0;
-    const double sign = both && random.uniform() < 0.5 ? -given : given;
-    const double size = std::abs(p.start);
-    const double nearest = sign > 0.0 ? p.lower : -p.upper, farthest = sign > 0.0 ? p.upper : -p.lower;
-    const double low = std::max(size / spread, nearest), high = std::min(size * spread, farthest);
-    const double value = low < high ? random.log_uniform(low, high) : low;
-    return std::clamp(sign * value, p.lower, p.upper);
-}
-
-double around_zero(const Parameter& p, double spread, RandomStream& random) {
-    const double reach = spread * natural_scale(p);
-    const bool box = std::isfinite(p.lower) && std::isfinite(p.upper);
-    const double low = box ? p.lower : std::max(p.lower, -reach),
-                 high = box ? p.upper : std::min(p.upper, reach);
-    return std::clamp(random.uniform(low, high), p.lower, p.upper);
-}
-
-} // namespace
 
 std::vector<double> start_values(const Problem& problem, const Method& method, std::size_t index) {
     RandomStream random(method.seed, static_cast<std::uint32_t>(index));
     std::vector<double> values;
     for (const std::size_t i : free_parameters(problem)) {
         const Parameter& p = problem.parameters[i];
-        if (index == 0 || !p.spreads)
+        if (index == 0 || !p.spreads) {
             values.push_back(p.start);
-        else
-            values.push_back(p.start != 0.0 ? by_factor(p, method.spread, random)
-                                            : around_zero(p, method.spread, random));
+            continue;
+        }
+        if (p.start == 0.0) {
+            const double reach = method.spread * natural_scale(p);
+            const bool box = std::isfinite(p.lower) && std::isfinite(p.upper);
+            const double low = box ? p.lower : std::max(p.lower, -reach),
+                         high = box ? p.upper : std::min(p.upper, reach);
+            values.push_back(std::clamp(random.uniform(low, high), p.lower, p.upper));
+            continue;
+        }
+
+        // The start times a factor in [1/spread, spread], even in the logarithm, within the bounds. The sign
+        // is that of the start, or that of a coin where both are possible.
+        const double given = p.start < 0.0 ? -1.0 : 1.0;
+        const bool both = p.transform == Transform::linear && p.lower < 0.0 && p.upper > 0.0;
+        const double sign = both && random.uniform() < 0.5 ? -given : given;
+        const double size = std::abs(p.start);
+        const double nearest = sign > 0.0 ? p.lower : -p.upper, farthest = sign > 0.0 ? p.upper : -p.lower;
+        const double low = std::max(size / method.spread, nearest),
+                     high = std::min(size * method.spread, farthest);
+        const double value = low < high ? random.log_uniform(low, high) : low;
+        values.push_back(std::clamp(sign * value, p.lower, p.upper));
     }
     return values;
 }

@@ -14,10 +14,7 @@ class SearchSpace {
 public:
     explicit SearchSpace(const Problem& problem);
 
-    Eigen::Index size() const { return static_cast<Eigen::Index>(free_.size()); }
-    const std::vector<std::size_t>& free() const { return free_; } ///< indices in Problem::parameters
-    const Eigen::VectorXd& lower() const { return lower_; }
-    const Eigen::VectorXd& upper() const { return upper_; }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(free.size()); }
 
     /// From values of the free parameters.
     Eigen::VectorXd coordinates(std::span<const double> free_values) const;
@@ -33,7 +30,10 @@ public:
     bool logarithmic(Eigen::Index k) const;
     /// False if nothing tells the size of the parameter.
     bool scale_known(Eigen::Index k) const;
-    Eigen::VectorXd clamp(const Eigen::VectorXd& u) const { return u.cwiseMax(lower_).cwiseMin(upper_); }
+    Eigen::VectorXd clamp(const Eigen::VectorXd& u) const { return u.cwiseMax(lower).cwiseMin(upper); }
+
+    std::vector<std::size_t> free; ///< indices in Problem::parameters
+    Eigen::VectorXd lower, upper;
 
 private:
     struct TiedValue {
@@ -41,12 +41,11 @@ private:
         Eigen::Index to; ///< among the free ones
         double factor;
     };
-    const Parameter& parameter(Eigen::Index k) const { return problem_->parameters[free_[k]]; }
+    const Parameter& parameter(Eigen::Index k) const { return problem_->parameters[free[k]]; }
 
     const Problem* problem_;
-    std::vector<std::size_t> free_;
     std::vector<TiedValue> ties_;
-    Eigen::VectorXd scale_, lower_, upper_;
+    Eigen::VectorXd scale_;
 };
 
 /// Parameter::scale, or what stands for it: 1 in the logarithm, else |start|, a tenth of the bounds'

@@ -21,14 +21,13 @@ using Row = Eigen::Index;
 /// The residuals of a trajectory in order: what is free of the first row, x, y, heading of each rod in each
 /// row after it, the time of contact.
 struct ResidualLayout {
-    std::size_t start, rows, contact;
+    std::size_t start, rows, contact, count;
 
     explicit ResidualLayout(const Trajectory& trajectory)
         : start(trajectory.states.front().size() / (trajectory.free_start ? 1 : 3) *
                 (is_free(trajectory, 2) ? 1 : 0)),
           rows((trajectory.times.size() - 1) * trajectory.states.front().size()),
-          contact(trajectory.contact_time ? 1 : 0) {}
-    std::size_t count() const { return start + rows + contact; }
+          contact(trajectory.contact_time ? 1 : 0), count(start + rows + contact) {}
 };
 
 double sigma_of(const Trajectory& trajectory, std::size_t component) {
@@ -36,115 +35,97 @@ double sigma_of(const Trajectory& trajectory, std::size_t component) {
            std::sqrt(trajectory.independent);
 }
 
-std::string residual_name(const Trajectory& trajectory, std::size_t i) {
-    static constexpr const char* names[] = {"x", "y", "theta"};
-    const ResidualLayout size(trajectory);
-    const std::size_t n = trajectory.states.front().size();
-    if (i < size.start) {
-        const std::size_t of_row = trajectory.free_start ? i : 3 * i + 2;
-        return fmt::format("{} {}{}", row_name(trajectory, 0), names[of_row % 3], of_row / 3);
-    }
-    const std::size_t in_rows = i - size.start, component = in_rows % n;
-    if (in_rows >= size.rows)
-        return trajectory.name + " contact time";
-    return fmt::format("{} {}{}", row_name(trajectory, in_rows / n + 1), names[component % 3], component / 3);
-}
+struct Trajectories {
+    integrate::OdeOptions options;
+    std::vector<Trajectory> all;
+    std::vector<Role> roles;
+    std::vector<bool> wanted; ///< parameters to differentiate by
 
-class Trajectories {
-public:
-    Trajectories(integrate::OdeOptions options, const std::vector<Trajectory>& all,
-                 const std::vector<Parameter>& parameters)
-        : options_(std::move(options)), all_(all) {
-        for (const Parameter& p : parameters) {
-            roles_.push_back(role_of(p.name, all));
-            wanted_.push_back(!p.fixed);
-        }
-    }
-
-    std::size_t residuals() const {
-        std::size_t count = 0;
-        for (const Trajectory& trajectory : all_)
-            count += ResidualLayout(trajectory).count();
-        return count;
-    }
-
-    // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
-    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const {
-        Row at = 0;
-        for (std::size_t k = 0; k < all_.size(); ++k)
-            at = add(k, run_model(options_, all_[k], k, roles_, p, jacobian ? &wanted_ : nullptr), at, r,
-                     jacobian);
-    }
-
-    std::vector<double> log_sigma() const {
-        std::vector<double> out;
-        for (const Trajectory& track : all_) {
-            for (std::size_t row = 0; row < track.states.size(); ++row)
-                for (std::size_t i = 0; i < track.states[row].size(); ++i)
-                    if (row > 0 || is_free(track, i))
-                        out.push_back(std::log(sigma_of(track, i)));
-            if (track.contact_time)
-                out.push_back(std::log(track.sigma_contact));
-        }
-        return out;
-    }
-
-    std::string name(std::size_t i) const {
-        for (const Trajectory& item : all_) {
-            if (i < ResidualLayout(item).count())
-                return residual_name(item, i);
-            i -= ResidualLayout(item).count();
-        }
-        return fmt::format("residual {} beyond the last", i);
-    }
-
-private:
-    /// Residuals of one trajectory from `at` on; returns where the next one starts.
-    Row add(std::size_t k, const ModelRun& run, Row at, Eigen::Ref<Eigen::VectorXd> r,
-            Eigen::MatrixXd* jacobian) const {
-        const Trajectory& each = all_[k];
-        const bool slopes = jacobian && !run.derivatives.empty();
-        const auto put = [&](double model, double datum, double sigma, const auto& slope) {
-            r[at] = (model - datum) / sigma;
-            if (jacobian)
-                jacobian->row(at).setZero();
-            if (slopes)
-                jacobian->row(at) = slope() / sigma;
-            ++at;
-        };
-        for (std::size_t row = 0; row < each.states.size(); ++row)
-            for (std::size_t i = 0; i < each.states[row].size(); ++i)
-                if (row > 0 || is_free(each, i))
-                    put(run.states[row][static_cast<Row>(i)], each.states[row][i], sigma_of(each, i),
-                        [&] { return run.derivatives[row].row(static_cast<Row>(i)); });
-        if (each.contact_time)
-            put(run.contact_time, *each.contact_time - each.times.front(), each.sigma_contact,
-                [&] { return run.contact_time_by_parameter.transpose(); });
-        return at;
-    }
-
-    integrate::OdeOptions options_;
-    std::vector<Trajectory> all_;
-    std::vector<Role> roles_;
-    std::vector<bool> wanted_;
+    void evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) const;
+    std::string residual_name(std::size_t i) const;
 };
 
-void add_starts(std::vector<Parameter>& parameters, const std::vector<Trajectory>& trajectories) {
-    for (std::size_t k = 0; k < trajectories.size(); ++k) {
-        const std::vector<double>& start = trajectories[k].states.front();
-        for (std::size_t i = 0; i < start.size(); ++i) {
-            const std::string name = pose_name(k, i / 3, i % 3);
-            if (!is_free(trajectories[k], i) ||
-                std::ranges::find(parameters, name, &Parameter::name) != parameters.end())
-                continue;
-            Parameter pose;
-            pose.name = name;
-            pose.start = start[i];
-            pose.scale = 0.1; // rad, f/mu: chosen from the start it would be 0 for a rod along x
-            pose.spreads = false;
-            parameters.push_back(pose);
-        }
+// NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
+void Trajectories::evaluate(std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                            Eigen::MatrixXd* jacobian) const {
+    Row at = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const Trajectory& track = all[k];
+        const ModelRun run = run_model(options, track, k, roles, p, jacobian ? &wanted : nullptr);
+        const bool slopes = jacobian && !run.derivatives.empty();
+        for (std::size_t row = 0; row < track.states.size(); ++row)
+            for (std::size_t i = 0; i < track.states[row].size(); ++i) {
+                if (row == 0 && !is_free(track, i))
+                    continue;
+                const auto component = static_cast<Row>(i);
+                r[at] = (run.states[row][component] - track.states[row][i]) / sigma_of(track, i);
+                if (slopes)
+                    jacobian->row(at) = run.derivatives[row].row(component) / sigma_of(track, i);
+                else if (jacobian)
+                    jacobian->row(at).setZero();
+                ++at;
+            }
+        if (!track.contact_time)
+            continue;
+        r[at] = (run.contact_time - (*track.contact_time - track.times.front())) / track.sigma_contact;
+        if (slopes)
+            jacobian->row(at) = run.contact_time_by_parameter.transpose() / track.sigma_contact;
+        else if (jacobian)
+            jacobian->row(at).setZero();
+        ++at;
     }
+}
+
+std::string Trajectories::residual_name(std::size_t i) const {
+    static constexpr const char* names[] = {"x", "y", "theta"};
+    for (const Trajectory& track : all) {
+        const ResidualLayout size(track);
+        if (i >= size.count) {
+            i -= size.count;
+            continue;
+        }
+        if (i < size.start) {
+            const std::size_t of_row = track.free_start ? i : 3 * i + 2;
+            return fmt::format("{} {}{}", row_name(track, 0), names[of_row % 3], of_row / 3);
+        }
+        const std::size_t in_rows = i - size.start, n = track.states.front().size(), component = in_rows % n;
+        return in_rows >= size.rows ? track.name + " contact time"
+                                    : fmt::format("{} {}{}", row_name(track, in_rows / n + 1),
+                                                  names[component % 3], component / 3);
+    }
+    return fmt::format("residual {} beyond the last", i);
+}
+
+/// Number, sigmas, series and independence of the residuals.
+void describe_residuals(const std::vector<Trajectory>& trajectories, Problem& problem) {
+    double values = 0.0;
+    for (const Trajectory& track : trajectories) {
+        // x, y and heading of each rod are series; a time of contact stands alone.
+        const ResidualLayout size(track);
+        const std::size_t n = track.states.front().size(), first = problem.residuals;
+        for (std::size_t component = 0; component < n; ++component) {
+            Series series{track.name, component % 3 == 2 ? "headings" : "positions", {}};
+            if (is_free(track, component))
+                series.residuals.push_back(first + (track.free_start ? component : component / 3));
+            for (std::size_t row = 0; row < size.rows / n; ++row)
+                series.residuals.push_back(first + size.start + row * n + component);
+            problem.series.push_back(std::move(series));
+        }
+        for (std::size_t row = 0; row < track.states.size(); ++row)
+            for (std::size_t i = 0; i < n; ++i)
+                if (row > 0 || is_free(track, i))
+                    problem.log_sigma.push_back(std::log(sigma_of(track, i)));
+        if (track.contact_time) {
+            problem.series.push_back({track.name, "contact time", {first + size.start + size.rows}});
+            problem.log_sigma.push_back(std::log(track.sigma_contact));
+        }
+        problem.residuals += size.count;
+
+        // The share of independent values is a mean over the residuals; a time of contact counts in full.
+        values += static_cast<double>(size.contact) +
+                  track.independent * static_cast<double>(size.count - size.contact);
+    }
+    problem.independent = values / static_cast<double>(problem.residuals);
 }
 
 } // namespace
@@ -185,42 +166,36 @@ Problem trajectory_problem(const TrajectoryModel& model, const std::vector<Traje
     if (model.ode.method == integrate::Method::erk)
         throw InputError("fit of trajectories: method erk has no sensitivities; use adams or, for stiff "
                          "couplings, bdf");
-    add_starts(parameters, trajectories);
-    const auto all = std::make_shared<const Trajectories>(model.ode, trajectories, parameters);
+
+    // Components of free starts are parameters.
+    for (std::size_t k = 0; k < trajectories.size(); ++k) {
+        const std::vector<double>& start = trajectories[k].states.front();
+        for (std::size_t i = 0; i < start.size(); ++i) {
+            const std::string name = pose_name(k, i / 3, i % 3);
+            if (!is_free(trajectories[k], i) ||
+                std::ranges::find(parameters, name, &Parameter::name) != parameters.end())
+                continue;
+            Parameter pose;
+            pose.name = name;
+            pose.start = start[i];
+            pose.scale = 0.1; // rad, f/mu: chosen from the start it would be 0 for a rod along x
+            pose.spreads = false;
+            parameters.push_back(pose);
+        }
+    }
+    Trajectories all{model.ode, trajectories, {}, {}};
+    for (const Parameter& p : parameters) {
+        all.roles.push_back(role_of(p.name, trajectories));
+        all.wanted.push_back(!p.fixed);
+    }
     Problem problem;
     problem.parameters = std::move(parameters);
-    problem.residuals = all->residuals();
-    problem.log_sigma = all->log_sigma();
-    // The share of independent values is a mean over the residuals; a time of contact counts in full.
-    double values = 0.0, residuals = 0.0;
-    for (const Trajectory& trajectory : trajectories) {
-        const ResidualLayout size(trajectory);
-        residuals += static_cast<double>(size.count());
-        values += static_cast<double>(size.contact) +
-                  trajectory.independent * static_cast<double>(size.count() - size.contact);
-    }
-    problem.independent = values / residuals;
-    std::size_t first = 0;
-    for (const Trajectory& trajectory : trajectories) {
-        // x, y and heading of each rod are series from residual `first` on; a time of contact stands alone.
-        const ResidualLayout size(trajectory);
-        const std::size_t n = trajectory.states.front().size();
-        for (std::size_t component = 0; component < n; ++component) {
-            Series series{trajectory.name, component % 3 == 2 ? "headings" : "positions", {}};
-            if (is_free(trajectory, component))
-                series.residuals.push_back(first + (trajectory.free_start ? component : component / 3));
-            for (std::size_t row = 0; row < size.rows / n; ++row)
-                series.residuals.push_back(first + size.start + row * n + component);
-            problem.series.push_back(std::move(series));
-        }
-        if (size.contact > 0)
-            problem.series.push_back({trajectory.name, "contact time", {first + size.start + size.rows}});
-        first += ResidualLayout(trajectory).count();
-    }
+    describe_residuals(trajectories, problem);
+    const auto shared = std::make_shared<const Trajectories>(std::move(all));
     // NOLINTNEXTLINE(performance-unnecessary-value-param)
-    problem.evaluate = [all](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                             Eigen::MatrixXd* jacobian) { all->evaluate(p, r, jacobian); };
-    problem.residual_name = [all](std::size_t i) { return all->name(i); };
+    problem.evaluate = [shared](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
+                                Eigen::MatrixXd* jacobian) { shared->evaluate(p, r, jacobian); };
+    problem.residual_name = [shared](std::size_t i) { return shared->residual_name(i); };
     const auto free = static_cast<std::size_t>(std::ranges::count_if(problem.parameters, &Parameter::free));
     if (problem.residuals < free)
         throw InputError(
@@ -256,11 +231,6 @@ namespace {
 void require(bool legal, const std::string& where, const std::string& message) {
     if (!legal)
         throw InputError(fmt::format("{}: {}", where, message));
-}
-
-void check_sigma(const Trajectory& trajectory, const char* name, double sigma) {
-    require(sigma > 0.0 && std::isfinite(sigma), trajectory.name,
-            fmt::format("{} = {}: must be above 0 and finite", name, sigma));
 }
 
 } // namespace
@@ -301,9 +271,11 @@ void check_trajectories(const std::vector<Trajectory>& trajectories) {
             require(std::ranges::all_of(state, [](double v) { return std::isfinite(v); }), where,
                     "positions and headings must be finite numbers");
         }
-        check_sigma(trajectory, "sigma_position", trajectory.sigma_position);
-        check_sigma(trajectory, "sigma_heading", trajectory.sigma_heading);
-        check_sigma(trajectory, "sigma_contact", trajectory.sigma_contact);
+        for (const auto& [name, sigma] : {std::pair("sigma_position", trajectory.sigma_position),
+                                          std::pair("sigma_heading", trajectory.sigma_heading),
+                                          std::pair("sigma_contact", trajectory.sigma_contact)})
+            require(sigma > 0.0 && std::isfinite(sigma), trajectory.name,
+                    fmt::format("{} = {}: must be above 0 and finite", name, sigma));
         require(!trajectory.contact_time || trajectory.contact_distance, trajectory.name,
                 "contact_time needs a contact_distance");
         require(!trajectory.contact_time || (*trajectory.contact_time > trajectory.times.front() &&
@@ -328,9 +300,11 @@ void check_trajectory_parameters(const std::vector<Parameter>& parameters) {
     const auto has = [&](std::string_view name) {
         return std::ranges::find(parameters, name, &Parameter::name) != parameters.end();
     };
-    const auto in_wakes = [](const Parameter& p) { return rods::turns_in_wakes(p.name); };
-    const bool wakes = std::ranges::any_of(parameters, in_wakes),
-               medium = has("eta") || has("xi") || has("alpha");
+    bool wakes = false, free_medium = false;
+    for (const Parameter& p : parameters) {
+        wakes = wakes || rods::turns_in_wakes(p.name);
+        free_medium = free_medium || (!p.fixed && (p.name == "eta" || p.name == "xi" || p.name == "alpha"));
+    }
     if (has("rows_direction") && !has("gamma_rows"))
         throw InputError(
             "fit of trajectories: rows_direction needs gamma_rows, which turns the rods into these rows");
@@ -340,13 +314,10 @@ void check_trajectory_parameters(const std::vector<Parameter>& parameters) {
         throw InputError("fit of trajectories: xi and alpha = 1/xi are both given; leave one out");
     if (wakes && !has("xi") && !has("alpha"))
         throw InputError("fit of trajectories: parameter xi (or alpha) is missing; fix it if it is known");
-    const auto free_medium = [](const Parameter& p) {
-        return !p.fixed && (p.name == "eta" || p.name == "xi" || p.name == "alpha");
-    };
     std::vector<std::string_view> couplings;
     for (const rods::Coupling& coupling : rods::coupling_list)
         couplings.push_back(coupling.name);
-    if (!wakes && medium && std::ranges::any_of(parameters, free_medium))
+    if (!wakes && free_medium)
         throw InputError(
             fmt::format("fit of trajectories: none of {}, gamma_flow is a parameter, so nothing turns "
                         "the rods in the medium that is to be fitted",

@@ -46,23 +46,6 @@ struct SensitivityColumns {
     bool empty() const { return physical.empty() && headings.empty() && places.empty(); }
 };
 
-/// d physical / d parameter, of those that are not 0.
-using Slopes = std::vector<std::pair<rods::Parameter, double>>;
-
-/// A number of the medium enters gamma1 += gamma_flow xi and gamma2 += gamma_flow xi eta, too.
-Slopes slopes_of(const Role& role, double value, double gamma_flow, const elastic::Medium& medium) {
-    using enum rods::Parameter;
-    if (role.flow)
-        return {{gamma1, medium.xi}, {gamma2, medium.xi * medium.eta}};
-    const double own = role.inverse ? -1.0 / (value * value) : 1.0;
-    Slopes slopes = {{*role.physical, own}};
-    if (gamma_flow != 0.0 && role.physical == xi)
-        slopes.insert(slopes.end(), {{gamma1, own * gamma_flow}, {gamma2, own * gamma_flow * medium.eta}});
-    if (gamma_flow != 0.0 && role.physical == eta)
-        slopes.emplace_back(gamma2, own * gamma_flow * medium.xi);
-    return slopes;
-}
-
 double gamma_flow_of(std::span<const Role> roles, std::span<const double> values) {
     const auto at = std::ranges::find_if(roles, &Role::flow);
     return at == roles.end() ? 0.0 : values[static_cast<std::size_t>(at - roles.begin())];
@@ -84,7 +67,21 @@ SensitivityColumns columns_of(std::size_t index, std::span<const Role> roles, st
                 .push_back(role.component == 2 ? role.rod : 2 * role.rod + role.component);
             continue;
         }
-        for (const auto& [physical, slope] : slopes_of(role, values[j], flow, medium)) {
+
+        // d physical / d parameter, of those that are not 0. A number of the medium enters
+        // gamma1 += gamma_flow xi and gamma2 += gamma_flow xi eta, too.
+        using enum rods::Parameter;
+        std::vector<std::pair<rods::Parameter, double>> slopes;
+        const double own = role.inverse ? -1.0 / (values[j] * values[j]) : 1.0;
+        if (role.flow)
+            slopes = {{gamma1, medium.xi}, {gamma2, medium.xi * medium.eta}};
+        else
+            slopes = {{*role.physical, own}};
+        if (flow != 0.0 && role.physical == xi)
+            slopes.insert(slopes.end(), {{gamma1, own * flow}, {gamma2, own * flow * medium.eta}});
+        if (flow != 0.0 && role.physical == eta)
+            slopes.emplace_back(gamma2, own * flow * medium.xi);
+        for (const auto& [physical, slope] : slopes) {
             const auto at = std::ranges::find(columns.physical, physical);
             entries.emplace_back(at - columns.physical.begin(), j, slope);
             if (at == columns.physical.end())
@@ -101,15 +98,6 @@ SensitivityColumns columns_of(std::size_t index, std::span<const Role> roles, st
     return columns;
 }
 
-/// From the columns of a run to those of the fit.
-Eigen::MatrixXd spread(const SensitivityColumns& columns, const Eigen::MatrixXd& S) {
-    return S * columns.by_parameter;
-}
-
-Eigen::VectorXd vector(const std::vector<double>& v) {
-    return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Column>(v.size()));
-}
-
 std::vector<double> times_to_solve(const Trajectory& trajectory) {
     std::vector<double> times;
     for (const double t : trajectory.times)
@@ -120,20 +108,6 @@ std::vector<double> times_to_solve(const Trajectory& trajectory) {
     if (horizon > times.back())
         times.push_back(horizon);
     return times;
-}
-
-/// Solves with sensitivities if there is something to differentiate by.
-integrate::SensitivitySolution solve(const rods::RodProblem& rods, const SensitivityColumns& columns,
-                                     const integrate::OdeOptions& options, std::span<const double> times) {
-    const auto problem =
-        rods::to_sensitivity_problem(rods, columns.physical, columns.headings, columns.places);
-    if (columns.empty()) {
-        integrate::OdeOptions plain = options;
-        if (plain.method == integrate::Method::adams) // a third of the time, to the same tolerance
-            plain.method = integrate::Method::erk;
-        return {integrate::solve(problem.ode, plain, times), {}, {}, {}};
-    }
-    return integrate::solve_with_sensitivities(problem, options, times);
 }
 
 /// A run that has not met by the end counts as if its closest pair closed in at speed 1 from there: the
@@ -154,7 +128,7 @@ void add_contact(ModelRun& run, const Trajectory& trajectory, const integrate::S
         const Eigen::RowVector2d axis = Eigen::RowVector2d(d.x, d.y) / pair.distance;
         by = axis * (solved.final_sensitivity.middleRows(a, 2) - solved.final_sensitivity.middleRows(b, 2));
     }
-    run.contact_time_by_parameter = spread(columns, by).transpose();
+    run.contact_time_by_parameter = (by * columns.by_parameter).transpose();
 }
 
 constexpr std::array pose_words = {"x", "y", "heading"};
@@ -169,10 +143,6 @@ std::optional<Role> pose_of(const std::string& name) {
         return std::nullopt;
     role.component = static_cast<std::size_t>(word - pose_words.begin());
     return name == pose_name(role.trajectory, role.rod, role.component) ? std::optional(role) : std::nullopt;
-}
-
-double& component(rods::Pose& rod, std::size_t which) {
-    return which == 0 ? rod.x : which == 1 ? rod.y : rod.heading;
 }
 
 } // namespace
@@ -208,8 +178,10 @@ rods::RodProblem rod_problem(const Trajectory& trajectory, std::size_t index, st
     for (std::size_t j = 0; j < roles.size(); ++j) {
         if (roles[j].physical)
             rods::value(problem, *roles[j].physical) = roles[j].inverse ? 1.0 / values[j] : values[j];
-        else if (roles[j].of_start() && roles[j].trajectory == index)
-            component(problem.rods[roles[j].rod], roles[j].component) = values[j];
+        if (!roles[j].of_start() || roles[j].trajectory != index)
+            continue;
+        rods::Pose& rod = problem.rods[roles[j].rod];
+        (roles[j].component == 0 ? rod.x : roles[j].component == 1 ? rod.y : rod.heading) = values[j];
     }
     problem.couplings = rods::with_flow(problem.couplings, gamma_flow_of(roles, values), problem.medium->eta,
                                         problem.medium->xi);
@@ -233,28 +205,38 @@ ModelRun run_model(const integrate::OdeOptions& options, const Trajectory& traje
         wanted ? columns_of(index, roles, values, *wanted, *problem.medium) : SensitivityColumns{};
     integrate::OdeOptions tight = options;
     tight.atol = std::min(tight.atol, 0.1 * tight.rtol); // as rods::simulate
-    const integrate::SensitivitySolution solved = solve(problem, columns, tight, times_to_solve(trajectory));
+    const auto sensitivity_problem =
+        rods::to_sensitivity_problem(problem, columns.physical, columns.headings, columns.places);
+    integrate::SensitivitySolution solved;
+    if (columns.empty()) {
+        if (tight.method == integrate::Method::adams) // a third of the time, to the same tolerance
+            tight.method = integrate::Method::erk;
+        solved.solution = integrate::solve(sensitivity_problem.ode, tight, times_to_solve(trajectory));
+    } else {
+        solved = integrate::solve_with_sensitivities(sensitivity_problem, tight, times_to_solve(trajectory));
+    }
     if (!solved.solution.status.ok())
         throw RunError(trajectory.name + ": " + solved.solution.status.message());
     ModelRun run;
     const std::size_t rows = trajectory.times.size();
+    const auto size = static_cast<Column>(solved.solution.final_state.size());
     for (std::size_t k = 0; k < std::min(rows, solved.solution.times.size()); ++k) {
-        run.states.push_back(vector(solved.solution.states[k]));
+        run.states.emplace_back(Eigen::Map<const Eigen::VectorXd>(solved.solution.states[k].data(), size));
         if (!columns.empty())
-            run.derivatives.push_back(spread(columns, solved.sensitivities[k]));
+            run.derivatives.push_back(solved.sensitivities[k] * columns.by_parameter);
     }
     // At a contact the derivatives of the end are those of the moving end.
     Eigen::MatrixXd S = solved.final_sensitivity;
     if (solved.event_time_by_parameter.size() > 0) {
-        Eigen::VectorXd slope(static_cast<Column>(solved.solution.final_state.size()));
+        Eigen::VectorXd slope(size);
         rods::model_of(problem).rhs(solved.solution.final_state,
                                     {slope.data(), solved.solution.final_state.size()});
         S += slope * solved.event_time_by_parameter.transpose();
     }
     while (run.states.size() < rows) {
-        run.states.push_back(vector(solved.solution.final_state));
+        run.states.emplace_back(Eigen::Map<const Eigen::VectorXd>(solved.solution.final_state.data(), size));
         if (!columns.empty())
-            run.derivatives.push_back(spread(columns, S));
+            run.derivatives.push_back(S * columns.by_parameter);
     }
     if (trajectory.contact_time)
         add_contact(run, trajectory, solved, columns);

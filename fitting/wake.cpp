@@ -70,22 +70,24 @@ public:
         wake_ = elastic::exact_field({value_of(terms.eta), xi_}, model.box)->wake(model.heading);
     }
 
-    double at(Component component, double x, double y) const {
-        return (wake_ ? field_at(component, x - value_of(terms_.x0), y) : 0.0) + offset(component);
-    }
-
-    /// The value, with its derivatives by all parameters in `gradient`.
-    double at(Component component, double x, double y, Eigen::Ref<Eigen::RowVectorXd> gradient) const {
-        gradient.setZero();
+    /// The value and, if `gradient` is given, its derivatives by all parameters.
+    double at(Component component, double x, double y, Eigen::RowVectorXd* gradient) const {
+        const long offset = component == Component::Ux ? terms_.offset : terms_.offset_y;
         const auto set = [&](long term, double value) {
             if (term >= 0)
-                gradient[term] = value;
+                (*gradient)[term] = value;
         };
-        set(component == Component::Ux ? terms_.offset : terms_.offset_y, 1.0);
+        if (gradient) {
+            gradient->setZero();
+            set(offset, 1.0);
+        }
         if (!wake_)
-            return offset(component);
+            return value_of(offset);
         const double s = x - value_of(terms_.x0), f = value_of(terms_.f_over_mu);
         const elastic::FieldValues field = wake_->at(s, y, request_);
+        const double value = combined(field, component) + value_of(offset);
+        if (!gradient)
+            return value;
         const elastic::MediumDerivatives medium = wake_->medium_derivatives(s, y, request_);
         const double by_xi = combined(medium.by_xi, component);
         set(terms_.f_over_mu,
@@ -102,28 +104,22 @@ public:
         if (terms_.x0 >= 0) {
             const double h = 2e-3 * std::hypot(s, y);
             const auto difference = [&](double d) {
-                return field_at(component, s + d, y) - field_at(component, s - d, y);
+                return combined(wake_->at(s + d, y, request_), component) -
+                       combined(wake_->at(s - d, y, request_), component);
             };
             set(terms_.x0, -((8.0 * difference(h) - difference(2.0 * h)) / (12.0 * h)));
         }
-        return combined(field, component) + offset(component);
+        return value;
     }
 
 private:
     double value_of(long term) const { return term < 0 ? 0.0 : values_[static_cast<std::size_t>(term)]; }
-    double offset(Component component) const {
-        return value_of(component == Component::Ux ? terms_.offset : terms_.offset_y);
-    }
     /// Sum of the requested terms: the field holds no number for the others.
-    double combined(const elastic::FieldValues& of, Component component) const {
-        return (request_.displacement ? value_of(terms_.f_over_mu) * part(of.displacement, component) : 0.0) +
-               (request_.dipole ? value_of(terms_.f2d_over_mu) * part(of.dipole, component) : 0.0);
+    double combined(const elastic::FieldValues& field, Component component) const {
+        return (request_.displacement ? value_of(terms_.f_over_mu) * part(field.displacement, component)
+                                      : 0.0) +
+               (request_.dipole ? value_of(terms_.f2d_over_mu) * part(field.dipole, component) : 0.0);
     }
-    /// Monopole and dipole at s ahead of the point where the force acts.
-    double field_at(Component component, double s, double y) const {
-        return combined(wake_->at(s, y, request_), component);
-    }
-
     WakeTerms terms_;
     std::span<const double> values_;
     double xi_ = 0.0;
@@ -145,28 +141,9 @@ std::string where(const Profile& profile, std::size_t i) {
     return i < profile.where.size() ? profile.where[i] : fmt::format("{}[{}]", profile.name, i);
 }
 
-/// Throws InputError for points at which the model does not exist for any parameters. With a free x0 that is
-/// not known beforehand.
-void check_singularity(const WakeModel& model, const WakeTerms& terms,
-                       const std::vector<ProfilePoint>& points) {
-    if (!terms.field() || terms.x0 >= 0)
-        return;
-    for (const ProfilePoint& point : points) {
-        if (!elastic::is_singular(point.x, point.y, model.box, model.heading))
-            continue;
-        if (!model.box || std::hypot(point.x, point.y) < 0.5 * model.box->shorter())
-            throw InputError(
-                point.where +
-                ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
-        throw InputError(
-            fmt::format("{}: ({:g}, {:g}) is the position of an image of the rod in the box of {}, where "
-                        "the model is infinite; leave this point out, by the profile's range for one",
-                        point.where, point.x, point.y, to_string(*model.box)));
-    }
-}
-
 /// The points that are fitted. Throws InputError for illegal data.
-std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profile>& profiles) {
+std::vector<ProfilePoint> gather(const WakeModel& model, const WakeTerms& terms,
+                                 const std::vector<Profile>& profiles) {
     std::vector<ProfilePoint> points;
     for (const Profile& profile : profiles) {
         if (profile.place.size() != profile.value.size() ||
@@ -203,22 +180,22 @@ std::vector<ProfilePoint> gather(const WakeModel& model, const std::vector<Profi
         }))
         throw InputError(fmt::format("all {} values are equal ({}): there is nothing to fit", points.size(),
                                      points.front().value));
-    return points;
-}
 
-void evaluate(const WakeModel& model, const WakeTerms& terms, const std::vector<ProfilePoint>& points,
-              std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r, Eigen::MatrixXd* jacobian) {
-    const WakeValues wake(model, terms, p);
-    Eigen::RowVectorXd gradient(static_cast<Eigen::Index>(p.size()));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const ProfilePoint& point = points[i];
-        const auto row = static_cast<Eigen::Index>(i);
-        const double value = jacobian ? wake.at(point.component, point.x, point.y, gradient)
-                                      : wake.at(point.component, point.x, point.y);
-        r[row] = (value - point.value) / point.sigma;
-        if (jacobian)
-            jacobian->row(row) = gradient / point.sigma;
+    // At these points the model is infinite for any parameters. With a free x0 they are not known beforehand.
+    for (const ProfilePoint& point : points) {
+        if (!terms.field() || terms.x0 >= 0 ||
+            !elastic::is_singular(point.x, point.y, model.box, model.heading))
+            continue;
+        if (!model.box || std::hypot(point.x, point.y) < 0.5 * model.box->shorter())
+            throw InputError(
+                point.where +
+                ": the model is infinite at the rod's centre; a core above 0 leaves this point out");
+        throw InputError(
+            fmt::format("{}: ({:g}, {:g}) is the position of an image of the rod in the box of {}, where "
+                        "the model is infinite; leave this point out, by the profile's range for one",
+                        point.where, point.x, point.y, to_string(*model.box)));
     }
+    return points;
 }
 
 } // namespace
@@ -274,8 +251,7 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     if (!(model.core >= 0.0) || !std::isfinite(model.heading))
         throw InputError("core must be 0 or more, and the heading a finite number");
     const WakeTerms terms = wake_terms(parameters);
-    auto points = std::make_shared<const std::vector<ProfilePoint>>(gather(model, profiles));
-    check_singularity(model, terms, *points);
+    auto points = std::make_shared<const std::vector<ProfilePoint>>(gather(model, terms, profiles));
     Problem problem;
     problem.parameters = std::move(parameters);
     problem.residuals = points->size();
@@ -300,7 +276,18 @@ Problem wake_problem(const WakeModel& model, const std::vector<Profile>& profile
     problem.independent = values / static_cast<double>(first);
     // NOLINTNEXTLINE(performance-unnecessary-value-param): an Eigen::Ref is a view
     problem.evaluate = [=](std::span<const double> p, Eigen::Ref<Eigen::VectorXd> r,
-                           Eigen::MatrixXd* jacobian) { evaluate(model, terms, *points, p, r, jacobian); };
+                           Eigen::MatrixXd* jacobian) {
+        const WakeValues wake(model, terms, p);
+        Eigen::RowVectorXd gradient(static_cast<Eigen::Index>(p.size()));
+        for (std::size_t i = 0; i < points->size(); ++i) {
+            const ProfilePoint& point = (*points)[i];
+            const auto row = static_cast<Eigen::Index>(i);
+            const double value = wake.at(point.component, point.x, point.y, jacobian ? &gradient : nullptr);
+            r[row] = (value - point.value) / point.sigma;
+            if (jacobian)
+                jacobian->row(row) = gradient / point.sigma;
+        }
+    };
     problem.residual_name = [points](std::size_t i) { return (*points)[i].where; };
     validate(problem);
     return problem;
@@ -322,7 +309,7 @@ Prediction predict(const WakeModel& model, const Profile& line, std::span<const 
             out.value.push_back(nan);
             continue;
         }
-        out.value.push_back(wake.at(line.component, x, y, gradient));
+        out.value.push_back(wake.at(line.component, x, y, &gradient));
         out.by_parameter.row(i) = gradient;
     }
     return out;

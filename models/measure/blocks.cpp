@@ -9,21 +9,14 @@
 
 namespace rodwake::measure {
 
-namespace {
-
-constexpr double most_turn = 0.1; // rad
-
-}
-
 double BlockSums::heading() const { return std::atan2(sine, cosine); }
 
 BlockSums& Blocks::at(double time, double heading) {
     const double number = std::floor(time / length_);
-    const auto fits = [&](const BlockSums& block) {
-        return std::abs(std::remainder(heading - block.first_heading, 2.0 * M_PI)) <= most_turn;
-    };
+    constexpr double most_turn = 0.1; // rad
     auto found = blocks_.rbegin();
-    while (found != blocks_.rend() && found->number == number && !fits(*found))
+    while (found != blocks_.rend() && found->number == number &&
+           !(std::abs(std::remainder(heading - found->first_heading, 2.0 * M_PI)) <= most_turn))
         ++found;
     const bool begins = found == blocks_.rend() || found->number != number;
     if (begins)
@@ -90,27 +83,27 @@ void BlockScatter::add(std::size_t bin, std::span<const Vector2> pulls, const st
             pull.y += pulls[end].y;
             has = has || present[end];
         }
-        if (has)
-            count(bin, pull, had && follows[first] == Follows::block ? &last : nullptr);
+        const double xx = pull.x * pull.x, yy = pull.y * pull.y;
+        if (has) {
+            squares_[bin].x += xx;
+            squares_[bin].y += yy;
+            blocks_[bin] += 1.0;
+        }
+        if (has && had && follows[first] == Follows::block) {
+            products_ += pull.x * last.x + pull.y * last.y;
+            product_squares_ += 0.5 * (xx + yy + last.x * last.x + last.y * last.y);
+        }
         last = pull;
         had = has;
     }
 }
 
-void BlockScatter::count(std::size_t bin, const Vector2& pull, const Vector2* last) {
-    const double xx = pull.x * pull.x, yy = pull.y * pull.y;
-    squares_[bin].x += xx;
-    squares_[bin].y += yy;
-    blocks_[bin] += 1.0;
-    if (!last)
-        return;
-    products_ += pull.x * last->x + pull.y * last->y;
-    product_squares_ += 0.5 * (xx + yy + last->x * last->x + last->y * last->y);
-}
+void BlockScatter::finish(BinSamples& samples) const {
+    samples.block_correlation = product_squares_ > 0.0 ? products_ / product_squares_ : 0.0;
+    const double factor = correlation_factor(samples.block_correlation);
 
-/// s^2: mean of error^2 times count over the bins.
-Vector2 BlockScatter::typical(const BinSamples& samples) const {
-    Vector2 sum;
+    // s^2 is the mean of error^2 times count over the bins.
+    Vector2 sum, s2;
     double weight = 0.0;
     for (std::size_t j = 0; j < squares_.size(); ++j) {
         const double free = std::max(blocks_[j] - 1.0, 0.0);
@@ -118,13 +111,8 @@ Vector2 BlockScatter::typical(const BinSamples& samples) const {
         sum.y += free * variance(squares_[j].y, blocks_[j]) * samples.count[j];
         weight += free;
     }
-    return weight > 0.0 ? Vector2{sum.x / weight, sum.y / weight} : Vector2{};
-}
-
-void BlockScatter::finish(BinSamples& samples) const {
-    samples.block_correlation = product_squares_ > 0.0 ? products_ / product_squares_ : 0.0;
-    const double factor = correlation_factor(samples.block_correlation);
-    const Vector2 s2 = typical(samples);
+    if (weight > 0.0)
+        s2 = {sum.x / weight, sum.y / weight};
     for (std::size_t j = 0; j < squares_.size(); ++j) {
         samples.blocks[j] = blocks_[j];
         if (samples.count[j] > 0.0)
@@ -139,27 +127,15 @@ using Row = std::vector<double>;
 constexpr auto groups = MicrorheologyAccumulator::groups;
 constexpr std::size_t fewest_runs = 4;
 
-LagBlock block(const MicrorheologyAccumulator& run, const std::vector<long>& lags, std::size_t first,
-               std::size_t end) {
-    LagBlock b{Row(lags.size(), 0.0), Row(lags.size(), 0.0)};
-    for (std::size_t i = 0; i < lags.size(); ++i)
-        for (std::size_t g = first; g < end; ++g) {
-            b.sum[i] += run.lags().at(lags[i]).sum[g];
-            b.weight[i] += run.weight(lags[i], g);
-        }
-    return b;
-}
-
 } // namespace
 
 std::vector<long> common_lags(MicrorheologyRuns runs) {
-    const auto has = [](const MicrorheologyAccumulator& run, long key) {
-        const auto found = run.lags().find(key);
-        return found != run.lags().end() && found->second.origins > 0.0;
-    };
     std::vector<long> lags;
-    for (const auto& [key, sums] : runs[0].lags())
-        if (std::ranges::all_of(runs, [&](const auto& run) { return has(run, key); }))
+    for (const auto& item : runs[0].lags())
+        if (const long key = item.first; std::ranges::all_of(runs, [key](const auto& run) {
+                const auto found = run.lags().find(key);
+                return found != run.lags().end() && found->second.origins > 0.0;
+            }))
             lags.push_back(key);
     return lags;
 }
@@ -184,8 +160,14 @@ std::vector<LagBlock> all_blocks(MicrorheologyRuns runs, const std::vector<long>
     const std::size_t step = runs.size() >= fewest_runs ? groups : 1;
     blocks.reserve(runs.size() * groups / step);
     for (const MicrorheologyAccumulator& run : runs)
-        for (std::size_t g = 0; g < groups; g += step)
-            blocks.push_back(block(run, lags, g, g + step));
+        for (std::size_t first = 0; first < groups; first += step) {
+            LagBlock& block = blocks.emplace_back(LagBlock{Row(lags.size(), 0.0), Row(lags.size(), 0.0)});
+            for (std::size_t i = 0; i < lags.size(); ++i)
+                for (std::size_t g = first; g < first + step; ++g) {
+                    block.sum[i] += run.lags().at(lags[i]).sum[g];
+                    block.weight[i] += run.weight(lags[i], g);
+                }
+        }
     return blocks;
 }
 

@@ -75,9 +75,6 @@ public:
     explicit BlockScatter(std::size_t bins) : squares_(bins), blocks_(bins) {}
 
 private:
-    void count(std::size_t bin, const Vector2& pull, const Vector2* last);
-    Vector2 typical(const BinSamples& samples) const;
-
     std::vector<Vector2> squares_; ///< sums of pull^2
     std::vector<double> blocks_;
     double products_ = 0.0, product_squares_ = 0.0;

@@ -39,20 +39,13 @@ std::vector<std::vector<Complex>> powers(std::span<const double> positions, doub
     return rows;
 }
 
-double strength_of(const std::vector<Complex>& along_x, const std::vector<Complex>& along_y, bool conjugate) {
-    Complex sum = 0.0;
-    for (std::size_t i = 0; i < along_x.size(); ++i)
-        sum += times(along_x[i], conjugate ? std::conj(along_y[i]) : along_y[i]);
-    return std::norm(sum / static_cast<double>(along_x.size()));
-}
-
-/// Half of the ring (n > 0, or n = 0 and m > 0); the other half is its mirror image.
 /// Wave vector (m, n) in waves on the way along the mean side.
 Vector2 waves_of(const Order& order, const PeriodicBox& box) {
     const double side = box.mean_side();
     return {order.first * (side / box.x), order.second * (side / box.y)};
 }
 
+/// Half of the ring (n > 0, or n = 0 and m > 0); the other half is its mirror image.
 std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, const PeriodicBox& box,
                           double sites) {
     // number of waves across the box: rows of a triangular lattice of so many sites
@@ -64,12 +57,19 @@ std::vector<Wave> ring_of(std::span<const double> x, std::span<const double> y, 
     const auto along_x = powers(x, box.x, most_m), along_y = powers(y, box.y, most_n);
     std::vector<Wave> ring;
     for (int n = 0; n <= most_n; ++n)
-        for (int m = n == 0 ? 1 : -most_m; m <= most_m; ++m)
-            if (const Vector2 k = waves_of({m, n}, box);
-                std::abs(std::hypot(k.x, k.y) - middle) <= ring_width * middle)
-                ring.push_back({{m, n}, // conj(sum) has the same size: the sign of m goes to n
-                                strength_of(along_x[static_cast<std::size_t>(std::abs(m))],
-                                            along_y[static_cast<std::size_t>(n)], m < 0)});
+        for (int m = n == 0 ? 1 : -most_m; m <= most_m; ++m) {
+            const Vector2 k = waves_of({m, n}, box);
+            if (!(std::abs(std::hypot(k.x, k.y) - middle) <= ring_width * middle))
+                continue;
+
+            // conj(sum) has the same size: the sign of m goes to n.
+            const auto &by_x = along_x[static_cast<std::size_t>(std::abs(m))],
+                       &by_y = along_y[static_cast<std::size_t>(n)];
+            Complex sum = 0.0;
+            for (std::size_t i = 0; i < x.size(); ++i)
+                sum += times(by_x[i], m < 0 ? std::conj(by_y[i]) : by_y[i]);
+            ring.push_back({{m, n}, std::norm(sum / static_cast<double>(x.size()))});
+        }
     return ring;
 }
 

@@ -82,58 +82,33 @@ void fit_plateau(const Points& points, Fits& fits) {
     fits.plateau_error = 1.0 / std::sqrt(weights);
 }
 
-double steepest_rate(const Points& points) { return 8.0 / points.r.front(); }
-
-Fits fit(const Points& points, const PeriodicBox& box) {
-    Fits fits;
-    fits.algebraic = fit_shape(algebraic_shape, points, flattest, steepest, box);
-    fits.exponential = fit_shape(exponential_shape, points, 0.0, steepest_rate(points), box);
-    fit_plateau(points, fits);
-    return fits;
-}
-
-/// The same near a fit of nearly the same points.
-Fits fit_near(const Fits& known, const Points& points, const PeriodicBox& box) {
-    Fits fits;
-    const double eta = known.algebraic.k, rate = known.exponential.k, most = steepest_rate(points);
-    fits.algebraic = refine_shape(algebraic_shape, points, std::max(flattest, eta - 1.0),
-                                  std::min(steepest, eta + 1.0), box);
-    fits.exponential = refine_shape(exponential_shape, points, std::max(0.0, rate - most / 16.0),
-                                    std::min(most, rate + most / 16.0), box);
-    fit_plateau(points, fits);
-    return fits;
-}
-
-/// Error of a number from what it is with each block left out.
-template<class Number>
-double jackknife(const std::vector<Fits>& without, double growth, Number number) {
-    const double n = static_cast<double>(without.size());
-    double mean = 0.0, square = 0.0;
-    for (const Fits& fits : without)
-        mean += number(fits) / n;
-    for (const Fits& fits : without)
-        square += (number(fits) - mean) * (number(fits) - mean);
-    return growth * std::sqrt((n - 1.0) / n * square);
-}
-
+/// Errors from fits with each block left out, near the fit of all: `growth` is that of successive blocks.
 void set_errors(const DecayPoints& points, const Chosen& chosen, Fits& fits) {
     if (points.without.size() < 2)
         return;
-    std::vector<Fits> without;
+    const double eta = fits.algebraic.k, rate = fits.exponential.k, most = 8.0 / chosen.r.front(),
+                 n = static_cast<double>(points.without.size());
+    std::vector<std::array<double, 3>> without;
     for (const auto& curve : points.without) {
         const std::vector<double> g = pick(curve, chosen);
-        without.push_back(fit_near(fits, {chosen.r, g, chosen.error}, points.box));
+        const Points data{chosen.r, g, chosen.error};
+        Fits near;
+        near.algebraic = refine_shape(algebraic_shape, data, std::max(flattest, eta - 1.0),
+                                      std::min(steepest, eta + 1.0), points.box);
+        near.exponential = refine_shape(exponential_shape, data, std::max(0.0, rate - most / 16.0),
+                                        std::min(most, rate + most / 16.0), points.box);
+        fit_plateau(data, near);
+        without.push_back({near.algebraic.k, near.exponential.k, near.plateau});
     }
-    const double growth = points.growth;
-    fits.algebraic.error = jackknife(without, growth, [](const Fits& f) { return f.algebraic.k; });
-    fits.exponential.error = jackknife(without, growth, [](const Fits& f) { return f.exponential.k; });
-    fits.plateau_error = jackknife(without, growth, [](const Fits& f) { return f.plateau; });
-}
-
-Estimate length_of(const ShapeFit& rate, double farthest, std::size_t points) {
-    if (!(rate.k * farthest > 1e-6))
-        return {0.0, unknown_error, points};
-    return {1.0 / rate.k, rate.error / (rate.k * rate.k), points};
+    double* const errors[] = {&fits.algebraic.error, &fits.exponential.error, &fits.plateau_error};
+    for (std::size_t k = 0; k < 3; ++k) {
+        double mean = 0.0, square = 0.0;
+        for (const auto& numbers : without)
+            mean += numbers[k] / n;
+        for (const auto& numbers : without)
+            square += (numbers[k] - mean) * (numbers[k] - mean);
+        *errors[k] = points.growth * std::sqrt((n - 1.0) / n * square);
+    }
 }
 
 } // namespace
@@ -186,11 +161,17 @@ DecayClass classify(const DecayPoints& points, double from) {
     }
     const std::vector<double> g = pick(points.g_B, chosen);
     const Points data{chosen.r, g, chosen.error};
-    Fits fits = fit(data, points.box);
+    Fits fits;
+    fits.algebraic = fit_shape(algebraic_shape, data, flattest, steepest, points.box);
+    fits.exponential = fit_shape(exponential_shape, data, 0.0, 8.0 / chosen.r.front(), points.box);
+    fit_plateau(data, fits);
     set_errors(points, chosen, fits);
     const std::size_t samples = points.without.size() < 2 ? chosen.r.size() : points.without.size();
     c.exponent = {fits.algebraic.k, fits.algebraic.error, samples};
-    c.length = length_of(fits.exponential, chosen.r.back(), samples);
+    const double rate = fits.exponential.k;
+    c.length = rate * chosen.r.back() > 1e-6
+                   ? Estimate{1.0 / rate, fits.exponential.error / (rate * rate), samples}
+                   : Estimate{0.0, unknown_error, samples};
     c.plateau = {fits.plateau, fits.plateau_error, samples};
     c.chi2_algebraic = fits.algebraic.chi2;
     c.chi2_exponential = fits.exponential.chi2;
@@ -217,7 +198,6 @@ constexpr int refinements = 40; // golden sections: 1e-8 of the interval, and ch
 struct LinearSums {
     double mm = 0.0, mg = 0.0, gg = 0.0;
 
-    double amplitude() const { return mm > 0.0 ? mg / mm : 0.0; }
     double chi2() const { return std::max(0.0, gg - (mm > 0.0 ? mg * mg / mm : 0.0)); }
 };
 
@@ -232,40 +212,6 @@ LinearSums sums_of(Shape shape, const Points& points, double k, const PeriodicBo
         sums.gg += g * g;
     }
     return sums;
-}
-
-/// Golden section on [low, high], which holds one minimum.
-template<class F>
-double smallest(F f, double low, double high) {
-    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-    double a = high - golden * (high - low), b = low + golden * (high - low), fa = f(a), fb = f(b);
-    for (int step = 0; step < refinements; ++step) {
-        if (fa <= fb) {
-            high = b;
-            b = a;
-            fb = fa;
-            fa = f(a = high - golden * (high - low));
-        } else {
-            low = a;
-            a = b;
-            fa = fb;
-            fb = f(b = low + golden * (high - low));
-        }
-    }
-    return 0.5 * (low + high);
-}
-
-/// Where chi2 has grown by 1, mean of both sides; the step approaches it.
-template<class F>
-double curvature_error(F chi2, double k, double step) {
-    const double least = chi2(k);
-    for (int round = 0; round < 6; ++round) {
-        const double grown = 0.5 * (chi2(k - step) + chi2(k + step)) - least;
-        if (!(grown > 0.0))
-            return unknown_error;
-        step *= std::min(1.0 / std::sqrt(grown), 4.0);
-    }
-    return step;
 }
 
 } // namespace
@@ -300,12 +246,28 @@ double chi2_of_shape(Shape shape, const Points& points, double k, const Periodic
 }
 
 ShapeFit refine_shape(Shape shape, const Points& points, double low, double high, const PeriodicBox& box) {
+    // Golden section.
     const auto chi2 = [&](double k) { return chi2_of_shape(shape, points, k, box); };
+    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+    double a = high - golden * (high - low), b = low + golden * (high - low), fa = chi2(a), fb = chi2(b);
+    for (int step = 0; step < refinements; ++step) {
+        if (fa <= fb) {
+            high = b;
+            b = a;
+            fb = fa;
+            fa = chi2(a = high - golden * (high - low));
+        } else {
+            low = a;
+            a = b;
+            fa = fb;
+            fb = chi2(b = low + golden * (high - low));
+        }
+    }
     ShapeFit fit;
-    fit.k = smallest(chi2, low, high);
+    fit.k = 0.5 * (low + high);
     const LinearSums sums = sums_of(shape, points, fit.k, box);
     fit.chi2 = sums.chi2();
-    fit.amplitude = sums.amplitude() / shape(points.r[0], fit.k, box);
+    fit.amplitude = (sums.mm > 0.0 ? sums.mg / sums.mm : 0.0) / shape(points.r[0], fit.k, box);
     return fit;
 }
 
@@ -321,7 +283,17 @@ ShapeFit fit_shape(Shape shape, const Points& points, double low, double high, c
         }
     ShapeFit fit = refine_shape(shape, points, low + std::max(0, best - 1) * step,
                                 low + std::min(scan, best + 1) * step, box);
-    fit.error = curvature_error(chi2, fit.k, 0.1 * step);
+
+    // The error is where chi2 has grown by 1, mean of both sides; the step approaches it.
+    const double lowest = chi2(fit.k);
+    double error = 0.1 * step;
+    for (int round = 0; round < 6; ++round) {
+        const double grown = 0.5 * (chi2(fit.k - error) + chi2(fit.k + error)) - lowest;
+        if (!(grown > 0.0))
+            return fit;
+        error *= std::min(1.0 / std::sqrt(grown), 4.0);
+    }
+    fit.error = error;
     return fit;
 }
 

@@ -180,19 +180,12 @@ DisplacementField reduce(std::span<const DisplacementAccumulator> given) {
     return field;
 }
 
-namespace {
-
-void want(bool good, const char* what, const std::string& found, const char* legal) {
-    if (!good)
-        throw InputError(fmt::format("measure: profile: {} = \"{}\": must be {}", what, found, legal));
-}
-
-} // namespace
-
 Profile profile(const DisplacementField& field, const std::string& component, const std::string& along,
                 double at) {
-    want(component == "Ux" || component == "Uy", "component", component, "Ux or Uy");
-    want(along == "x" || along == "y", "along", along, "x or y");
+    if (component != "Ux" && component != "Uy")
+        throw InputError(fmt::format("measure: profile: component = \"{}\": must be Ux or Uy", component));
+    if (along != "x" && along != "y")
+        throw InputError(fmt::format("measure: profile: along = \"{}\": must be x or y", along));
     const RodGrid& grid = field.grid;
     const bool along_x = along == "x";
     const std::size_t lines = along_x ? grid.rows : grid.columns, points = along_x ? grid.columns : grid.rows;
@@ -277,10 +270,8 @@ void DisplacementAccumulator::Impl::add(const Frame& frame) {
     } else {
         std::get<LagrangianAccumulator>(sums).add(frame);
     }
-    follow(frame);
-}
 
-void DisplacementAccumulator::Impl::follow(const Frame& frame) {
+    // The path of the rod.
     const RodPosition now = place_of(options.rod, layout, frame);
     if (frames > 0) {
         const double heading = last.heading + 0.5 * std::remainder(now.heading - last.heading, 2.0 * M_PI);

@@ -42,11 +42,8 @@ public:
     std::span<const BlockSums> blocks() const { return blocks_.all(); }
 
 private:
-    bool wait(const Frame& frame);
     /// `G`: at the time of the frame.
     bool take(const Frame& frame, const std::array<Vector2, 3>& G, const BraggPeaks& peaks);
-    std::optional<PhaseFactors> far_phases(const Frame& frame) const;
-    void count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const;
 
     Layout layout_;
     DisplacementOptions options_;
@@ -94,8 +91,6 @@ private:
         std::size_t block;
     };
 
-    void start(const Frame& frame, const RodView& rod);
-    void drift(const Frame& frame);
     void take(std::size_t bead, const Sample& sample);
     void count(std::size_t bead, const Sample& sample);
     double side() const { return grid_.box.x - 2.0 * grid_.margin; }
@@ -121,7 +116,6 @@ struct DisplacementAccumulator::Impl {
     Impl(const Layout& layout_in, const DisplacementOptions& options_in);
 
     void add(const Frame& frame);
-    void follow(const Frame& frame);
 
     Layout layout;
     DisplacementOptions options; ///< as given

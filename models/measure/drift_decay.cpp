@@ -1,5 +1,6 @@
 #include "rodwake/measure/drift_decay.hpp"
 
+#include "blocks.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -43,14 +44,6 @@ using Row = std::vector<double>;
 constexpr std::size_t fewest_intervals = 2; // of the window of lags
 constexpr double longest_lag = 1.0;         // s; no decay that is slower is looked for
 
-bool even(const DriftPath& path, double interval) {
-    constexpr double rounding = 1e-6; // far above that of times, far below a frame
-    for (std::size_t i = 1; i < path.time.size(); ++i)
-        if (std::abs(path.time[i] - path.time[i - 1] - interval) > rounding * interval)
-            return false;
-    return true;
-}
-
 /// Why these paths cannot tell; empty: they may.
 std::string absence_of(std::span<const DriftPath> runs, const Estimate& drag_rate,
                        const DriftDecayOptions& o) {
@@ -59,8 +52,10 @@ std::string absence_of(std::span<const DriftPath> runs, const Estimate& drag_rat
             return "fewer than 3 frames";
         const Row& t = runs[0].time;
         const double h = (t.back() - t.front()) / static_cast<double>(t.size() - 1);
-        if (!even(run, h))
-            return "frames are not evenly spaced";
+        constexpr double rounding = 1e-6; // far above that of times, far below a frame
+        for (std::size_t i = 1; i < run.time.size(); ++i)
+            if (std::abs(run.time[i] - run.time[i - 1] - h) > rounding * h)
+                return "frames are not evenly spaced";
         if (h > 0.5 * o.settle * (1.0 + 1e-6))
             return fmt::format(
                 "frames are {:.3g} s apart, more than {:.3g} s: the drift decays between them; "
@@ -133,18 +128,6 @@ std::string outside_domain(double rate, double length, const DriftDecayOptions& 
     return {};
 }
 
-double jackknife_error(const Row& without) {
-    const double n = static_cast<double>(without.size());
-    if (without.size() < 2)
-        return unknown_error;
-    double mean = 0.0, scatter = 0.0;
-    for (const double value : without)
-        mean += value / n;
-    for (const double value : without)
-        scatter += (value - mean) * (value - mean);
-    return std::sqrt(scatter * (n - 1.0) / n);
-}
-
 } // namespace
 
 DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estimate& drag_rate,
@@ -184,20 +167,20 @@ DriftDecay drift_decay(std::span<const DriftPath> runs, double mass, const Estim
     if (!result.absence.empty())
         return result;
     const Balance whole = balance(all);
-    Row rates, inertias;
+    Jackknife parts{{rate, drag_rate.value / rate}, {}};
     for (std::size_t b = 0; count > 1 && b < count; ++b) {
-        const double one = balance(drift_correlation(blocks.sums, b)).rate(drag_rate.value);
-        rates.push_back(one);
-        inertias.push_back(drag_rate.value / one);
+        const double part = balance(drift_correlation(blocks.sums, b)).rate(drag_rate.value);
+        parts.without.push_back({part, drag_rate.value / part});
     }
     // without rods the rate does not know drag_rate
     const double by_drag =
         whole.force == 0.0 ? 0.0 : rate / drag_rate.value * (1.0 - rate * whole.drift / whole.fall);
-    result.rate = {rate, std::hypot(jackknife_error(rates), by_drag * drag_rate.error), count};
+    const double scatter = count > 1 ? parts.error(0) : unknown_error,
+                 inertia_scatter = count > 1 ? parts.error(1) : unknown_error;
+    result.rate = {rate, std::hypot(scatter, by_drag * drag_rate.error), count};
     if (drag_rate.count > 0) {
         result.inertia = {drag_rate.value / rate,
-                          std::hypot(jackknife_error(inertias), whole.drift / whole.fall * drag_rate.error),
-                          count};
+                          std::hypot(inertia_scatter, whole.drift / whole.fall * drag_rate.error), count};
         result.coupling = whole.force / (drag_rate.value * whole.drift);
     }
     return result;
@@ -225,52 +208,43 @@ Row along(const Row& x, const Row& y, double c, double s) {
     return out;
 }
 
-/// Velocities of a run, one row a component, and the force along the first where rods push.
-struct Fluctuations {
-    std::vector<Row> velocity;
-    Row force;
-};
-
-Fluctuations of_run(const DriftPath& path, double interval) {
-    if (path.impulse_x.empty())
-        return {{fluctuations(path.x, interval), fluctuations(path.y, interval)}, {}};
-    const double px = path.impulse_x.back() - path.impulse_x.front(),
-                 py = path.impulse_y.back() - path.impulse_y.front(), p = std::hypot(px, py);
-    const double c = p > 0.0 ? px / p : 1.0, s = p > 0.0 ? py / p : 0.0;
-    return {{fluctuations(along(path.x, path.y, c, s), interval)},
-            fluctuations(along(path.impulse_x, path.impulse_y, c, s), interval)};
-}
-
-void add_run(std::vector<DriftSums>& blocks, const Fluctuations& run, std::size_t lags, std::size_t length) {
-    const std::size_t n = run.velocity[0].size(), count = std::max<std::size_t>(1, (n + length / 2) / length),
-                      first = blocks.size();
-    for (std::size_t b = 0; b < count; ++b)
-        blocks.push_back({Row(lags, 0.0), Row(run.force.empty() ? 0 : lags, 0.0), Row(lags, 0.0)});
-    for (std::size_t start = 0; start < n; ++start) {
-        DriftSums& sums = blocks[first + std::min(start / length, count - 1)];
-        for (const Row& v : run.velocity)
-            for (std::size_t lag = 0; lag < sums.drift.size() && start + lag < v.size(); ++lag) {
-                sums.drift[lag] += v[start] * v[start + lag];
-                sums.pairs[lag] += 1.0;
-                if (!run.force.empty())
-                    sums.force[lag] += v[start] * run.force[start + lag];
-            }
-    }
-}
-
 } // namespace
 
 DriftBlocks drift_blocks(std::span<const DriftPath> runs, double longest, double block) {
     DriftBlocks out;
     const DriftPath& item = runs[0];
     out.interval = (item.time.back() - item.time.front()) / static_cast<double>(item.time.size() - 1);
-    const auto intervals = [&](double time) {
-        return static_cast<std::size_t>(std::lround(time / out.interval));
-    };
+    const auto lags = static_cast<std::size_t>(std::lround(longest / out.interval)) + 1,
+               length = static_cast<std::size_t>(std::max(1L, std::lround(block / out.interval)));
     for (const DriftPath& run : runs) {
         out.run_length += (run.time.back() - run.time.front()) / static_cast<double>(runs.size());
-        add_run(out.sums, of_run(run, out.interval), intervals(longest) + 1,
-                std::max<std::size_t>(1, intervals(block)));
+
+        // Velocities, one row a component; where rods push, the component along their push, and the force.
+        std::vector<Row> velocity;
+        Row force;
+        if (run.impulse_x.empty()) {
+            velocity = {fluctuations(run.x, out.interval), fluctuations(run.y, out.interval)};
+        } else {
+            const double px = run.impulse_x.back() - run.impulse_x.front(),
+                         py = run.impulse_y.back() - run.impulse_y.front(), p = std::hypot(px, py);
+            const double c = p > 0.0 ? px / p : 1.0, s = p > 0.0 ? py / p : 0.0;
+            velocity = {fluctuations(along(run.x, run.y, c, s), out.interval)};
+            force = fluctuations(along(run.impulse_x, run.impulse_y, c, s), out.interval);
+        }
+        const std::size_t n = velocity[0].size(), count = std::max<std::size_t>(1, (n + length / 2) / length),
+                          first = out.sums.size();
+        for (std::size_t b = 0; b < count; ++b)
+            out.sums.push_back({Row(lags, 0.0), Row(force.empty() ? 0 : lags, 0.0), Row(lags, 0.0)});
+        for (std::size_t start = 0; start < n; ++start) {
+            DriftSums& sums = out.sums[first + std::min(start / length, count - 1)];
+            for (const Row& v : velocity)
+                for (std::size_t lag = 0; lag < lags && start + lag < n; ++lag) {
+                    sums.drift[lag] += v[start] * v[start + lag];
+                    sums.pairs[lag] += 1.0;
+                    if (!force.empty())
+                        sums.force[lag] += v[start] * force[start + lag];
+                }
+        }
     }
     return out;
 }

@@ -24,28 +24,6 @@ struct FarBeads {
     double xx = 0.0, xy = 0.0, yy = 0.0; ///< means of products
 };
 
-FarBeads far_beads(const Frame& frame, const Layout& layout, double far_from) {
-    const FarField far(frame, layout, far_from);
-    FarBeads beads;
-    beads.time = frame.time;
-    double x = 0.0, y = 0.0;
-    for (std::size_t i = 0; i < frame.x.size(); ++i)
-        if (far.has(frame.x[i], frame.y[i])) {
-            beads.x.push_back(frame.x[i]);
-            beads.y.push_back(frame.y[i]);
-            x += frame.x[i];
-            y += frame.y[i];
-        }
-    const auto count = static_cast<double>(beads.x.size());
-    for (std::size_t i = 0; i < beads.x.size(); ++i) {
-        const double dx = beads.x[i] -= x / count, dy = beads.y[i] -= y / count;
-        beads.xx += dx * dx / count;
-        beads.xy += dx * dy / count;
-        beads.yy += dy * dy / count;
-    }
-    return beads;
-}
-
 /// Sums of exp(i G_k.r), and the gradients of ln |sum|.
 struct Winding {
     std::array<std::complex<double>, 3> sum{};
@@ -69,32 +47,6 @@ Winding winding(const FarBeads& beads, const std::array<Vector2, 3>& G) {
     return w;
 }
 
-/// Steps of G_0 and G_2, and of their rates, to the maximum, were |F| a Gaussian as it is near its peak.
-/// Times count from their mean, so that the two are independent.
-struct Steps {
-    Eigen::Vector4d now, rate;
-};
-
-Steps steps_to_peak(std::span<const FarBeads> frames, const FarLattice& lattice) {
-    Eigen::Vector4d slope = Eigen::Vector4d::Zero(), slope_of_rate = slope;
-    Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero(), curvature_of_rate = curvature;
-    for (const FarBeads& beads : frames) {
-        const Winding w = winding(beads, lattice.at(beads.time));
-        const double late = beads.time - lattice.time;
-        const Eigen::Vector4d gradient(w.slope[0].x + w.slope[1].x, w.slope[0].y + w.slope[1].y,
-                                       w.slope[2].x + w.slope[1].x, w.slope[2].y + w.slope[1].y);
-        Eigen::Matrix2d spread;
-        spread << beads.xx, beads.xy, beads.xy, beads.yy;
-        Eigen::Matrix4d matrix;
-        matrix << 2.0 * spread, spread, spread, 2.0 * spread;
-        slope += gradient;
-        curvature += matrix;
-        slope_of_rate += late * gradient;
-        curvature_of_rate += late * late * matrix;
-    }
-    return {curvature.ldlt().solve(slope), curvature_of_rate.ldlt().solve(slope_of_rate)};
-}
-
 void move(std::array<Vector2, 3>& G, const Eigen::Vector4d& step) {
     G[0] = {G[0].x + step[0], G[0].y + step[1]};
     G[2] = {G[2].x + step[2], G[2].y + step[3]};
@@ -110,13 +62,32 @@ void refine(std::span<const FarBeads> frames, const PeriodicBox& box, double spa
     };
     const bool moves = frames.size() >= fewest_for_rate;
     for (int k = 0; k < most_steps; ++k) {
-        Steps step = steps_to_peak(frames, lattice);
-        const double now = size_of(step.now), later = moves ? size_of(step.rate) * span : 0.0;
+        // Steps of G_0 and G_2, and of their rates, to the maximum, were |F| a Gaussian as it is near its
+        // peak. Times count from their mean, so that the two are independent.
+        Eigen::Vector4d slope = Eigen::Vector4d::Zero(), slope_of_rate = slope;
+        Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero(), curvature_of_rate = curvature;
+        for (const FarBeads& beads : frames) {
+            const Winding w = winding(beads, lattice.at(beads.time));
+            const double late = beads.time - lattice.time;
+            const Eigen::Vector4d gradient(w.slope[0].x + w.slope[1].x, w.slope[0].y + w.slope[1].y,
+                                           w.slope[2].x + w.slope[1].x, w.slope[2].y + w.slope[1].y);
+            Eigen::Matrix2d spread;
+            spread << beads.xx, beads.xy, beads.xy, beads.yy;
+            Eigen::Matrix4d matrix;
+            matrix << 2.0 * spread, spread, spread, 2.0 * spread;
+            slope += gradient;
+            curvature += matrix;
+            slope_of_rate += late * gradient;
+            curvature_of_rate += late * late * matrix;
+        }
+        const Eigen::Vector4d step = curvature.ldlt().solve(slope),
+                              rate_step = curvature_of_rate.ldlt().solve(slope_of_rate);
+        const double now = size_of(step), later = moves ? size_of(rate_step) * span : 0.0;
         if (!std::isfinite(now) || !std::isfinite(later))
             return;
-        move(lattice.peaks.G, step.now * (now > 0.5 ? 0.5 / now : 1.0));
+        move(lattice.peaks.G, step * (now > 0.5 ? 0.5 / now : 1.0));
         if (moves && now < 0.1) // begins once the peak is found
-            move(lattice.rate, step.rate * (later > 0.5 ? 0.5 / later : 1.0));
+            move(lattice.rate, rate_step * (later > 0.5 ? 0.5 / later : 1.0));
         if (now < settled && later < settled)
             return;
     }
@@ -133,8 +104,27 @@ FarLattice far_lattice(std::span<const Frame> frames, const Layout& layout, doub
     peaks = find_peaks(first.x, first.y, layout.box, sites);
     std::vector<FarBeads> far;
     const std::size_t every = (frames.size() + most_frames - 1) / most_frames;
-    for (std::size_t f = 0; f < frames.size(); f += every)
-        far.push_back(far_beads(frames[f], layout, far_from));
+    for (std::size_t f = 0; f < frames.size(); f += every) {
+        const Frame& frame = frames[f];
+        const FarField field(frame, layout, far_from);
+        FarBeads& beads = far.emplace_back();
+        beads.time = frame.time;
+        double x = 0.0, y = 0.0;
+        for (std::size_t i = 0; i < frame.x.size(); ++i)
+            if (field.has(frame.x[i], frame.y[i])) {
+                beads.x.push_back(frame.x[i]);
+                beads.y.push_back(frame.y[i]);
+                x += frame.x[i];
+                y += frame.y[i];
+            }
+        const auto count = static_cast<double>(beads.x.size());
+        for (std::size_t i = 0; i < beads.x.size(); ++i) {
+            const double dx = beads.x[i] -= x / count, dy = beads.y[i] -= y / count;
+            beads.xx += dx * dx / count;
+            beads.xy += dx * dy / count;
+            beads.yy += dy * dy / count;
+        }
+    }
     for (const FarBeads& item : far)
         lattice.time += item.time / static_cast<double>(far.size());
     refine(far, layout.box, far.back().time - far.front().time, lattice);

@@ -31,25 +31,23 @@ std::vector<double> smoothed(std::span<const double> r, std::span<const double> 
     return result;
 }
 
-/// Standard deviation of a bin at distance 1, from the median of second differences: blind to slopes, and to
-/// the few bins in which the curve bends. Numbers of pairs grow as r, so noise falls as 1/sqrt(r).
-double noise_at_1(std::span<const double> r, std::span<const double> g) {
-    std::vector<double> bends;
-    for (std::size_t k = 1; k + 1 < g.size(); ++k)
-        if (g[k - 1] > 0.0 || g[k] > 0.0 || g[k + 1] > 0.0)
-            bends.push_back(std::abs(g[k - 1] - 2.0 * g[k] + g[k + 1]) * std::sqrt(r[k]));
-    if (bends.empty())
-        return 0.0;
-    const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-    std::nth_element(bends.begin(), middle, bends.end());
-    return *middle / (0.6745 * std::sqrt(6.0));
-}
-
 /// Rise or fall from each bin that cannot be noise: 6 standard deviations of the smoothed curve, because many
 /// bins compete to be highest or lowest.
 std::vector<double> clear_steps(std::span<const double> r, std::span<const double> g, double sigma) {
     const double together = std::max(1.0, 2.0 * std::sqrt(M_PI) * sigma / (r[1] - r[0]));
-    const double noise = noise_at_1(r, g);
+
+    // Standard deviation of a bin at distance 1, from the median of second differences: blind to slopes, and
+    // to the few bins in which the curve bends. Numbers of pairs grow as r, so noise falls as 1/sqrt(r).
+    std::vector<double> bends;
+    for (std::size_t k = 1; k + 1 < g.size(); ++k)
+        if (g[k - 1] > 0.0 || g[k] > 0.0 || g[k + 1] > 0.0)
+            bends.push_back(std::abs(g[k - 1] - 2.0 * g[k] + g[k + 1]) * std::sqrt(r[k]));
+    double noise = 0.0;
+    if (!bends.empty()) {
+        const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+        std::nth_element(bends.begin(), middle, bends.end());
+        noise = *middle / (0.6745 * std::sqrt(6.0));
+    }
     std::vector<double> steps;
     for (const double at : r) // towards r = 0 smoothing has half as many bins
         steps.push_back(

@@ -16,26 +16,6 @@ namespace {
 using Row = std::vector<double>;
 using Runs = std::span<const FlowAccumulator>;
 
-std::vector<const FlowAccumulator::FlowBlock*> all_blocks(Runs runs) {
-    std::vector<const FlowAccumulator::FlowBlock*> blocks;
-    for (const FlowAccumulator& run : runs)
-        for (const FlowAccumulator::FlowBlock& block : run.blocks())
-            blocks.push_back(&block);
-    return blocks;
-}
-
-void check(Runs runs) {
-    if (runs.empty())
-        throw InputError("measure: flow: no runs");
-    for (const FlowAccumulator& run : runs)
-        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
-            throw InputError("measure: flow: the runs were measured with different options or beds");
-    if (all_blocks(runs).empty())
-        throw InputError(
-            "measure: flow: no two frames a lag apart: write frames more often, run longer or choose another "
-            "lag (measure.flow_lag)");
-}
-
 void set_bin(FlowField& field, std::size_t bin,
              const std::vector<const FlowAccumulator::FlowBlock*>& blocks) {
     Row vx, vy, weights;
@@ -76,31 +56,40 @@ double near_speed(const FlowField& field, double within) {
 } // namespace
 
 FlowField reduce(Runs runs) {
-    check(runs);
+    if (runs.empty())
+        throw InputError("measure: flow: no runs");
+    std::vector<const FlowAccumulator::FlowBlock*> blocks;
+    for (const FlowAccumulator& run : runs) {
+        if (!(run.options() == runs[0].options()) || !(run.layout() == runs[0].layout()))
+            throw InputError("measure: flow: the runs were measured with different options or beds");
+        for (const FlowAccumulator::FlowBlock& block : run.blocks())
+            blocks.push_back(&block);
+    }
+    if (blocks.empty())
+        throw InputError(
+            "measure: flow: no two frames a lag apart: write frames more often, run longer or choose another "
+            "lag (measure.flow_lag)");
     const RodGrid& grid = runs[0].grid();
     FlowField field;
     field.grid = grid;
     for (Row* row :
          {&field.vx, &field.vy, &field.sigma_x, &field.sigma_y, &field.unit_x, &field.unit_y, &field.count})
         row->assign(grid.bins(), 0.0);
-    const auto blocks = all_blocks(runs);
     for (std::size_t bin = 0; bin < field.grid.bins(); ++bin)
         set_bin(field, bin, blocks);
     field.marked = runs[0].marked();
     Row drags, shares;
     for (const FlowAccumulator& run : runs) {
-        const std::vector<MarkedBead> beads = run.marked();
-        const auto is_seen = [](const MarkedBead& bead) { return !std::isnan(bead.x1); };
-        if (std::ranges::none_of(beads, is_seen) || run.frames() < 2)
-            continue;
         // The drag is the mean displacement of marked beads along the rod's first heading.
         const double c = std::cos(run.first_heading()), s = std::sin(run.first_heading());
         double sum = 0.0, seen = 0.0;
-        for (const MarkedBead& bead : beads)
+        for (const MarkedBead& bead : run.marked())
             if (!std::isnan(bead.x1)) {
                 sum += c * (bead.x1 - bead.x0) + s * (bead.y1 - bead.y0);
                 seen += 1.0;
             }
+        if (seen == 0.0 || run.frames() < 2)
+            continue;
         drags.push_back(sum / seen);
         if (run.rod_travel() >= run.layout().bead_radius)
             shares.push_back(drags.back() / run.rod_travel());
@@ -121,7 +110,10 @@ void want(bool legal, const char* what, double value, const char* range) {
         throw InputError(fmt::format("measure: flow, {} {:g}: must be {}", what, value, range));
 }
 
-void check(const Layout& layout, const FlowOptions& options) {
+} // namespace
+
+FlowAccumulator::FlowAccumulator(const Layout& layout, const FlowOptions& options)
+    : layout_(layout), options_(options) {
     validate(layout);
     if (options.rod >= layout.rods)
         throw InputError(
@@ -133,24 +125,6 @@ void check(const Layout& layout, const FlowOptions& options) {
          "marked_within (m)", options.marked_within, "from 0 to half the box");
     want(std::isfinite(options.marked_travel) && options.marked_travel >= 0.0, "marked_travel (m)",
          options.marked_travel, "finite and not negative");
-}
-
-constexpr std::uint32_t nowhere = untracked;
-
-/// Where a bead stands in a frame.
-std::uint32_t place_in(const BeadNames& names, std::size_t bead) {
-    if (names.empty()) // all, since a frame without beads is passed over
-        return static_cast<std::uint32_t>(bead);
-    const auto found = std::ranges::lower_bound(names, bead);
-    return found != names.end() && *found == bead ? static_cast<std::uint32_t>(found - names.begin())
-                                                  : nowhere;
-}
-
-} // namespace
-
-FlowAccumulator::FlowAccumulator(const Layout& layout, const FlowOptions& options)
-    : layout_(layout), options_(options) {
-    check(layout, options);
     grid_ = grid_seen_by(options.rod, layout, options.spacing);
 }
 
@@ -179,21 +153,21 @@ void FlowAccumulator::follow_marked(const Past& now) {
     drift_y_ += step.y;
     since_x_ += step.x;
     since_y_ += step.y;
-    travel(now);
-    for (std::size_t k = 0; k < marked_.size(); ++k) {
-        const std::uint32_t at = place_in(now.bead, marked_[k]);
-        last_x_[k] = at == nowhere ? std::nan("") : now.x[at] - drift_x_;
-        last_y_[k] = at == nowhere ? std::nan("") : now.y[at] - drift_y_;
+    if (now.rod.known()) {
+        travel_ += (now.rod.x - last_rod_.x - since_x_) * std::cos(last_rod_.heading) +
+                   (now.rod.y - last_rod_.y - since_y_) * std::sin(last_rod_.heading);
+        last_rod_ = now.rod;
+        since_x_ = since_y_ = 0.0;
     }
-}
-
-void FlowAccumulator::travel(const Past& now) {
-    if (!now.rod.known())
-        return;
-    travel_ += (now.rod.x - last_rod_.x - since_x_) * std::cos(last_rod_.heading) +
-               (now.rod.y - last_rod_.y - since_y_) * std::sin(last_rod_.heading);
-    last_rod_ = now.rod;
-    since_x_ = since_y_ = 0.0;
+    for (std::size_t k = 0; k < marked_.size(); ++k) {
+        // Without names all beads are there, since a frame without beads is passed over.
+        const auto found = std::ranges::lower_bound(now.bead, marked_[k]);
+        const bool seen = now.bead.empty() || (found != now.bead.end() && *found == marked_[k]);
+        const std::size_t at =
+            now.bead.empty() ? marked_[k] : static_cast<std::size_t>(found - now.bead.begin());
+        last_x_[k] = seen ? now.x[at] - drift_x_ : std::nan("");
+        last_y_[k] = seen ? now.y[at] - drift_y_ : std::nan("");
+    }
 }
 
 void FlowAccumulator::add(const Frame& frame) {
@@ -232,16 +206,6 @@ void FlowAccumulator::add(const Frame& frame) {
     past_.push_back(std::move(now));
 }
 
-FlowAccumulator::FlowBlock& FlowAccumulator::block_at(double time) {
-    const double number = std::floor(time / options_.block);
-    if (blocks_.empty() || number != block_number_) {
-        const Row zero(grid_.bins(), 0.0);
-        blocks_.push_back({zero, zero, zero, zero, zero});
-        block_number_ = number;
-    }
-    return blocks_.back();
-}
-
 void FlowAccumulator::take(const Past& before, const Past& now) {
     const double lag = now.time - before.time;
     const MeanStep step(before, now);
@@ -251,7 +215,13 @@ void FlowAccumulator::take(const Past& before, const Past& now) {
                     before.rod.heading +
                         std::remainder(now.rod.heading - before.rod.heading, 2.0 * std::numbers::pi) / 2.0},
         images);
-    FlowBlock& block = block_at((before.time + now.time) / 2.0);
+    const double number = std::floor((before.time + now.time) / 2.0 / options_.block);
+    if (blocks_.empty() || number != block_number_) {
+        const Row zero(grid_.bins(), 0.0);
+        blocks_.push_back({zero, zero, zero, zero, zero});
+        block_number_ = number;
+    }
+    FlowBlock& block = blocks_.back();
     for_each_common_bead(now, before, [&](std::size_t i, std::size_t j) {
         const RelativePosition position = view.at(into_box((before.x[j] + now.x[i]) / 2.0, images.x),
                                                   into_box((before.y[j] + now.y[i]) / 2.0, images.y));

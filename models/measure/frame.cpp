@@ -25,13 +25,6 @@ void want_values(const char* what, const std::vector<double>& values, std::size_
         throw RunError(fmt::format("measure: {} that are not finite", what));
 }
 
-void want_inside(const std::vector<double>& positions, double box, bool with_border) {
-    for (const double position : positions)
-        if (!(position >= 0.0 && (position < box || (with_border && position == box))))
-            throw RunError(
-                fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?", position, box));
-}
-
 } // namespace
 
 Window room_within(bool round, const PeriodicBox& sides, double bead_radius) {
@@ -83,26 +76,19 @@ void validate(const Layout& layout) {
         throw InputError("measure: there are no beads to measure");
 }
 
-namespace {
-
-/// How many beads a frame of tracks has, and that it names them.
-std::size_t named_beads(const Layout& layout, const Frame& frame) {
-    if (frame.bead.size() != frame.x.size())
-        throw RunError(
-            fmt::format("measure: a frame names {} of its {} beads", frame.bead.size(), frame.x.size()));
-    for (std::size_t i = 0; i < frame.bead.size(); ++i)
-        if (frame.bead[i] != untracked &&
-            (frame.bead[i] >= layout.all_beads || (i > 0 && frame.bead[i] <= frame.bead[i - 1])))
-            throw RunError("measure: beads of a frame that are not in the order of their numbers");
-    return frame.x.size();
-}
-
-} // namespace
-
 void check_frame(const Layout& layout, const Frame& frame) {
     if (!std::isfinite(frame.time))
         throw RunError("measure: the time of a frame is not finite");
-    const std::size_t beads = layout.all_beads > 0 ? named_beads(layout, frame) : layout.beads;
+
+    // A frame of tracks names its beads in the order of their numbers.
+    const std::size_t beads = layout.all_beads > 0 ? frame.x.size() : layout.beads;
+    if (layout.all_beads > 0 && frame.bead.size() != beads)
+        throw RunError(
+            fmt::format("measure: a frame names {} of its {} beads", frame.bead.size(), frame.x.size()));
+    for (std::size_t i = 0; layout.all_beads > 0 && i < beads; ++i)
+        if (frame.bead[i] != untracked &&
+            (frame.bead[i] >= layout.all_beads || (i > 0 && frame.bead[i] <= frame.bead[i - 1])))
+            throw RunError("measure: beads of a frame that are not in the order of their numbers");
     for (const auto* values : {&frame.x, &frame.y, &frame.unwrapped_x, &frame.unwrapped_y})
         want_values("coordinates of beads", *values, beads);
     for (const auto* values : {&frame.vx, &frame.vy})
@@ -111,8 +97,12 @@ void check_frame(const Layout& layout, const Frame& frame) {
         std::ranges::any_of(frame.kind, [&](std::size_t kind) { return kind >= layout.kind_radii.size(); }))
         throw RunError(fmt::format("measure: a frame of {} beads of {} kinds names the kinds of {}", beads,
                                    layout.kind_radii.size(), frame.kind.size()));
-    want_inside(frame.x, layout.box.x, layout.window.has_value());
-    want_inside(frame.y, layout.box.y, layout.window.has_value());
+    for (const auto& [positions, side] :
+         {std::pair(&frame.x, layout.box.x), std::pair(&frame.y, layout.box.y)})
+        for (const double position : *positions)
+            if (!(position >= 0.0 && (position < side || (layout.window && position == side))))
+                throw RunError(fmt::format("measure: a bead at {} m, outside the box [0, {}): wrong box?",
+                                           position, side));
     if (frame.rods.size() != layout.rods)
         throw RunError(
             fmt::format("measure: {} rods in a frame, expected {}", frame.rods.size(), layout.rods));

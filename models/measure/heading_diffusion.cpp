@@ -81,18 +81,6 @@ struct DiffusionSums {
     double turn = 0.0, advance = 0.0, time = 0.0;
 
     explicit DiffusionSums(std::size_t lags = 0) : origins(lags), square(lags), cosine(lags), off(lags) {}
-
-    void add(const DiffusionSums& other) {
-        for (std::size_t k = 0; k < square.size(); ++k) {
-            origins[k] += other.origins[k];
-            square[k] += other.square[k];
-            cosine[k] += other.cosine[k];
-            off[k] += other.off[k];
-        }
-        turn += other.turn;
-        advance += other.advance;
-        time += other.time;
-    }
 };
 
 /// Of the rows from `first` to `last`, both of them in the block. `step`: 0 of even rows; of others what lags
@@ -166,9 +154,17 @@ std::vector<DiffusionSums> blocks_of(const HeadingTrack& run, double step, const
 
 DiffusionSums sum_of(std::span<const DiffusionSums> all, std::size_t without) {
     DiffusionSums sums(all[0].square.size());
-    for (std::size_t i = 0; i < all.size(); ++i)
-        if (i != without)
-            sums.add(all[i]);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i == without)
+            continue;
+        for (auto row :
+             {&DiffusionSums::origins, &DiffusionSums::square, &DiffusionSums::cosine, &DiffusionSums::off})
+            for (std::size_t k = 0; k < sums.square.size(); ++k)
+                (sums.*row)[k] += (all[i].*row)[k];
+        sums.turn += all[i].turn;
+        sums.advance += all[i].advance;
+        sums.time += all[i].time;
+    }
     return sums;
 }
 
@@ -179,8 +175,6 @@ struct FitWindow {
     std::size_t middle = 0;      // first of the upper half
     std::size_t cosine_last = 0; // one behind the last of the fit of <cos d>
 };
-
-double mean(const Row& sums, const Row& origins, std::size_t k) { return sums[k] / origins[k]; }
 
 /// Straight line through values at the lags from `first` up to `last`, weights 1/lag^2.
 LineFit line(const Row& lag, const Row& value, std::size_t first, std::size_t last) {
@@ -204,27 +198,14 @@ FitWindow window_of(const DiffusionSums& all, double step, std::span<const std::
                         step, options.lag_low, options.lag_high));
     w.middle = std::clamp(at(std::sqrt(options.lag_low * options.lag_high)), w.first + 1, w.lag.size() - 2);
     w.cosine_last = w.first;
-    while (w.cosine_last < w.lag.size() && mean(all.cosine, all.origins, w.cosine_last) >= lowest_cosine)
+    while (w.cosine_last < w.lag.size() &&
+           all.cosine[w.cosine_last] / all.origins[w.cosine_last] >= lowest_cosine)
         ++w.cosine_last;
     return w;
 }
 
 /// Order of the numbers of a row, before those by lag.
 enum Number : std::size_t { D, D_cosine, early, late, turn_rate, speed, per_length, numbers };
-
-Row squares_of(const DiffusionSums& s) {
-    Row out;
-    for (std::size_t k = 0; k < s.square.size(); ++k)
-        out.push_back(mean(s.square, s.origins, k));
-    return out;
-}
-
-Row cosines_of(const DiffusionSums& s) {
-    Row out;
-    for (std::size_t k = 0; k < s.cosine.size(); ++k)
-        out.push_back(mean(s.cosine, s.origins, k));
-    return out;
-}
 
 /// Line through ln <cos d>; nothing without 3 lags. NaN where a mean is not positive.
 LineFit cosine_line(const Row& cosine, const FitWindow& w) {
@@ -239,7 +220,11 @@ LineFit cosine_line(const Row& cosine, const FitWindow& w) {
 
 /// The numbers, then <d^2>, then <cos d>.
 Row row_of(const DiffusionSums& s, const FitWindow& w) {
-    const Row square = squares_of(s), cosine = cosines_of(s);
+    Row square, cosine;
+    for (std::size_t k = 0; k < s.square.size(); ++k) {
+        square.push_back(s.square[k] / s.origins[k]);
+        cosine.push_back(s.cosine[k] / s.origins[k]);
+    }
     const std::size_t end = w.lag.size();
     Row row(numbers);
     row[D] = 0.5 * line(w.lag, square, w.first, end).slope.value;
@@ -306,16 +291,6 @@ HeadingDiffusion result_of(const DiffusionSums& all, std::span<const DiffusionSu
     return r;
 }
 
-void set_interval(HeadingDiffusion& r) {
-    r.low = r.high = unknown_error;
-    if (r.parts < 2)
-        return;
-    const boost::math::students_t law(static_cast<double>(r.parts - 1));
-    const double reach = boost::math::quantile(law, 0.975) * r.diffusion.error;
-    r.low = r.diffusion.value - reach;
-    r.high = r.diffusion.value + reach;
-}
-
 } // namespace
 
 HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const HeadingOptions& options) {
@@ -372,7 +347,13 @@ HeadingDiffusion heading_diffusion(std::span<const HeadingTrack> runs, const Hea
     HeadingDiffusion r = result_of(all, parts, window_of(all, step, lags, options));
     r.blocks = blocks.size();
     r.parts = parts.size();
-    set_interval(r);
+    r.low = r.high = unknown_error;
+    if (r.parts > 1) {
+        const boost::math::students_t law(static_cast<double>(r.parts - 1));
+        const double reach = boost::math::quantile(law, 0.975) * r.diffusion.error;
+        r.low = r.diffusion.value - reach;
+        r.high = r.diffusion.value + reach;
+    }
     return r;
 }
 

@@ -30,9 +30,33 @@ LagrangianAccumulator::LagrangianAccumulator(const Layout& layout, const Displac
 void LagrangianAccumulator::add(const Frame& frame) {
     const RodPosition position = place_of(options_.rod, layout_, frame);
     const RodView rod(position, image_box(layout_));
-    if (samples_.empty())
-        start(frame, rod);
-    drift(frame);
+    if (samples_.empty()) {
+        const std::size_t beads_known = layout_.all_beads > 0 ? layout_.all_beads : layout_.beads;
+        for (auto* values : {&place_x_, &place_y_, &samples_, &in_zone_})
+            values->assign(beads_known, 0.0);
+        waiting_.assign(beads_known, {});
+        if (layout_.all_beads == 0) {
+            first_x_ = mean_place(frame.unwrapped_x);
+            first_y_ = mean_place(frame.unwrapped_y);
+        }
+        for_each_named(frame, [&](std::size_t bead, std::size_t at) {
+            place_x_[bead] = frame.unwrapped_x[at];
+            place_y_[bead] = frame.unwrapped_y[at];
+            const double ahead = rod.at(frame.x[at], frame.y[at]).x / side();
+            samples_[bead] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
+        });
+    }
+
+    // The drift is the mean step of all beads.
+    if (layout_.all_beads == 0) {
+        drift_x_ = mean_place(frame.unwrapped_x) - first_x_;
+        drift_y_ = mean_place(frame.unwrapped_y) - first_y_;
+    } else if (BeadPlaces now = places_of(frame); !now.x.empty()) {
+        const MeanStep step(last_, now);
+        drift_x_ += step.x;
+        drift_y_ += step.y;
+        last_ = std::move(now);
+    }
     const auto block =
         static_cast<std::size_t>(&blocks_.at(frame.time, position.heading) - blocks_.all().data());
     const RodPosition rod_without_drift{position.x - drift_x_, position.y - drift_y_, position.heading};
@@ -40,38 +64,6 @@ void LagrangianAccumulator::add(const Frame& frame) {
         take(bead,
              {frame.unwrapped_x[at] - drift_x_, frame.unwrapped_y[at] - drift_y_, rod_without_drift, block});
     });
-}
-
-void LagrangianAccumulator::start(const Frame& frame, const RodView& rod) {
-    const std::size_t beads_known = layout_.all_beads > 0 ? layout_.all_beads : layout_.beads;
-    for (auto* values : {&place_x_, &place_y_, &samples_, &in_zone_})
-        values->assign(beads_known, 0.0);
-    waiting_.assign(beads_known, {});
-    if (layout_.all_beads == 0) {
-        first_x_ = mean_place(frame.unwrapped_x);
-        first_y_ = mean_place(frame.unwrapped_y);
-    }
-    for_each_named(frame, [&](std::size_t bead, std::size_t at) {
-        place_x_[bead] = frame.unwrapped_x[at];
-        place_y_[bead] = frame.unwrapped_y[at];
-        const double ahead = rod.at(frame.x[at], frame.y[at]).x / side();
-        samples_[bead] = ahead > first_zone_begin && ahead < zone_end ? 1.0 : 0.0;
-    });
-}
-
-void LagrangianAccumulator::drift(const Frame& frame) {
-    if (layout_.all_beads == 0) {
-        drift_x_ = mean_place(frame.unwrapped_x) - first_x_;
-        drift_y_ = mean_place(frame.unwrapped_y) - first_y_;
-        return;
-    }
-    BeadPlaces now = places_of(frame);
-    if (now.x.empty())
-        return;
-    const MeanStep step(last_, now);
-    drift_x_ += step.x;
-    drift_y_ += step.y;
-    last_ = std::move(now);
 }
 
 void LagrangianAccumulator::take(std::size_t bead, const Sample& sample) {
@@ -125,10 +117,10 @@ void LagrangianAccumulator::save(StateWriter& out) const {
         out.put(value);
     for (const std::vector<Sample>& samples : waiting_) {
         out.put(samples.size());
-        for (const Sample& one : samples) {
-            for (const double value : {one.x, one.y, one.rod.x, one.rod.y, one.rod.heading})
+        for (const Sample& sample : samples) {
+            for (const double value : {sample.x, sample.y, sample.rod.x, sample.rod.y, sample.rod.heading})
                 out.put(value);
-            out.put(one.block);
+            out.put(sample.block);
         }
     }
     blocks_.save(out);
@@ -144,10 +136,10 @@ void LagrangianAccumulator::load(StateReader& in) {
     waiting_.assign(beads_known, {});
     for (std::vector<Sample>& samples : waiting_)
         for (std::size_t left = in.count(); left > 0; --left) {
-            Sample& one = samples.emplace_back();
-            for (double* value : {&one.x, &one.y, &one.rod.x, &one.rod.y, &one.rod.heading})
+            Sample& sample = samples.emplace_back();
+            for (double* value : {&sample.x, &sample.y, &sample.rod.x, &sample.rod.y, &sample.rod.heading})
                 *value = in.get();
-            one.block = in.count();
+            sample.block = in.count();
         }
     blocks_.load(in);
 }

@@ -24,25 +24,6 @@ double rising(double q) {
     return sum;
 }
 
-/// int_0^1 (1 - u) exp(-q u) du
-double falling(double q) { return q > 0.0 ? -std::expm1(-q) / q - rising(q) : 0.5; }
-
-double slope_of_last_half(std::span<const double> t, std::span<const double> f) {
-    const auto half = std::ranges::lower_bound(t, t.back() / 2.0);
-    const auto first = std::min<std::ptrdiff_t>(half - t.begin(), std::ssize(t) - 2);
-    const auto x = t.subspan(first), y = f.subspan(first);
-    double middle_x = 0.0, middle_y = 0.0, xx = 0.0, xy = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        middle_x += x[i] / static_cast<double>(x.size());
-        middle_y += y[i] / static_cast<double>(x.size());
-    }
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        xx += (x[i] - middle_x) * (x[i] - middle_x);
-        xy += (x[i] - middle_x) * (y[i] - middle_y);
-    }
-    return xy / xx;
-}
-
 } // namespace
 
 Sampled sampled(std::span<const double> t, std::span<const double> f) {
@@ -57,7 +38,21 @@ Sampled sampled(std::span<const double> t, std::span<const double> f) {
                 fmt::format("measure: a Laplace transform of the point ({:g}, {:g}): times must grow "
                             "from above 0, values be finite",
                             t[i], f[i]));
-    return {t, f, std::max(0.0, slope_of_last_half(t, f))};
+
+    // Least squares from half the last time on, of two points at least.
+    const auto half = std::ranges::lower_bound(t, t.back() / 2.0);
+    const auto first = std::min<std::ptrdiff_t>(half - t.begin(), std::ssize(t) - 2);
+    const auto x = t.subspan(first), y = f.subspan(first);
+    double middle_x = 0.0, middle_y = 0.0, xx = 0.0, xy = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        middle_x += x[i] / static_cast<double>(x.size());
+        middle_y += y[i] / static_cast<double>(x.size());
+    }
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        xx += (x[i] - middle_x) * (x[i] - middle_x);
+        xy += (x[i] - middle_x) * (y[i] - middle_y);
+    }
+    return {t, f, std::max(0.0, xy / xx)};
 }
 
 double laplace(const Sampled& function, double s) {
@@ -66,8 +61,10 @@ double laplace(const Sampled& function, double s) {
             fmt::format("measure: a Laplace transform at s = {:g}: must be finite and positive", s));
     double sum = 0.0, t = 0.0, f = 0.0;
     for (std::size_t i = 0; i < function.t.size(); ++i) {
-        const double width = function.t[i] - t;
-        sum += width * std::exp(-s * t) * (f * falling(s * width) + function.f[i] * rising(s * width));
+        const double width = function.t[i] - t, q = s * width;
+        const double falling =
+            q > 0.0 ? -std::expm1(-q) / q - rising(q) : 0.5; // int_0^1 (1 - u) exp(-q u) du
+        sum += width * std::exp(-s * t) * (f * falling + function.f[i] * rising(q));
         t = function.t[i];
         f = function.f[i];
     }
@@ -109,33 +106,6 @@ Row slopes(const Row& x, const Row& y) {
     return slope;
 }
 
-/// One piece, [x0, x0 + h]; slopes at its ends.
-struct CubicPiece {
-    double x0, h, y0, y1, slope0, slope1;
-
-    double at(double u) const { // u in [0, 1]
-        const double v = 1.0 - u;
-        return v * v * (1.0 + 2.0 * u) * y0 + u * u * (1.0 + 2.0 * v) * y1 +
-               h * u * v * (v * slope0 - u * slope1);
-    }
-    void add_nodes(Row& node, Row& weight) const {
-        for (std::size_t k = 0; k < Gauss::abscissa().size(); ++k)
-            for (const double side : {-1.0, 1.0}) {
-                const double u = 0.5 * (1.0 + side * Gauss::abscissa()[k]), t = std::exp(x0 + h * u);
-                node.push_back(t);
-                weight.push_back(0.5 * h * Gauss::weights()[k] * t * std::exp(at(u))); // dt = t dx
-            }
-    }
-};
-
-/// int_0^1 u^p exp(-q u) du = exp(-q) sum_n q^n / ((p + 1) ... (p + 1 + n)); all terms are positive.
-double power_start(double p, double q) {
-    double term = 1.0 / (p + 1.0), sum = term;
-    for (int n = 1; term > 1e-17 * sum; ++n)
-        sum += term *= q / (p + 1.0 + n);
-    return std::exp(-q) * sum;
-}
-
 } // namespace
 
 SmoothSampled smooth_sampled(std::span<const double> t, std::span<const double> f, Between between) {
@@ -145,9 +115,16 @@ SmoothSampled smooth_sampled(std::span<const double> t, std::span<const double> 
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const double h = x[i + 1] - x[i], chord = (y[i + 1] - y[i]) / h;
         const bool cubic = between == Between::cubics;
-        const CubicPiece piece{
-            x[i], h, y[i], y[i + 1], cubic ? slope[i] : chord, cubic ? slope[i + 1] : chord};
-        piece.add_nodes(smooth.node, smooth.weight);
+        const double slope0 = cubic ? slope[i] : chord, slope1 = cubic ? slope[i + 1] : chord;
+        for (std::size_t k = 0; k < Gauss::abscissa().size(); ++k)
+            for (const double side : {-1.0, 1.0}) {
+                const double u = 0.5 * (1.0 + side * Gauss::abscissa()[k]), v = 1.0 - u,
+                             time = std::exp(x[i] + h * u);
+                const double log_f = v * v * (1.0 + 2.0 * u) * y[i] + u * u * (1.0 + 2.0 * v) * y[i + 1] +
+                                     h * u * v * (v * slope0 - u * slope1);
+                smooth.node.push_back(time);
+                smooth.weight.push_back(0.5 * h * Gauss::weights()[k] * time * std::exp(log_f)); // dt = t dx
+            }
     }
     smooth.first_time = t.front();
     smooth.first = f.front();
@@ -161,7 +138,12 @@ double laplace(const SmoothSampled& f, double s) {
     if (!(std::isfinite(s) && s > 0.0))
         throw InputError(
             fmt::format("measure: a Laplace transform at s = {:g}: must be finite and positive", s));
-    double sum = f.first * f.first_time * power_start(f.start_exponent, s * f.first_time);
+    // int_0^1 u^p exp(-q u) du = exp(-q) sum_n q^n / ((p + 1) ... (p + 1 + n)); all terms are positive.
+    const double p = f.start_exponent, q = s * f.first_time;
+    double term = 1.0 / (p + 1.0), start = term;
+    for (int n = 1; term > 1e-17 * start; ++n)
+        start += term *= q / (p + 1.0 + n);
+    double sum = f.first * f.first_time * (std::exp(-q) * start);
     for (std::size_t k = 0; k < f.node.size(); ++k)
         sum += f.weight[k] * std::exp(-s * f.node[k]);
     return sum + std::exp(-s * f.last_time) * (f.last + f.tail_slope / s) / s;

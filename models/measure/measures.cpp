@@ -25,28 +25,22 @@ void Measures::include(std::string name, Accumulator sums, std::size_t every) {
 
 void Measures::add(const Frame& frame) {
     check_frame(layout_, frame);
-    const bool travelled = has_travelled(frame);
-    if (frame.time < from_ || !travelled || frame.x.empty()) // of a film: rods alone
+    if (travel_.distance > 0.0)
+        if (const RodPosition& rod = frame.rods[travel_.rod]; rod.seen()) {
+            if (!seen_) {
+                first_x_ = rod.x;
+                first_y_ = rod.y;
+            }
+            seen_ = true;
+            travelled_ = travelled_ || std::hypot(rod.x - first_x_, rod.y - first_y_) >= travel_.distance;
+        }
+    const bool early = frame.time < from_ || (travel_.distance > 0.0 && !travelled_);
+    if (early || frame.x.empty()) // of a film: rods alone
         return;
     for (MeasurePart& part : parts_)
         if (frames_ % part.every == 0)
             part.sums.add(frame);
     ++frames_;
-}
-
-bool Measures::has_travelled(const Frame& frame) {
-    if (travel_.distance == 0.0)
-        return true;
-    const RodPosition& rod = frame.rods[travel_.rod];
-    if (!rod.seen())
-        return travelled_;
-    if (!seen_) {
-        first_x_ = rod.x;
-        first_y_ = rod.y;
-    }
-    seen_ = true;
-    travelled_ = travelled_ || std::hypot(rod.x - first_x_, rod.y - first_y_) >= travel_.distance;
-    return travelled_;
 }
 
 std::vector<double> Measures::save() const {

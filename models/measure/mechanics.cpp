@@ -1,5 +1,6 @@
 #include "rodwake/measure/mechanics.hpp"
 
+#include "blocks.hpp"
 #include "rodwake/core/error.hpp"
 
 #include <fmt/format.h>
@@ -38,21 +39,10 @@ struct Share {
     double seconds, impulse, drift, advance; ///< s, N s, m, m
 };
 
-Share share_of(const RodPushes& pushes, const Mark& from, const Mark& to) {
-    const auto grown = [&](const Row& values) {
-        return at(pushes.time, values, to.time) - at(pushes.time, values, from.time);
-    };
-    const double px = grown(pushes.impulse_x), py = grown(pushes.impulse_y), p = std::hypot(px, py);
-    const double along = p > 0.0 ? ((to.x - from.x) * px + (to.y - from.y) * py) / p : 0.0;
-    return {to.time - from.time, p, along, pushes.advance.empty() ? 0.0 : grown(pushes.advance)};
-}
-
 /// Mean rates, and what follows from them.
-struct MeanRates {
-    double force, drift, speed, drag;
-};
+enum Rate : std::size_t { mean_force, mean_drift, mean_speed, mean_drag };
 
-MeanRates rates_of(std::span<const Share> shares, std::size_t without, double mass) {
+Row rates_of(std::span<const Share> shares, std::size_t without, double mass) {
     Share sum{};
     for (std::size_t b = 0; b < shares.size(); ++b) {
         if (b == without)
@@ -67,51 +57,23 @@ MeanRates rates_of(std::span<const Share> shares, std::size_t without, double ma
             sum.impulse / (mass * sum.drift)};
 }
 
-Estimate jackknife(std::span<const MeanRates> without, double whole, double MeanRates::*rate) {
-    const double n = static_cast<double>(without.size());
-    if (without.size() < 2)
-        return {whole, unknown_error, without.size()};
-    double mean = 0.0, scatter = 0.0;
-    for (const MeanRates& r : without)
-        mean += r.*rate / n;
-    for (const MeanRates& r : without)
-        scatter += (r.*rate - mean) * (r.*rate - mean);
-    return {whole, std::sqrt(scatter * (n - 1.0) / n), without.size()};
-}
-
 void set_rates(MechanicsResult& result, std::span<const Share> shares, double mass, bool rods) {
-    std::vector<MeanRates> without;
+    Jackknife rates{rates_of(shares, shares.size(), mass), {}};
     for (std::size_t b = 0; b < shares.size(); ++b)
-        without.push_back(rates_of(shares, b, mass));
-    const MeanRates all = rates_of(shares, shares.size(), mass);
+        rates.without.push_back(rates_of(shares, b, mass));
+    const auto estimate = [&](Rate i) {
+        return Estimate{rates.all[i], shares.size() < 2 ? unknown_error : rates.error(i), shares.size()};
+    };
     result.blocks = shares.size();
-    result.force = jackknife(without, all.force, &MeanRates::force);
-    result.drift = jackknife(without, all.drift, &MeanRates::drift);
+    result.force = estimate(mean_force);
+    result.drift = estimate(mean_drift);
     if (rods)
-        result.speed = jackknife(without, all.speed, &MeanRates::speed);
-    if (all.drift > 0.0)
-        result.drag_rate = jackknife(without, all.drag, &MeanRates::drag);
+        result.speed = estimate(mean_speed);
+    if (rates.all[mean_drift] > 0.0)
+        result.drag_rate = estimate(mean_drag);
 }
 
 double part_of(const Estimate& e) { return e.error / e.value; }
-
-/// Errors of independent factors add up in squares. A measured m* is made from the drag rate: what is
-/// independent is the decay rate, their ratio.
-void set_screening(MechanicsResult& result, const Estimate& shear_speed, const std::optional<Estimate>& given,
-                   double box) {
-    const Estimate &c = shear_speed, &g = result.drag_rate, &v = result.speed;
-    const bool measured = !given && usable_inertia(result.decay.inertia);
-    result.inertia = given ? *given : measured ? result.decay.inertia : Estimate{};
-    if (c.count == 0 || g.count == 0 || v.count == 0 || v.value == 0.0)
-        return;
-    const double m = result.inertia.count > 0 ? result.inertia.value : 1.0;
-    const double xi = m * c.value * c.value / (g.value * std::abs(v.value));
-    const double damping =
-        measured ? part_of(result.decay.rate) : std::hypot(part_of(g), given ? part_of(*given) : 0.0);
-    const double part = std::hypot(2.0 * part_of(c), damping, part_of(v));
-    result.screening = {xi, xi * part, g.count};
-    result.peclet = {box / xi, box / xi * part, g.count};
-}
 
 double mass_of(const Layout& layout) { return static_cast<double>(layout.beads) * layout.bead_mass; }
 
@@ -137,17 +99,6 @@ DriftDecay decay_of(std::span<const MechanicsAccumulator> runs, std::span<const 
     return drift_decay(paths, mass_of(runs[0].layout()), drag_rate, options);
 }
 
-/// Without a rod the drift has to be steady, no wake.
-void set_steady(MechanicsResult& result, const Layout& layout, bool rods, double first_time) {
-    const double half = 0.5 * layout.box.shorter();
-    if (!rods) {
-        result.steady = result.drag_rate.count == 0 || first_time * result.drag_rate.value >= 3.0;
-        return;
-    }
-    result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;
-    result.steady = result.before >= result.wanted && result.along >= result.wanted;
-}
-
 std::vector<Share> shares_of(std::span<const MechanicsAccumulator> runs, std::span<const RodPushes> pushes) {
     if (runs.empty() || runs.size() != pushes.size())
         throw InputError("measure: mechanics: needs the frames and the tracks of the same runs");
@@ -160,8 +111,17 @@ std::vector<Share> shares_of(std::span<const MechanicsAccumulator> runs, std::sp
             throw InputError(
                 "measure: mechanics: needs at least 2 frames a run: measure "
                 "more often, from an earlier time or position (from, from_travel), or run longer");
-        for (std::size_t b = 1; b < marks.size(); ++b)
-            shares.push_back(share_of(pushes[r], marks[b - 1], marks[b]));
+        for (std::size_t b = 1; b < marks.size(); ++b) {
+            const Mark &from = marks[b - 1], &to = marks[b];
+            const auto grown = [&](const Row& values) {
+                return at(pushes[r].time, values, to.time) - at(pushes[r].time, values, from.time);
+            };
+            const double px = grown(pushes[r].impulse_x), py = grown(pushes[r].impulse_y),
+                         p = std::hypot(px, py);
+            const double along = p > 0.0 ? ((to.x - from.x) * px + (to.y - from.y) * py) / p : 0.0;
+            shares.push_back(
+                {to.time - from.time, p, along, pushes[r].advance.empty() ? 0.0 : grown(pushes[r].advance)});
+        }
     }
     return shares;
 }
@@ -239,8 +199,30 @@ MechanicsResult reduce(std::span<const MechanicsAccumulator> runs, std::span<con
     }
     set_rates(result, shares, mass_of(layout), rods);
     result.decay = decay_of(runs, pushes, result.drag_rate);
-    set_screening(result, shear_speed, inertia, layout.box.shorter());
-    set_steady(result, layout, rods, runs[0].path().front().time);
+
+    // Errors of independent factors add up in squares. A measured m* is made from the drag rate: what is
+    // independent is the decay rate, their ratio.
+    const Estimate &c = shear_speed, &g = result.drag_rate, &v = result.speed;
+    const bool measured = !inertia && usable_inertia(result.decay.inertia);
+    result.inertia = inertia ? *inertia : measured ? result.decay.inertia : Estimate{};
+    if (c.count > 0 && g.count > 0 && v.count > 0 && v.value != 0.0) {
+        const double m = result.inertia.count > 0 ? result.inertia.value : 1.0, box = layout.box.shorter();
+        const double xi = m * c.value * c.value / (g.value * std::abs(v.value));
+        const double damping =
+            measured ? part_of(result.decay.rate) : std::hypot(part_of(g), inertia ? part_of(*inertia) : 0.0);
+        const double part = std::hypot(2.0 * part_of(c), damping, part_of(v));
+        result.screening = {xi, xi * part, g.count};
+        result.peclet = {box / xi, box / xi * part, g.count};
+    }
+
+    // Without a rod the drift has to be steady, no wake.
+    if (!rods) {
+        result.steady = g.count == 0 || runs[0].path().front().time * g.value >= 3.0;
+        return result;
+    }
+    const double half = 0.5 * layout.box.shorter();
+    result.wanted = result.screening.count > 0 ? std::min(half, result.screening.value) : half;
+    result.steady = result.before >= result.wanted && result.along >= result.wanted;
     return result;
 }
 

@@ -13,36 +13,6 @@ namespace {
 using Row = std::vector<double>;
 constexpr double points_a_decade = 12.0;
 
-/// How far the other readings put the transform off, as a share of it.
-Row shares_of_bias(const SmoothSampled& best, const SmoothSampled& power_laws, const Row& s) {
-    SmoothSampled flat = best, ballistic = best;
-    flat.tail_slope = 0.0;
-    ballistic.start_exponent = 2.0;
-    Row shares;
-    for (const double at : s) {
-        const double transform = laplace(best, at);
-        double off = 0.0;
-        for (const SmoothSampled* other :
-             std::initializer_list<const SmoothSampled*>{&flat, &ballistic, &power_laws})
-            off += std::abs(laplace(*other, at) - transform);
-        shares.push_back(off / transform);
-    }
-    return shares;
-}
-
-/// The longest stretch of points with a share that is small enough.
-void set_range(StiffnessSpectrum& spectrum, const Row& shares) {
-    std::size_t longest = 0, length = 0;
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        length = shares[i] <= StiffnessSpectrum::largest_bias ? length + 1 : 0;
-        if (length > longest) {
-            longest = length;
-            spectrum.low = spectrum.s[i + 1 - length];
-            spectrum.high = spectrum.s[i];
-        }
-    }
-}
-
 Row values_of(const SmoothSampled& function, const Row& s) {
     Row values;
     for (const double at : s)
@@ -55,10 +25,33 @@ Row values_of(const SmoothSampled& function, const Row& s) {
 StiffnessSpectrum spectrum_of(std::span<const double> lag, std::span<const double> msd, const Row& s) {
     const SmoothSampled best = smooth_sampled(lag, msd, Between::cubics);
     StiffnessSpectrum spectrum{s, values_of(best, s), {}, {}, {}, {}};
-    const Row shares = shares_of_bias(best, smooth_sampled(lag, msd, Between::power_laws), s);
-    set_range(spectrum, shares);
-    for (std::size_t i = 0; i < s.size(); ++i)
+
+    // How far the other readings put the transform off, as a share of it.
+    SmoothSampled flat = best, ballistic = best;
+    flat.tail_slope = 0.0;
+    ballistic.start_exponent = 2.0;
+    const SmoothSampled power_laws = smooth_sampled(lag, msd, Between::power_laws);
+    Row shares;
+    for (const double at : s) {
+        const double transform = laplace(best, at);
+        double off = 0.0;
+        for (const SmoothSampled* other :
+             std::initializer_list<const SmoothSampled*>{&flat, &ballistic, &power_laws})
+            off += std::abs(laplace(*other, at) - transform);
+        shares.push_back(off / transform);
+    }
+
+    // The range is the longest stretch of points with a share that is small enough.
+    std::size_t longest = 0, length = 0;
+    for (std::size_t i = 0; i < s.size(); ++i) {
         spectrum.bias.push_back(shares[i] * spectrum.value[i]);
+        length = shares[i] <= StiffnessSpectrum::largest_bias ? length + 1 : 0;
+        if (length > longest) {
+            longest = length;
+            spectrum.low = s[i + 1 - length];
+            spectrum.high = s[i];
+        }
+    }
     return spectrum;
 }
 

@@ -58,22 +58,6 @@ Row extrapolated(const Row& s, const Row& stiffness, const Row& errors) {
     return {whole, (whole - half) / (1.0 - s[lower - 1] / s.back())};
 }
 
-void set_stiffness_zero(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag) {
-    const Row s = log_range(result.s_low, result.s_high, window_points);
-    const Jackknife curves =
-        Jackknife::of(blocks, [&](const Row& msd) { return stiffness_curve(lag, msd, s); });
-    Row errors = curves.errors();
-    for (std::size_t i = 0; i < s.size(); ++i) // blocks that agree to round-off still weigh the points
-        errors[i] = std::max(errors[i], 1e-12 * curves.all[i]);
-    Jackknife zero{extrapolated(s, curves.all, errors), {}};
-    for (const Row& curve : curves.without)
-        zero.without.push_back(extrapolated(s, curve, errors));
-    const double bend = zero.all[1], noise = zero.error(1);
-    result.bend = std::sqrt(std::max(0.0, bend * bend - noise * noise));
-    result.scatter = zero.error(0);
-    result.stiffness_zero = {zero.all[0], std::hypot(result.scatter, result.bend), blocks.size()};
-}
-
 /// All results that follow from the displacements of these blocks.
 void set_curves(MicrorheologyResult& result, const std::vector<LagBlock>& blocks, const Row& lag,
                 double interval) {
@@ -89,7 +73,21 @@ void set_curves(MicrorheologyResult& result, const std::vector<LagBlock>& blocks
         Jackknife::of(blocks, [&](const Row& curve) { return stiffness_curve(lag, curve, result.s); });
     result.stiffness = curves.all;
     result.stiffness_error = curves.errors();
-    set_stiffness_zero(result, blocks, lag);
+
+    // The stiffness at s -> 0, with each block left out in turn.
+    const Row s = log_range(result.s_low, result.s_high, window_points);
+    const Jackknife low =
+        Jackknife::of(blocks, [&](const Row& curve) { return stiffness_curve(lag, curve, s); });
+    Row errors = low.errors();
+    for (std::size_t i = 0; i < s.size(); ++i) // blocks that agree to round-off still weigh the points
+        errors[i] = std::max(errors[i], 1e-12 * low.all[i]);
+    Jackknife zero{extrapolated(s, low.all, errors), {}};
+    for (const Row& curve : low.without)
+        zero.without.push_back(extrapolated(s, curve, errors));
+    const double bend = zero.all[1], noise = zero.error(1);
+    result.bend = std::sqrt(std::max(0.0, bend * bend - noise * noise));
+    result.scatter = zero.error(0);
+    result.stiffness_zero = {zero.all[0], std::hypot(result.scatter, result.bend), blocks.size()};
     if (std::ranges::all_of(result.msd, [](double v) { return v > 0.0; })) // beads at rest have no kernel
         result.spectrum = stiffness_spectrum(blocks, lag);
 }
@@ -109,26 +107,21 @@ void widen(MicrorheologyResult& result, const MicrorheologyResult& other) {
     result.stiffness_zero.error = std::hypot(result.scatter, result.bend);
 }
 
-/// Mean-square displacement that the camera adds, m^2, with its error; 0 without one.
-Estimate to_take_off(MicrorheologyResult& result, const std::vector<LagBlock>& blocks,
-                     const MicrorheologyOptions& options) {
+/// Results without the displacement that the camera adds.
+void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> blocks, const Row& lag,
+                        const MicrorheologyAccumulator& run) {
+    // Mean-square displacement that the camera adds, m^2, with its error; 0 without one.
     bool from_one = result.lag.size() >= 6; // the first lags are those of 1 to 6 frames
     for (std::size_t k = 1; k < 6 && from_one; ++k)
         from_one = std::abs(result.lag[k] / result.lag[0] - static_cast<double>(k + 1)) < 1e-6;
     const std::optional<Estimate> found = from_one ? camera_noise(blocks) : std::nullopt;
     if (found) {
-        const double b = std::max(found->value, 0.0), sigma = 0.5 * std::sqrt(b);
-        result.localisation = {sigma, 0.5 * std::sqrt(b + found->error) - sigma, found->count};
+        const double added = std::max(found->value, 0.0), sigma = 0.5 * std::sqrt(added);
+        result.localisation = {sigma, 0.5 * std::sqrt(added + found->error) - sigma, found->count};
     }
-    if (options.localisation.find)
-        return found.value_or(Estimate{0.0, 0.0, 1});
-    return {4.0 * std::pow(options.localisation.given, 2), 0.0, 1};
-}
-
-/// Results without the displacement that the camera adds.
-void set_tracked_curves(MicrorheologyResult& result, std::vector<LagBlock> blocks, const Row& lag,
-                        const MicrorheologyAccumulator& run) {
-    const Estimate b = to_take_off(result, blocks, run.options());
+    const auto& camera = run.options().localisation;
+    const Estimate b = camera.find ? found.value_or(Estimate{0.0, 0.0, 1})
+                                   : Estimate{4.0 * std::pow(camera.given, 2), 0.0, 1};
     result.taken_off = b.value;
     take_off(blocks, b.value);
     const Row left = pooled(blocks, blocks.size());

@@ -16,23 +16,6 @@ namespace {
 using Row = std::vector<double>;
 constexpr auto groups = MicrorheologyAccumulator::groups;
 
-void check(const MicrorheologyOptions& options) {
-    if (!(std::isfinite(options.longest_lag) && options.longest_lag >= 0.0))
-        throw InputError(
-            fmt::format("measure: microrheology, longest lag {:g} s: must be finite and positive, or 0 "
-                        "for as long as the run allows",
-                        options.longest_lag));
-    for (const auto& s : {options.s_low, options.s_high})
-        if (s && !(std::isfinite(*s) && *s > 0.0))
-            throw InputError(
-                fmt::format("measure: microrheology, s = {:g} 1/s as an end of the range for s -> 0: "
-                            "must be finite and positive",
-                            *s));
-    if (options.s_low && options.s_high && *options.s_low >= *options.s_high)
-        throw InputError(fmt::format("measure: microrheology, range of s from {:g} to {:g} 1/s: must rise",
-                                     *options.s_low, *options.s_high));
-}
-
 std::size_t first_of(std::size_t group, std::size_t beads) { return group * beads / groups; }
 
 /// Displacements since the first frame without their mean, which is the drift of the whole bed, of the first
@@ -58,29 +41,25 @@ double variance(const Row& values) {
     return sum / n;
 }
 
-/// Every bead once; none before the first frame.
-std::vector<std::size_t> unpack_order(StateReader& in, std::size_t frames, std::size_t beads) {
-    const std::size_t count = in.count(), expected = frames > 0 ? beads : 0;
-    if (count != expected)
-        throw RunError(fmt::format("measure: microrheology: {} beads stored, expected {}", count, expected));
-    std::vector<std::size_t> order(count);
-    std::vector<bool> seen(beads, false);
-    for (std::size_t& bead : order) {
-        bead = in.count();
-        if (bead >= beads || seen[bead])
-            throw RunError(
-                fmt::format("measure: microrheology: bead {} in the stored order of {} beads", bead, beads));
-        seen[bead] = true;
-    }
-    return order;
-}
-
 } // namespace
 
 MicrorheologyAccumulator::MicrorheologyAccumulator(const Layout& layout, const MicrorheologyOptions& options)
     : layout_(layout), options_(options) {
     validate(layout);
-    check(options);
+    if (!(std::isfinite(options.longest_lag) && options.longest_lag >= 0.0))
+        throw InputError(
+            fmt::format("measure: microrheology, longest lag {:g} s: must be finite and positive, or 0 "
+                        "for as long as the run allows",
+                        options.longest_lag));
+    for (const auto& s : {options.s_low, options.s_high})
+        if (s && !(std::isfinite(*s) && *s > 0.0))
+            throw InputError(
+                fmt::format("measure: microrheology, s = {:g} 1/s as an end of the range for s -> 0: "
+                            "must be finite and positive",
+                            *s));
+    if (options.s_low && options.s_high && *options.s_low >= *options.s_high)
+        throw InputError(fmt::format("measure: microrheology, range of s from {:g} to {:g} 1/s: must rise",
+                                     *options.s_low, *options.s_high));
     if (layout.beads < groups)
         throw InputError(fmt::format("measure: microrheology of {} beads: needs at least {}, since their "
                                      "mean displacement is taken off",
@@ -122,26 +101,24 @@ double MicrorheologyAccumulator::temperature() const {
     return frames() > 0 ? temperature_sum_ / static_cast<double>(frames()) : 0.0;
 }
 
-void MicrorheologyAccumulator::start(const Frame& frame) {
-    order_.resize(layout_.beads);
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
-    if (options_.kind) {
-        const auto others = std::stable_partition(
-            order_.begin(), order_.end(), [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
-        set_group_sizes(static_cast<std::size_t>(others - order_.begin()));
-    }
-    for (const std::size_t i : order_) {
-        first_x_.push_back(frame.unwrapped_x[i]);
-        first_y_.push_back(frame.unwrapped_y[i]);
-    }
-}
-
 void MicrorheologyAccumulator::add(const Frame& frame) {
     check_frame(layout_, frame);
     times_.next(frame.time, "microrheology", layout_.grid);
-    if (times_.frames == 1 && layout_.all_beads == 0)
-        start(frame);
+    if (times_.frames == 1 && layout_.all_beads == 0) {
+        // Beads are grouped by their height in the first frame.
+        order_.resize(layout_.beads);
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return frame.y[i]; });
+        if (options_.kind) {
+            const auto others = std::stable_partition(
+                order_.begin(), order_.end(), [&](std::size_t i) { return frame.kind[i] == *options_.kind; });
+            set_group_sizes(static_cast<std::size_t>(others - order_.begin()));
+        }
+        for (const std::size_t i : order_) {
+            first_x_.push_back(frame.unwrapped_x[i]);
+            first_y_.push_back(frame.unwrapped_y[i]);
+        }
+    }
     if (times_.frames == 2 && options_.longest_lag > 0.0 && on_grid() && !within_longest(times_.interval))
         throw InputError(
             fmt::format("measure: microrheology, longest lag {:g} s: is below the {:g} s between frames",
@@ -241,7 +218,19 @@ void MicrorheologyAccumulator::save(StateWriter& out) const {
 void MicrorheologyAccumulator::load(StateReader& in) {
     times_.load(in);
     temperature_sum_ = in.get();
-    order_ = unpack_order(in, frames(), layout_.beads);
+    order_.resize(in.count()); // every bead once; none before the first frame
+    const std::size_t beads = layout_.beads, expected = frames() > 0 ? beads : 0;
+    if (order_.size() != expected)
+        throw RunError(
+            fmt::format("measure: microrheology: {} beads stored, expected {}", order_.size(), expected));
+    std::vector<bool> seen(beads, false);
+    for (std::size_t& bead : order_) {
+        bead = in.count();
+        if (bead >= beads || seen[bead])
+            throw RunError(
+                fmt::format("measure: microrheology: bead {} in the stored order of {} beads", bead, beads));
+        seen[bead] = true;
+    }
     if (options_.kind)
         set_group_sizes(in.count());
     first_x_ = in.array(order_.size());

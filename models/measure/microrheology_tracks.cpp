@@ -14,10 +14,6 @@ namespace {
 using Row = std::vector<double>;
 using Names = BeadNames;
 
-Row first(const Row& values, std::size_t count) {
-    return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count)};
-}
-
 } // namespace
 
 void MicrorheologyAccumulator::correlate_named(const OctaveFrame& before, const OctaveFrame& now,
@@ -57,30 +53,32 @@ void MicrorheologyAccumulator::add_halves(LagSums& sums, std::span<const Moved, 
     sums.halves_origins += 1.0;
 }
 
-void MicrorheologyAccumulator::follow_drift(const Row& x, const Row& y, const Names& bead) {
-    double step_x = 0.0, step_y = 0.0, both = 0.0;
-    for_each_common(bead, named_.last_bead, [&](std::size_t i, std::size_t j) {
-        step_x += x[i] - named_.last_x[j];
-        step_y += y[i] - named_.last_y[j];
-        both += 1.0;
-    });
-    named_.drift_x += both > 0.0 ? step_x / both : 0.0;
-    named_.drift_y += both > 0.0 ? step_y / both : 0.0;
-    if (bead.empty())
-        return;
-    named_.last_bead = bead;
-    named_.last_x = x;
-    named_.last_y = y;
-}
-
 void MicrorheologyAccumulator::add_named(const Frame& frame) {
     NamedBeads& n = named_;
     n.start_x.resize(layout_.all_beads, std::nan(""));
     n.start_y.resize(layout_.all_beads, 0.0);
     n.group.resize(layout_.all_beads, 0);
     Names bead = names_of(frame);
-    Row x = first(frame.unwrapped_x, bead.size()), y = first(frame.unwrapped_y, bead.size());
-    follow_drift(x, y, bead);
+    const auto size = static_cast<std::ptrdiff_t>(bead.size());
+    Row x(frame.unwrapped_x.begin(), frame.unwrapped_x.begin() + size),
+        y(frame.unwrapped_y.begin(), frame.unwrapped_y.begin() + size);
+
+    // The drift is followed by the beads that are in this frame and in the one before.
+    double step_x = 0.0, step_y = 0.0, both = 0.0;
+    for_each_common(bead, n.last_bead, [&](std::size_t i, std::size_t j) {
+        step_x += x[i] - n.last_x[j];
+        step_y += y[i] - n.last_y[j];
+        both += 1.0;
+    });
+    n.drift_x += both > 0.0 ? step_x / both : 0.0;
+    n.drift_y += both > 0.0 ? step_y / both : 0.0;
+    if (!bead.empty()) {
+        n.last_bead = bead;
+        n.last_x = x;
+        n.last_y = y;
+    }
+
+    // Displacements since a bead's first frame, the drift taken off.
     for (std::size_t i = 0; i < bead.size(); ++i) {
         const std::uint32_t b = bead[i];
         if (std::isnan(n.start_x[b])) {

@@ -36,16 +36,6 @@ std::vector<BinGroup> groups(std::size_t bins, double bin, double from, double s
     return all;
 }
 
-/// Weights sin^2 of the bins of a group. They cancel swings whose length is half the group or a whole
-/// fraction of that, and pass little of those in between.
-std::vector<double> window(const BinGroup& group) {
-    std::vector<double> weights;
-    const double step = M_PI / static_cast<double>(group.last - group.first);
-    for (std::size_t k = 0; k < group.last - group.first; ++k)
-        weights.push_back(std::pow(std::sin(step * (static_cast<double>(k) + 0.5)), 2));
-    return weights;
-}
-
 /// g_B(r) weighted by pairs in smooth windows of four lattice rows, in steps of two (less in boxes too small
 /// for six such): g_B swings with the rows, and whole swings cancel in bins finer than those shown.
 /// Neighbouring points share pairs. The same with each block left out in turn. `bin`: of g(r), m.
@@ -61,7 +51,12 @@ DecayPoints decay_points(const std::vector<OrderBlock>& blocks, const Layout& la
     const double from = std::min(8.0 * layout.bead_radius, layout.box.shorter() / 8.0);
     const auto all = groups(blocks.front().pairs.size(), bin, from, 2.0 * row);
     for (const BinGroup& group : all) {
-        const std::vector<double> weight_of = window(group);
+        // Weights sin^2 of the bins cancel swings whose length is half the group or a whole fraction of that,
+        // and pass little of those in between.
+        std::vector<double> weight_of;
+        const double angle = M_PI / static_cast<double>(group.last - group.first);
+        for (std::size_t k = 0; k < group.last - group.first; ++k)
+            weight_of.push_back(std::pow(std::sin(angle * (static_cast<double>(k) + 0.5)), 2));
         const auto weighted_sum = [&](const std::vector<double>& bins) {
             double sum = 0.0;
             for (std::size_t k = group.first; k < group.last; ++k)
@@ -124,25 +119,17 @@ std::vector<OrderBlock> all_blocks(std::span<const OrderAccumulator> runs) {
     return blocks;
 }
 
-/// A quantity in each block with its weight.
+/// A quantity in each block with its weight; blocks without weight are left out.
 struct WeightedSeries {
     std::vector<double> values, weights;
+
+    void add(double sum, double weight) {
+        if (!(weight > 0.0))
+            return;
+        values.push_back(sum / weight);
+        weights.push_back(weight);
+    }
 };
-
-template<class Value, class Weight>
-WeightedSeries series(const std::vector<OrderBlock>& blocks, Value value, Weight weight) {
-    WeightedSeries s;
-    for (const OrderBlock& block : blocks)
-        if (const double w = weight(block); w > 0.0) {
-            s.values.push_back(value(block) / w);
-            s.weights.push_back(w);
-        }
-    return s;
-}
-
-constexpr auto frames_of = [](const OrderBlock& block) { return block.frames; };
-/// The denominator of g(r): the number of frames of all beads that would have as many pairs.
-constexpr auto full_frames_of = [](const OrderBlock& block) { return block.full_frames; };
 
 Estimate estimate(const WeightedSeries& s, double growth) {
     Estimate e = mean_of_blocks(s.values, s.weights);
@@ -152,8 +139,9 @@ Estimate estimate(const WeightedSeries& s, double growth) {
 }
 
 Estimate over_blocks(const std::vector<OrderBlock>& blocks, double OrderBlock::*sum) {
-    const WeightedSeries s = series(
-        blocks, [sum](const OrderBlock& block) { return block.*sum; }, frames_of);
+    WeightedSeries s;
+    for (const OrderBlock& block : blocks)
+        s.add(block.*sum, block.frames);
     return estimate(s, correlation_factor(successive_correlation(s.values)));
 }
 
@@ -167,61 +155,56 @@ double common_growth(const std::vector<WeightedSeries>& bins) {
     return count > 0.0 ? correlation_factor(sum / count) : 1.0;
 }
 
-void reduce_g(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
-    const std::size_t bins = blocks.front().pairs.size(), beads = run.layout().beads;
-    const double bin = run.options().bin, frames = static_cast<double>(result.frames);
-    const std::vector<double> of_one =
-        pair_correlation(std::vector<double>(bins, 1.0), 1.0, beads, seen_area(run.layout()), bin);
-    const bool weighted = run.layout().window.has_value();
-    std::vector<WeightedSeries> all;
-    for (std::size_t k = 0; k < bins; ++k)
-        all.push_back(series(
-            blocks, [&](const OrderBlock& b) { return (weighted ? b.weighted[k] : b.pairs[k]) * of_one[k]; },
-            full_frames_of));
-    const double growth = common_growth(all);
-    result.r = middles(bins, bin);
-    for (std::size_t k = 0; k < bins; ++k) {
-        const Estimate e = estimate(all[k], growth);
-        result.g.push_back(e.value);
-        // no pair in any frame: as much as one pair would make
-        result.g_error.push_back(e.value == 0.0 ? of_one[k] / frames : e.error);
+/// Writes g of each bin. A bin without a pair in any of the `frames` has the error of one pair, which alone
+/// would make g `of_one`.
+void set_g(const std::vector<WeightedSeries>& bins, const std::vector<double>& of_one, double frames,
+           std::vector<double>& g, std::vector<double>& error) {
+    const double growth = common_growth(bins);
+    for (std::size_t k = 0; k < bins.size(); ++k) {
+        const Estimate e = estimate(bins[k], growth);
+        g.push_back(e.value);
+        error.push_back(e.value == 0.0 ? of_one[k] / frames : e.error);
     }
 }
 
-/// g(r) of each pair of kinds, as of all beads; a bin without a pair has the error of one pair.
-void reduce_kinds(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
-    const std::size_t bins = result.r.size(), kinds = run.layout().kind_radii.size();
-    const std::vector<double> of_one =
-        pair_correlation(std::vector<double>(bins, 1.0), 1.0, 2, seen_area(run.layout()), run.options().bin);
+/// g(r) of all beads, then of each pair of kinds. The weight of a block is the number of frames of all beads
+/// that would have as many pairs.
+void reduce_g(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
+    const std::size_t bins = blocks.front().pairs.size(), kinds = run.layout().kind_radii.size();
+    const double bin = run.options().bin, area = seen_area(run.layout());
+    const std::vector<double> ones(bins, 1.0);
+    const std::vector<double> of_one = pair_correlation(ones, 1.0, run.layout().beads, area, bin);
+    const bool weighted = run.layout().window.has_value();
+    std::vector<WeightedSeries> all(bins);
+    for (std::size_t k = 0; k < bins; ++k)
+        for (const OrderBlock& b : blocks)
+            all[k].add((weighted ? b.weighted[k] : b.pairs[k]) * of_one[k], b.full_frames);
+    result.r = middles(bins, bin);
+    set_g(all, of_one, static_cast<double>(result.frames), result.g, result.g_error);
+
+    const std::vector<double> of_pair = pair_correlation(ones, 1.0, 2, area, bin);
     for (std::size_t p = 0, pair = 0; p < kinds; ++p)
         for (std::size_t q = p; q < kinds; ++q, ++pair) {
-            const auto in_all = [pair](const OrderBlock& b) { return b.kind_pairs_in_all[pair]; };
-            std::vector<WeightedSeries> all;
+            std::vector<WeightedSeries> of_kinds(bins);
             double weight = 0.0;
-            for (std::size_t k = 0; k < bins; ++k)
-                all.push_back(series(
-                    blocks, [&](const OrderBlock& b) { return b.kind_pairs[pair * bins + k] * of_one[k]; },
-                    in_all));
-            for (const OrderBlock& block : blocks)
-                weight += in_all(block);
+            for (const OrderBlock& b : blocks) {
+                weight += b.kind_pairs_in_all[pair];
+                for (std::size_t k = 0; k < bins; ++k)
+                    of_kinds[k].add(b.kind_pairs[pair * bins + k] * of_pair[k], b.kind_pairs_in_all[pair]);
+            }
             if (weight == 0.0) // fewer than two beads
                 continue;
             KindCorrelation& found = result.kinds.emplace_back(KindCorrelation{p, q, {}, {}});
-            const double growth = common_growth(all);
-            for (std::size_t k = 0; k < bins; ++k) {
-                const Estimate e = estimate(all[k], growth);
-                found.g.push_back(e.value);
-                found.g_error.push_back(e.value == 0.0 ? of_one[k] / weight : e.error);
-            }
+            set_g(of_kinds, of_pair, weight, found.g, found.g_error);
         }
 }
 
 void reduce_order(const std::vector<OrderBlock>& blocks, const OrderAccumulator& run, OrderResult& result) {
     std::vector<WeightedSeries> all;
     for (std::size_t k = 0; k < blocks.front().order.size(); ++k) {
-        WeightedSeries s = series(
-            blocks, [k](const OrderBlock& b) { return b.order[k]; },
-            [k](const OrderBlock& b) { return b.order_pairs[k]; });
+        WeightedSeries s;
+        for (const OrderBlock& b : blocks)
+            s.add(b.order[k], b.order_pairs[k]);
         if (s.values.empty())
             continue;
         double pairs = 0.0;
@@ -254,7 +237,6 @@ OrderResult reduce(std::span<const OrderAccumulator> runs) {
     if (run.layout().window)
         result.at_border = over_blocks(blocks, &OrderBlock::at_border).value;
     reduce_g(blocks, run, result);
-    reduce_kinds(blocks, run, result);
     reduce_order(blocks, run, result);
 
     double sum = 0.0, count = 0.0;

@@ -21,7 +21,10 @@ void want(bool legal, const std::string& what) {
 
 bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
-void want_bins(const Layout& layout, const OrderOptions& options) {
+/// Throws InputError for options outside their domain, a layout that is none, or fewer than 2 beads.
+void validate(const Layout& layout, const OrderOptions& options) {
+    validate(layout);
+    want(layout.beads >= 2, fmt::format("{} bead: order needs at least 2", layout.beads));
     const double half = 0.5 * layout.box.shorter(), ratio = options.order_bin / options.bin;
     want(options.bin >= 1e-6 * layout.bead_radius && options.bin <= half,
          fmt::format("bin {:g} m of g(r): must be at least a millionth of a bead and at most half the box, "
@@ -33,26 +36,13 @@ void want_bins(const Layout& layout, const OrderOptions& options) {
     want(ratio > 0.5 && std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio,
          fmt::format("bin {:g} m of g_B(r): must be a whole multiple of the bin of g(r), {:g} m",
                      options.order_bin, options.bin));
-}
-
-/// 1.4 spacings of the perfect triangular lattice of this density: between its first two shells, 1 and 1.73.
-double cutoff_by_spacing(const Layout& layout) {
-    const double area = seen_area(layout) / static_cast<double>(layout.beads);
-    return std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout.box.shorter());
-}
-
-/// Throws InputError for options outside their domain, a layout that is none, or fewer than 2 beads.
-void validate(const Layout& layout, const OrderOptions& options) {
-    validate(layout);
-    want(layout.beads >= 2, fmt::format("{} bead: order needs at least 2", layout.beads));
-    want_bins(layout, options);
     want(positive(options.block), fmt::format("blocks of {:g} s: must be above 0", options.block));
     want(!layout.window || options.neighbours == Neighbours::cutoff,
          "Delaunay neighbours need a periodic box: with a window leave measure.order_neighbours out");
     want(options.cutoff_frames >= 1, "cut-off from 0 frames: must be at least 1");
-    want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= 0.5 * layout.box.shorter()),
+    want(!options.cutoff || (positive(*options.cutoff) && *options.cutoff <= half),
          fmt::format("cut-off {:g} m for neighbours: must be above 0 and at most half the box, {:g} m",
-                     options.cutoff.value_or(0.0), 0.5 * layout.box.shorter()));
+                     options.cutoff.value_or(0.0), half));
 }
 
 /// Up to half the box, but not far into the emptiness around few beads: their dense crystal would be a tenth
@@ -82,16 +72,6 @@ std::size_t pairs_of_kinds(const Layout& layout) {
 double share_of_all_pairs(const Layout& layout, std::size_t beads) {
     const double n = static_cast<double>(beads), all = static_cast<double>(layout.beads);
     return n * (n - 1.0) / (all * (all - 1.0));
-}
-
-/// Which beads are farther than this from the border; all, where there is none.
-std::vector<std::size_t> inner_beads(const Layout& layout, double distance, const std::vector<double>& x,
-                                     const std::vector<double>& y) {
-    std::vector<std::size_t> inner;
-    for (std::size_t i = 0; i < x.size(); ++i)
-        if (!layout.window || layout.window->inside_by(x[i], y[i]) > distance)
-            inner.push_back(i);
-    return inner;
 }
 
 template<class T>
@@ -142,7 +122,11 @@ Cutoff OrderAccumulator::settled_cutoff() const {
     const auto minimum = first_minimum(middles(bins, options_.bin), g, layout_.bead_radius);
     if (minimum && *minimum <= 0.5 * layout_.box.shorter())
         return {*minimum, false};
-    return {cutoff_by_spacing(layout_), true};
+
+    // 1.4 spacings of the perfect triangular lattice of this density lie between its first two shells, 1
+    // and 1.73.
+    const double area = seen_area(layout_) / static_cast<double>(layout_.beads);
+    return {std::min(1.4 * std::sqrt(2.0 / std::sqrt(3.0) * area), 0.5 * layout_.box.shorter()), true};
 }
 
 void OrderAccumulator::count_waiting() {
@@ -152,35 +136,33 @@ void OrderAccumulator::count_waiting() {
     waiting_.clear();
 }
 
-OrderAccumulator::OrderBlock& OrderAccumulator::block_at(double time) {
-    const double number = std::floor(time / options_.block);
-    if (blocks_.empty() || block_number_.back() != number) {
-        const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
-        blocks_.push_back({std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
-                           std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
-        if (layout_.window)
-            blocks_.back().weighted.assign(bins, 0.0);
-        const std::size_t kind_pairs = pairs_of_kinds(layout_);
-        blocks_.back().kind_pairs.assign(kind_pairs * bins, 0.0);
-        blocks_.back().kind_pairs_in_all.assign(kind_pairs, 0.0);
-        block_number_.push_back(number);
-    }
-    return blocks_.back();
-}
-
 void OrderAccumulator::count(const Waiting& frame) {
     const auto& [time, x, y, kind] = frame;
     const PeriodicBox box = image_box(layout_);
     LocalOrder order = options_.neighbours == Neighbours::delaunay
                            ? order_by_delaunay(x, y, box)
                            : order_by_cutoff(x, y, box, cutoff_.value);
-    const std::vector<std::size_t> inner = inner_beads(layout_, cutoff_.value, x, y);
+    std::vector<std::size_t> inner; // beads farther than the cut-off from the border of a window
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (!layout_.window || layout_.window->inside_by(x[i], y[i]) > cutoff_.value)
+            inner.push_back(i);
     if (inner.empty()) // nothing is known of this frame
         return;
     order = {only(order.psi, inner), only(order.neighbours, inner)};
     const std::size_t bins = bins_of_g(layout_, options_), together = bins_of_order_bin(options_);
     const PairSums sums = count_pairs(only(x, inner), only(y, inner), order.psi, box, options_.bin, bins);
-    OrderBlock& block = block_at(time);
+    const double number = std::floor(time / options_.block);
+    if (blocks_.empty() || block_number_.back() != number) {
+        OrderBlock& fresh = blocks_.emplace_back(
+            OrderBlock{std::vector<double>(bins, 0.0), std::vector<double>(bins / together, 0.0),
+                       std::vector<double>(bins / together, 0.0), std::vector<double>(bins, 0.0)});
+        if (layout_.window)
+            fresh.weighted.assign(bins, 0.0);
+        fresh.kind_pairs.assign(pairs_of_kinds(layout_) * bins, 0.0);
+        fresh.kind_pairs_in_all.assign(pairs_of_kinds(layout_), 0.0);
+        block_number_.push_back(number);
+    }
+    OrderBlock& block = blocks_.back();
     add_to(block.pairs, sums.pairs, 1);
     add_to(block.order_pairs, sums.pairs, together);
     add_to(block.order, sums.order, together);

@@ -1,5 +1,7 @@
 #include "oscillator_fit.hpp"
 
+#include "blocks.hpp"
+
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
@@ -50,28 +52,6 @@ struct Residuals {
     }
 };
 
-double between(double low, double high, std::size_t i) {
-    return low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(grid_points - 1));
-}
-
-/// The best of a grid from what just shows within the lags to what the steps just resolve.
-Oscillator best_of_grid(std::span<const double> correlation, double step) {
-    const double longest = step * static_cast<double>(correlation.size() - 1), shortest = 4.0 * step;
-    Oscillator best{NAN, NAN};
-    double least = INFINITY;
-    for (std::size_t i = 0; i < grid_points; ++i)
-        for (std::size_t k = 0; k < grid_points; ++k) {
-            const Oscillator o{between(0.5 / longest, 4.0 / shortest, i),
-                               between(0.2 / longest, 4.0 / shortest, k)};
-            const Projection fit = project(correlation, oscillator_correlation(o, step, correlation.size()));
-            if (fit.amplitude > 0.0 && fit.squares < least) {
-                least = fit.squares;
-                best = o;
-            }
-        }
-    return best;
-}
-
 } // namespace
 
 std::vector<double> oscillator_correlation(const Oscillator& o, double step, std::size_t lags) {
@@ -102,7 +82,21 @@ OscillatorFit fit_oscillator(std::span<const double> correlation, double step, c
     const OscillatorFit none{{NAN, NAN}, NAN};
     if (correlation.size() < fewest_lags)
         return none;
-    const Oscillator first = start ? *start : best_of_grid(correlation, step);
+    Oscillator first = start ? *start : Oscillator{NAN, NAN};
+    if (!start) {
+        // The best of a grid from what just shows within the lags to what the steps just resolve.
+        const double longest = step * static_cast<double>(correlation.size() - 1), shortest = 4.0 * step;
+        double least = INFINITY;
+        for (const double omega : log_range(0.5 / longest, 4.0 / shortest, grid_points))
+            for (const double gamma : log_range(0.2 / longest, 4.0 / shortest, grid_points)) {
+                const Projection fit =
+                    project(correlation, oscillator_correlation({omega, gamma}, step, correlation.size()));
+                if (fit.amplitude > 0.0 && fit.squares < least) {
+                    least = fit.squares;
+                    first = {omega, gamma};
+                }
+            }
+    }
     if (!std::isfinite(first.omega))
         return none;
     Eigen::VectorXd p(2);

@@ -8,26 +8,6 @@ namespace rodwake::measure {
 
 namespace {
 
-/// Structure of arrays of what a pair needs of a bead.
-struct BeadColumns {
-    std::vector<double> x, y, re, im;
-
-    PairColumns rows() const { return {x.data(), y.data(), re.data(), im.data()}; }
-};
-
-BeadColumns columns(const std::vector<double>& x, const std::vector<double>& y,
-                    const std::vector<std::complex<double>>& psi) {
-    const std::vector<double> none(x.size() + padding, 0.0);
-    BeadColumns c{none, none, none, none};
-    std::ranges::copy(x, c.x.begin());
-    std::ranges::copy(y, c.y.begin());
-    for (std::size_t i = 0; i < psi.size(); ++i) {
-        c.re[i] = psi[i].real();
-        c.im[i] = psi[i].imag();
-    }
-    return c;
-}
-
 struct Slot {
     double pairs = 0.0, order = 0.0; // side by side: one cache line, one vector of two
 };
@@ -45,21 +25,19 @@ void add_row(const std::int32_t* at, const double* order, std::size_t count, Slo
     }
 }
 
-PairSums split(const std::vector<Slot>& slots, std::size_t bins) {
-    PairSums sums{std::vector<double>(bins), std::vector<double>(bins)};
-    for (std::size_t k = 0; k < bins; ++k) {
-        sums.pairs[k] = slots[k].pairs;
-        sums.order[k] = slots[k].order;
-    }
-    return sums;
-}
-
 } // namespace
 
 PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
                      const std::vector<std::complex<double>>& psi, const PeriodicBox& box, double bin,
                      std::size_t bins) {
-    const BeadColumns c = columns(x, y, psi);
+    std::vector<double> all_x(x.size() + padding, 0.0), all_y = all_x, re = all_x, im = all_x;
+    std::ranges::copy(x, all_x.begin());
+    std::ranges::copy(y, all_y.begin());
+    for (std::size_t i = 0; i < psi.size(); ++i) {
+        re[i] = psi[i].real();
+        im[i] = psi[i].imag();
+    }
+    const PairColumns columns{all_x.data(), all_y.data(), re.data(), im.data()};
     const double per_bin = 1.0 / bin;
     // Slots as far as the corners of the box, half its diagonal, so that the loop need not ask; the last one
     // has all that is farther in a box that is mostly empty.
@@ -70,12 +48,17 @@ PairSums count_pairs(const std::vector<double>& x, const std::vector<double>& y,
     std::vector<double> order(x.size() + padding);
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const std::size_t count = x.size() - i - 1;
-        fill_pair_row(c.rows(), i, count, box, per_bin, at.data(), order.data());
+        fill_pair_row(columns, i, count, box, per_bin, at.data(), order.data());
         for (std::size_t k = 0; k < count && has_rest; ++k)
             at[k] = std::min(at[k], static_cast<std::int32_t>(slots.size() - 1));
         add_row(at.data(), order.data(), count, slots.data());
     }
-    return split(slots, bins);
+    PairSums sums{std::vector<double>(bins), std::vector<double>(bins)};
+    for (std::size_t k = 0; k < bins; ++k) {
+        sums.pairs[k] = slots[k].pairs;
+        sums.order[k] = slots[k].order;
+    }
+    return sums;
 }
 
 std::vector<double> count_pairs_in(const Window& window, const std::vector<double>& x,

@@ -24,11 +24,6 @@ void want_column(const Row& column, std::size_t rows) {
         throw InputError("measure: pair: a track with values that are not finite");
 }
 
-void want_positive(const char* what, double value) {
-    if (!(std::isfinite(value) && value > 0.0))
-        throw InputError(fmt::format("measure: pair, {} {:g}: must be finite and positive", what, value));
-}
-
 /// Turn of a rod from the first row to each, whole turns counted.
 Row turns(const Row& heading) {
     Row turn = {0.0};
@@ -75,33 +70,6 @@ double change(const PairTrack& track, const PairFrame& course, std::size_t row) 
     return course.change(d.x, d.y);
 }
 
-/// Straight between the rows on both sides of half a box along the course.
-std::optional<double> half_box_change(const PairTrack& track, const PairFrame& course,
-                                      const PeriodicBox& box) {
-    const double half = course.side_along(box) / 2.0;
-    for (std::size_t row = 1; row < track.t.size(); ++row) {
-        const double now = advanced(track, course, row);
-        if (now < half)
-            continue;
-        const double before = advanced(track, course, row - 1);
-        const double part = (half - before) / (now - before);
-        const double first = change(track, course, row - 1);
-        return first + part * (change(track, course, row) - first);
-    }
-    return std::nullopt;
-}
-
-/// Who was ahead when the pair had turned most.
-int leader(const PairTrack& track, const PairFrame& course, PairOffset first, const Row (&turn)[2]) {
-    std::size_t most = 0;
-    const auto turned = [&](std::size_t row) { return std::abs(turn[0][row]) + std::abs(turn[1][row]); };
-    for (std::size_t row = 0; row < track.t.size(); ++row)
-        if (turned(row) > turned(most))
-            most = row;
-    const PairOffset d = moved(track, 0, most);
-    return course.ahead(first.x + d.x, first.y + d.y) >= 0.0 ? 0 : 1;
-}
-
 void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, PairOffset first,
                 const Row (&turn)[2]) {
     const PairFrame course(track.heading[0][0], track.heading[1][0], first.x, first.y);
@@ -109,16 +77,47 @@ void set_course(PairRun& run, const PairTrack& track, const PeriodicBox& box, Pa
         course.common() && !run.perpendicular ? course.separation() : std::hypot(first.x, first.y);
     if (!course.common())
         return;
-    run.half_box_change = half_box_change(track, course, box);
+
+    // The change at half a box along the course, straight between the rows on both sides.
+    const double half = course.side_along(box) / 2.0;
+    for (std::size_t row = 1; row < track.t.size() && !run.half_box_change; ++row) {
+        const double now = advanced(track, course, row);
+        if (now < half)
+            continue;
+        const double before = advanced(track, course, row - 1);
+        const double part = (half - before) / (now - before);
+        const double last = change(track, course, row - 1);
+        run.half_box_change = last + part * (change(track, course, row) - last);
+    }
     run.last_change = change(track, course, track.t.size() - 1);
-    run.leader = leader(track, course, first, turn);
+
+    // The leader is who was ahead when the pair had turned most.
+    std::size_t most = 0;
+    for (std::size_t row = 0; row < track.t.size(); ++row)
+        if (std::abs(turn[0][row]) + std::abs(turn[1][row]) >
+            std::abs(turn[0][most]) + std::abs(turn[1][most]))
+            most = row;
+    const PairOffset d = moved(track, 0, most);
+    run.leader = course.ahead(first.x + d.x, first.y + d.y) >= 0.0 ? 0 : 1;
     const double front = std::abs(turn[run.leader].back()), rear = std::abs(turn[1 - run.leader].back());
     if (front + rear > 1e-9) // rad
         run.non_reciprocity = (rear - front) / (rear + front);
 }
 
-/// The end of a track from its rows `late` to last (core/encounter.hpp says what is a mean).
-PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late, const Row (&turn)[2]) {
+void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options, const Row (&turn)[2]) {
+    const PeriodicBox box = images_of(options);
+    for (std::size_t row = 0; row < track.t.size(); ++row)
+        if (separation(track, box, row) < options.contact_distance) {
+            run.ending = Ending::contact;
+            run.ending_time = track.t[row];
+            return;
+        }
+    // The last part of a track begins at the last row but one at the latest.
+    const double from = track.t.back() - options.ending.steady_fraction * (track.t.back() - track.t.front());
+    const auto found = std::ranges::lower_bound(track.t, from) - track.t.begin();
+    const std::size_t late = std::min(static_cast<std::size_t>(found), track.t.size() - 2);
+
+    // core/encounter.hpp says what is a mean over the last part.
     const std::size_t last = track.t.size() - 1;
     const double duration = track.t[last] - track.t[late];
     const PairOffset position = apart(track, box, last), way = moved(track, late, last);
@@ -133,27 +132,14 @@ PairEnd end_of(const PairTrack& track, const PeriodicBox& box, std::size_t late,
             std::max(end.late.max_turning, std::abs(turn[i][last] - turn[i][late]) / duration);
     }
     end.late.min_separation = end.late.max_separation = std::hypot(position.x, position.y);
-    for (std::size_t row = late; row <= last; ++row) {
-        end.angle = std::max(end.angle, angle_between(track.heading[0][row], track.heading[1][row]));
-        const double r = separation(track, box, row);
+    for (std::size_t k = late; k <= last; ++k) {
+        end.angle = std::max(end.angle, angle_between(track.heading[0][k], track.heading[1][k]));
+        const double r = separation(track, box, k);
         end.late.min_separation = std::min(end.late.min_separation, r);
         end.late.max_separation = std::max(end.late.max_separation, r);
     }
-    return end;
-}
+    run.ending = classify(end, options.ending);
 
-void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options, const Row (&turn)[2]) {
-    for (std::size_t row = 0; row < track.t.size(); ++row)
-        if (separation(track, images_of(options), row) < options.contact_distance) {
-            run.ending = Ending::contact;
-            run.ending_time = track.t[row];
-            return;
-        }
-    // The last part of a track begins at the last row but one at the latest.
-    const double from = track.t.back() - options.ending.steady_fraction * (track.t.back() - track.t.front());
-    const auto found = std::ranges::lower_bound(track.t, from) - track.t.begin();
-    const std::size_t late = std::min(static_cast<std::size_t>(found), track.t.size() - 2);
-    run.ending = classify(end_of(track, images_of(options), late, turn), options.ending);
     // Pursuit begins when the headings lock for good.
     std::size_t row = track.t.size() - 1;
     while (row > 0 && angle_between(track.heading[0][row - 1], track.heading[1][row - 1]) <=
@@ -165,15 +151,17 @@ void set_ending(PairRun& run, const PairTrack& track, const PairOptions& options
 } // namespace
 
 PairRun follow_pair(const PairTrack& track, const PairOptions& options) {
-    want_positive("box (m)", options.box.x);
-    want_positive("box (m)", options.box.y);
-    want_positive("contact distance (m)", options.contact_distance);
     const EndingCriteria& limit = options.ending;
-    want_positive("locked heading (rad)", limit.locked_heading);
-    want_positive("lateral offset", limit.lateral_offset);
-    want_positive("steady separation", limit.steady_separation);
-    want_positive("residual turn", limit.residual_turn);
-    want_positive("last part of the track", limit.steady_fraction);
+    for (const auto& [what, value] :
+         {std::pair("box (m)", options.box.x), std::pair("box (m)", options.box.y),
+          std::pair("contact distance (m)", options.contact_distance),
+          std::pair("locked heading (rad)", limit.locked_heading),
+          std::pair("lateral offset", limit.lateral_offset),
+          std::pair("steady separation", limit.steady_separation),
+          std::pair("residual turn", limit.residual_turn),
+          std::pair("last part of the track", limit.steady_fraction)})
+        if (!(std::isfinite(value) && value > 0.0))
+            throw InputError(fmt::format("measure: pair, {} {:g}: must be finite and positive", what, value));
     if (track.t.size() < 2)
         throw InputError(fmt::format("measure: pair: a track of {} rows: needs 2 or more", track.t.size()));
     want_column(track.t, track.t.size());

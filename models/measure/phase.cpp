@@ -33,26 +33,6 @@ bool alike(const PhaseBlock& a, const PhaseBlock& b) {
            !differ(2);
 }
 
-/// phase_1 = phase_0 + phase_2 holds up to noise and a whole turn, which is taken out.
-Vector2 principal_value(const double* sums, const std::array<Vector2, 3>& g) {
-    std::array<double, 3> phase{};
-    for (std::size_t k = 0; k < 3; ++k)
-        phase[k] = std::atan2(sums[2 * k + 1], sums[2 * k]);
-    const double sum = phase[0] + phase[2];
-    phase[1] = sum + std::remainder(phase[1] - sum, 2.0 * M_PI);
-    BraggPeaks axes;
-    axes.G = g;
-    return displacement_of(axes, phase);
-}
-
-double quality(const double* sums) {
-    const double count = sums[PhaseAccumulator::beads];
-    double size = 0.0;
-    for (std::size_t k = 0; k < 3; ++k)
-        size += std::hypot(sums[2 * k], sums[2 * k + 1]) / 3.0;
-    return count > 0.0 ? size / (count + full_count) : 0.0;
-}
-
 /// Bins without beads of those blocks are filled in.
 std::vector<Vector2> first_guess(const std::vector<PhaseBlock>& blocks, const RodGrid& grid,
                                  double far_from) {
@@ -74,10 +54,22 @@ std::vector<Vector2> first_guess(const std::vector<PhaseBlock>& blocks, const Ro
         if (alike(centre, block))
             std::ranges::transform(pooled, block.sums, pooled.begin(), std::plus{});
     std::vector<Vector2> u(grid.bins());
-    std::vector<double> good(grid.bins());
+    std::vector<double> good(grid.bins()); // coherence of the bins
+    BraggPeaks axes;
+    axes.G = centre.g;
     for (std::size_t j = 0; j < grid.bins(); ++j) {
-        u[j] = principal_value(&pooled[j * channels], centre.g);
-        good[j] = quality(&pooled[j * channels]);
+        // phase_1 = phase_0 + phase_2 holds up to noise and a whole turn, which is taken out.
+        const double* sums = &pooled[j * channels];
+        std::array<double, 3> phase{};
+        double size = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            phase[k] = std::atan2(sums[2 * k + 1], sums[2 * k]);
+            size += std::hypot(sums[2 * k], sums[2 * k + 1]) / 3.0;
+        }
+        const double sum = phase[0] + phase[2], count = sums[PhaseAccumulator::beads];
+        phase[1] = sum + std::remainder(phase[1] - sum, 2.0 * M_PI);
+        u[j] = displacement_of(axes, phase);
+        good[j] = count > 0.0 ? size / (count + full_count) : 0.0;
     }
     const auto done = unwrap(u, good, grid, LatticeVectors(centre.g), far_from);
     for (double Vector2::*part : {&Vector2::x, &Vector2::y}) {
@@ -142,15 +134,9 @@ BinSamples of_cells(const std::vector<PhaseBlock>& blocks, const CellWindow& win
     return samples;
 }
 
-BinSamples at_middles(BinSamples samples, const RodGrid& grid) {
-    for (std::size_t j = 0; j < grid.bins(); ++j)
-        samples.place[j] = {grid.x_of(j), grid.y_of(j)};
-    return samples;
-}
-
 } // namespace
 
-void want_crystal(std::span<const DisplacementAccumulator> runs) {
+BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
     for (const DisplacementAccumulator& run : runs) {
         const auto& peaks = std::get<PhaseAccumulator>(DisplacementSums::of(run).sums).peaks();
         if (peaks && peaks->contrast() < least_contrast)
@@ -160,10 +146,6 @@ void want_crystal(std::span<const DisplacementAccumulator> runs) {
                 "needs {:g}; take a denser bed, a longer equilibration or the estimator lagrangian",
                 peaks->contrast(), least_contrast));
     }
-}
-
-BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
-    want_crystal(runs);
     const RodGrid grid = grid_of(runs[0]);
     std::vector<std::vector<double>> smoothed;
     const auto blocks = phase_blocks(runs, smoothed);
@@ -176,8 +158,12 @@ BinSamples phase_samples(std::span<const DisplacementAccumulator> runs) {
         return single; // has been averaged over a window already
     const double spacing = lattice_spacing(runs[0].layout());
     const BinSamples plain = of_cells(blocks, CellWindow(single, nullptr, grid, spacing), grid);
-    // differences across the cell are taken out
-    return at_middles(of_cells(blocks, CellWindow(single, &plain, grid, spacing), grid), grid);
+
+    // Differences across the cell are taken out, so the means belong to the middles of the bins.
+    BinSamples samples = of_cells(blocks, CellWindow(single, &plain, grid, spacing), grid);
+    for (std::size_t j = 0; j < grid.bins(); ++j)
+        samples.place[j] = {grid.x_of(j), grid.y_of(j)};
+    return samples;
 }
 
 PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptions& options)
@@ -189,16 +175,15 @@ PhaseAccumulator::PhaseAccumulator(const Layout& layout, const DisplacementOptio
 }
 
 bool PhaseAccumulator::add(const Frame& frame) {
-    if (layout_.window)
-        return wait(frame);
-    if (!peaks_)
-        peaks_ = find_peaks(frame.x, frame.y, layout_.box);
-    return take(frame, peaks_->G, *peaks_);
-}
+    if (!layout_.window) {
+        if (!peaks_)
+            peaks_ = find_peaks(frame.x, frame.y, layout_.box);
+        return take(frame, peaks_->G, *peaks_);
+    }
 
-bool PhaseAccumulator::wait(const Frame& frame) {
-    const auto number = [&](double time) { return std::floor(time / options_.block); };
-    if (!waiting_.empty() && number(frame.time) != number(waiting_.front().time))
+    // In a window the frame waits for the others of its block of time.
+    if (!waiting_.empty() &&
+        std::floor(frame.time / options_.block) != std::floor(waiting_.front().time / options_.block))
         finish();
     const FarField far(frame, layout_, options_.far_from);
     std::size_t count = 0;
@@ -226,54 +211,45 @@ bool PhaseAccumulator::take(const Frame& frame, const std::array<Vector2, 3>& G,
     waves_.resize(frame.x.size());
     for (std::size_t i = 0; i < frame.x.size(); ++i)
         waves_[i] = plane_waves(G, frame.x[i], frame.y[i]);
-    const auto reference = far_phases(frame);
-    if (!reference)
-        return false;
+
+    // The far field's mean phases become 0 by these factors.
+    const FarField far(frame, layout_, options_.far_from);
+    PhaseFactors reference{};
+    for (std::size_t i = 0; i < frame.x.size(); ++i)
+        if (far.has(frame.x[i], frame.y[i]))
+            for (std::size_t k = 0; k < 3; ++k)
+                reference[k] += waves_[i][k];
+    for (auto& phase : reference) {
+        if (phase == 0.0)
+            return false;
+        phase = std::conj(phase) / std::abs(phase);
+    }
+
+    // Each bead counts in the bin where the rod sees it.
     const RodPosition position = place_of(options_.rod, layout_, frame);
     const RodView rod(position, image_box(layout_));
     BlockSums& block = blocks_.at(frame.time, position.heading);
     const auto turned = seen_along(peaks.G, block.first_heading);
     for (std::size_t i = 0; i < frame.x.size(); ++i) {
         const RelativePosition now = rod.at(frame.x[i], frame.y[i]);
-        if (options_.method == DisplacementMethod::density)
-            count(now, plane_waves(turned, now.x, now.y), block);
-        else
-            count(now,
-                  {times(waves_[i][0], (*reference)[0]), times(waves_[i][1], (*reference)[1]),
-                   times(waves_[i][2], (*reference)[2])},
-                  block);
+        const auto bin = grid_.bin(now.x, now.y);
+        if (!bin)
+            continue;
+        const PhaseFactors waves =
+            options_.method == DisplacementMethod::density
+                ? plane_waves(turned, now.x, now.y)
+                : PhaseFactors{times(waves_[i][0], reference[0]), times(waves_[i][1], reference[1]),
+                               times(waves_[i][2], reference[2])};
+        double* sums = block.sums.data() + *bin * channels;
+        for (std::size_t k = 0; k < 3; ++k) {
+            sums[2 * k] += waves[k].real();
+            sums[2 * k + 1] += waves[k].imag();
+        }
+        sums[beads] += 1.0;
+        sums[place_x] += nearest_image_once(now.x - grid_.x_of(*bin), grid_.box.x);
+        sums[place_y] += nearest_image_once(now.y - grid_.y_of(*bin), grid_.box.y);
     }
     return true;
-}
-
-/// Unit numbers to multiply by, so that the far field's mean phases become 0.
-std::optional<PhaseFactors> PhaseAccumulator::far_phases(const Frame& frame) const {
-    const FarField far(frame, layout_, options_.far_from);
-    PhaseFactors sum{};
-    for (std::size_t i = 0; i < frame.x.size(); ++i)
-        if (far.has(frame.x[i], frame.y[i]))
-            for (std::size_t k = 0; k < 3; ++k)
-                sum[k] += waves_[i][k];
-    for (auto& phase : sum) {
-        if (phase == 0.0)
-            return std::nullopt;
-        phase = std::conj(phase) / std::abs(phase);
-    }
-    return sum;
-}
-
-void PhaseAccumulator::count(const RelativePosition& now, const PhaseFactors& waves, BlockSums& block) const {
-    const auto bin = grid_.bin(now.x, now.y);
-    if (!bin)
-        return;
-    double* sums = block.sums.data() + *bin * channels;
-    for (std::size_t k = 0; k < 3; ++k) {
-        sums[2 * k] += waves[k].real();
-        sums[2 * k + 1] += waves[k].imag();
-    }
-    sums[beads] += 1.0;
-    sums[place_x] += nearest_image_once(now.x - grid_.x_of(*bin), grid_.box.x);
-    sums[place_y] += nearest_image_once(now.y - grid_.y_of(*bin), grid_.box.y);
 }
 
 void PhaseAccumulator::save(StateWriter& out) const {

@@ -19,25 +19,22 @@ constexpr int newton_steps = 8;
 PhaseCell::PhaseCell(const std::vector<PhaseBlock>& blocks, const std::vector<CellPart>& parts)
     : blocks_(blocks), sums_(blocks.size()) {
     for (std::size_t b = 0; b < blocks.size(); ++b)
-        for (const CellPart& part : parts)
-            add(blocks[b], part, sums_[b]);
-}
-
-void PhaseCell::add(const PhaseBlock& block, const CellPart& part, Sums& to) {
-    const double* from = &block.sums[part.bin * PhaseAccumulator::channels];
-    if (from[PhaseAccumulator::beads] == 0.0)
-        return;
-    const bool moved = part.difference != Vector2{};
-    const PhaseFactors back =
-        moved ? plane_waves(block.g, -part.difference.x, -part.difference.y) : PhaseFactors{1.0, 1.0, 1.0};
-    for (std::size_t k = 0; k < 3; ++k) {
-        const auto z = times({from[2 * k], from[2 * k + 1]}, back[k]);
-        to[2 * k] += part.weight * z.real();
-        to[2 * k + 1] += part.weight * z.imag();
-    }
-    for (const std::size_t c :
-         {PhaseAccumulator::beads, PhaseAccumulator::place_x, PhaseAccumulator::place_y})
-        to[c] += part.weight * from[c];
+        for (const CellPart& part : parts) {
+            const double* from = &blocks[b].sums[part.bin * PhaseAccumulator::channels];
+            if (from[PhaseAccumulator::beads] == 0.0)
+                continue;
+            const bool moved = part.difference != Vector2{};
+            const PhaseFactors back = moved ? plane_waves(blocks[b].g, -part.difference.x, -part.difference.y)
+                                            : PhaseFactors{1.0, 1.0, 1.0};
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto z = times({from[2 * k], from[2 * k + 1]}, back[k]);
+                sums_[b][2 * k] += part.weight * z.real();
+                sums_[b][2 * k + 1] += part.weight * z.imag();
+            }
+            for (const std::size_t c :
+                 {PhaseAccumulator::beads, PhaseAccumulator::place_x, PhaseAccumulator::place_y})
+                sums_[b][c] += part.weight * from[c];
+        }
 }
 
 double PhaseCell::total(std::size_t channel) const {
@@ -94,19 +91,18 @@ void PhaseCell::look(const Vector2& u) {
         if (sums_[b][PhaseAccumulator::beads] == 0.0)
             continue;
         const PhaseFactors back = plane_waves(blocks_[b].g, -u.x, -u.y);
-        for (std::size_t k = 0; k < 3; ++k)
-            look(blocks_[b].g[k], times({sums_[b][2 * k], sums_[b][2 * k + 1]}, back[k]), slopes_[b]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vector2& g = blocks_[b].g[k];
+            const auto z = times({sums_[b][2 * k], sums_[b][2 * k + 1]}, back[k]);
+            slopes_[b].x += g.x * z.imag();
+            slopes_[b].y += g.y * z.imag();
+            xx_ += g.x * g.x * z.real();
+            xy_ += g.x * g.y * z.real();
+            yy_ += g.y * g.y * z.real();
+            in_phase_ += z.real();
+            longest_ = std::max(longest_, std::abs(g.x) + std::abs(g.y));
+        }
     }
-}
-
-void PhaseCell::look(const Vector2& g, const std::complex<double>& z, Vector2& slope) {
-    slope.x += g.x * z.imag();
-    slope.y += g.y * z.imag();
-    xx_ += g.x * g.x * z.real();
-    xy_ += g.x * g.y * z.real();
-    yy_ += g.y * g.y * z.real();
-    in_phase_ += z.real();
-    longest_ = std::max(longest_, std::abs(g.x) + std::abs(g.y));
 }
 
 std::optional<Vector2> PhaseCell::inverse(const Vector2& v) const {
@@ -181,13 +177,6 @@ constexpr double window_width = 0.75,
 
 using BinSums = std::vector<double>;
 
-/// Adds w times the sums of a bin `apart` away along one axis.
-void add_bin(double* to, const double* from, double w, double apart, std::size_t index) {
-    for (std::size_t c = 0; c < phase_channels; ++c)
-        to[c] += w * from[c];
-    to[index] += w * apart * from[PhaseAccumulator::beads]; // places count from the bin's own middle
-}
-
 /// Weighted means along x or y of the periodic grid.
 BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool along_x) {
     BinSums result(sums.size(), 0.0);
@@ -203,19 +192,14 @@ BinSums blurred(const BinSums& sums, const RodGrid& grid, double width, bool alo
         for (long k = -reach; k <= reach; ++k) {
             const long from = along_x ? j / n * n + (j % n + k + n) % n : (j / n + k + m) % m * n + j % n;
             const double apart = static_cast<double>(k) * spacing;
-            add_bin(&result[static_cast<std::size_t>(j) * phase_channels],
-                    &sums[static_cast<std::size_t>(from) * phase_channels],
-                    weight[static_cast<std::size_t>(k + reach)] / total, apart, index);
+            const double w = weight[static_cast<std::size_t>(k + reach)] / total;
+            double* to = &result[static_cast<std::size_t>(j) * phase_channels];
+            const double* bin = &sums[static_cast<std::size_t>(from) * phase_channels];
+            for (std::size_t c = 0; c < phase_channels; ++c)
+                to[c] += w * bin[c];
+            to[index] += w * apart * bin[PhaseAccumulator::beads]; // places count from the bin's own middle
         }
     return result;
-}
-
-void take_off(BinSums& sums, std::size_t k, const std::complex<double>& phase) {
-    for (std::size_t at = 2 * k; at < sums.size(); at += phase_channels) {
-        const auto z = times({sums[at], sums[at + 1]}, phase);
-        sums[at] = z.real();
-        sums[at + 1] = z.imag();
-    }
 }
 
 /// The block's sums (PhaseAccumulator's phase_channels) in the window around each bin's middle, the far
@@ -230,8 +214,14 @@ std::vector<double> windowed_density(const BlockSums& block, const RodGrid& grid
             if (std::hypot(grid.x_of(j), grid.y_of(j)) > far_from)
                 far += std::complex<double>(sums[j * phase_channels + 2 * k],
                                             sums[j * phase_channels + 2 * k + 1]);
-        if (far != 0.0)
-            take_off(sums, k, std::conj(far) / std::abs(far));
+        if (far == 0.0)
+            continue;
+        const std::complex<double> phase = std::conj(far) / std::abs(far);
+        for (std::size_t at = 2 * k; at < sums.size(); at += phase_channels) {
+            const auto z = times({sums[at], sums[at + 1]}, phase);
+            sums[at] = z.real();
+            sums[at + 1] = z.imag();
+        }
     }
     return sums;
 }

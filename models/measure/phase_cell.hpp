@@ -91,9 +91,7 @@ public:
 private:
     using Sums = std::array<double, PhaseAccumulator::channels>;
 
-    static void add(const PhaseBlock& block, const CellPart& part, Sums& to);
     void look(const Vector2& u);
-    void look(const Vector2& g, const std::complex<double>& z, Vector2& slope);
     std::optional<Vector2> inverse(const Vector2& v) const;
 
     const std::vector<PhaseBlock>& blocks_;

@@ -102,17 +102,10 @@ void PhononAccumulator::add(const Frame& frame) {
     }
     const Row vx = without_mean(frame.vx), vy = without_mean(frame.vy);
     const double beads = static_cast<double>(layout_.beads);
-    take(frame.time,
-         fourier(layout_, modes_, options_.shells, without_mean(frame.unwrapped_x),
-                 without_mean(frame.unwrapped_y), vx, vy),
-         (sum_of_squares(vx) + sum_of_squares(vy)) / (2.0 * beads));
-    if (times_.frames > 1 && times_.frames % displacement_stride == 0)
-        take_displacements(frame);
-}
-
-/// The interval, and so the number of lags, is known from the second frame on.
-void PhononAccumulator::take(double time, const Row& currents, double temperature) {
-    if (times_.frames == 2) {
+    const double temperature = (sum_of_squares(vx) + sum_of_squares(vy)) / (2.0 * beads);
+    const Row currents = fourier(layout_, modes_, options_.shells, without_mean(frame.unwrapped_x),
+                                 without_mean(frame.unwrapped_y), vx, vy);
+    if (times_.frames == 2) { // the interval, and so the number of lags, is known
         lags_ = 1 + static_cast<std::size_t>(options_.longest_lag / times_.interval * (1.0 + 1e-9));
         correlate(block_at(first_time_), first_temperature_);
     }
@@ -123,7 +116,9 @@ void PhononAccumulator::take(double time, const Row& currents, double temperatur
     }
     if (history_.size() > lags_)
         history_.pop_front();
-    correlate(block_at(time), temperature);
+    correlate(block_at(frame.time), temperature);
+    if (times_.frames % displacement_stride == 0)
+        take_displacements(frame);
 }
 
 PhononAccumulator::PhononBlock& PhononAccumulator::block_at(double time) {
@@ -233,38 +228,16 @@ using Runs = std::span<const PhononAccumulator>;
 using PhononBlock = PhononAccumulator::PhononBlock;
 constexpr std::size_t most_blocks = 64;
 
-void add(PhononBlock& sum, const PhononBlock& other) {
+void add(PhononSums& sum, const PhononSums& other) {
     const auto plus = [](Row& a, const Row& b) {
         for (std::size_t i = 0; i < a.size(); ++i)
             a[i] += b[i];
     };
-    sum.frames += other.frames;
-    sum.temperature += other.temperature;
-    plus(sum.origins, other.origins);
-    plus(sum.currents, other.currents);
-}
-
-/// Variance of u over a block's time, summed over its frames; it is taken block by block, so that what
-/// creeps over longer times does not count.
-Row displacement_squares(const PhononBlock& block, std::size_t modes) {
-    Row squares(2 * modes, 0.0);
-    if (block.displacements == 0.0)
-        return squares;
-    const auto mean_square = [&](std::size_t part, std::size_t k) {
-        const double re = block.amplitude[2 * part * modes + k],
-                     im = block.amplitude[(2 * part + 1) * modes + k];
-        return (re * re + im * im) / block.displacements;
-    };
-    for (std::size_t part = 0; part < 2; ++part)
-        for (std::size_t k = 0; k < modes; ++k)
-            squares[part * modes + k] = block.amplitude[(4 + part) * modes + k] - mean_square(part, k);
-    return squares;
-}
-
-void add(PhononSums& sum, const PhononSums& other) {
-    add(sum.block, other.block);
-    for (std::size_t i = 0; i < sum.squares.size(); ++i)
-        sum.squares[i] += other.squares[i];
+    sum.block.frames += other.block.frames;
+    sum.block.temperature += other.block.temperature;
+    plus(sum.block.origins, other.block.origins);
+    plus(sum.block.currents, other.block.currents);
+    plus(sum.squares, other.squares);
     sum.displacements += other.displacements;
 }
 
@@ -275,8 +248,18 @@ std::vector<PhononSums> phonon_blocks(Runs runs) {
     for (const PhononAccumulator& run : runs)
         for (std::size_t b = 0; b < run.blocks().size(); ++b) {
             const PhononBlock& block = run.blocks()[b];
-            const PhononSums sums{block, displacement_squares(block, run.modes().size()),
-                                  block.displacements};
+            const std::size_t modes = run.modes().size();
+            PhononSums sums{block, Row(2 * modes, 0.0), block.displacements};
+
+            // Variance of u over a block's time, summed over its frames; it is taken block by block, so that
+            // what creeps over longer times does not count.
+            for (std::size_t part = 0; part < 2 && block.displacements > 0.0; ++part)
+                for (std::size_t k = 0; k < modes; ++k) {
+                    const double re = block.amplitude[2 * part * modes + k],
+                                 im = block.amplitude[(2 * part + 1) * modes + k];
+                    sums.squares[part * modes + k] =
+                        block.amplitude[(4 + part) * modes + k] - (re * re + im * im) / block.displacements;
+                }
             if (b > 0 && 2.0 * sums.block.frames < run.blocks()[0].frames)
                 add(blocks.back(), sums);
             else

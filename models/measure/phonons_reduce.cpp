@@ -1,3 +1,4 @@
+#include "blocks.hpp"
 #include "oscillator_fit.hpp"
 #include "phonon_constants.hpp"
 #include "phonon_sums.hpp"
@@ -23,7 +24,6 @@ constexpr std::size_t fewest_blocks = 2;
 /// Numbers of one branch, in this order in a row.
 enum BranchNumber : std::size_t { omega, gamma, temperature, displacement, omega_static, amplitude };
 constexpr std::size_t branch_numbers = 6;
-using BranchRow = std::array<double, branch_numbers>;
 
 /// What all data gave: start and window of the fits of the parts.
 struct Guide {
@@ -36,14 +36,6 @@ Guide guide_of(const Row& correlation, double step) {
     if (!std::isfinite(rough.amplitude))
         return {rough.oscillator, 0};
     return {rough.oscillator, fitted_lags(rough.oscillator, step, correlation.size())};
-}
-
-BranchRow branch_row(const Row& correlation, double step, const Guide& guide, double square, double beads) {
-    const OscillatorFit fit =
-        fit_oscillator(std::span(correlation).first(guide.lags), step, &guide.oscillator);
-    const double T = correlation[0];
-    return {fit.oscillator.omega, fit.oscillator.gamma, T, square, std::sqrt(T / (beads * square)),
-            fit.amplitude};
 }
 
 /// The analysis of sums over blocks, the same for all blocks and for all but one.
@@ -77,9 +69,13 @@ public:
         for (std::size_t i = 0; i < classes_.size(); ++i) {
             const CurrentCorrelations c = branches(sums, classes_[i]);
             for (const std::size_t branch : {0, 1}) {
-                const BranchRow numbers = branch_row(branch == 0 ? c.LL : c.TT, step_, guides_[i][branch],
-                                                     square(sums, classes_[i], branch), beads_);
-                row.insert(row.end(), numbers.begin(), numbers.end());
+                const Row& correlation = branch == 0 ? c.LL : c.TT;
+                const Guide& guide = guides_[i][branch];
+                const OscillatorFit fit =
+                    fit_oscillator(std::span(correlation).first(guide.lags), step_, &guide.oscillator);
+                const double T = correlation[0], u2 = square(sums, classes_[i], branch);
+                row.insert(row.end(), {fit.oscillator.omega, fit.oscillator.gamma, T, u2,
+                                       std::sqrt(T / (beads_ * u2)), fit.amplitude});
             }
         }
         return row;
@@ -114,21 +110,6 @@ private:
     std::vector<MirrorModes> classes_;
     std::vector<std::array<Guide, 2>> guides_;
 };
-
-/// Jackknife error of each number of rows that each leave one block out.
-Row errors_of(const std::vector<Row>& without) {
-    const double n = static_cast<double>(without.size());
-    Row errors;
-    for (std::size_t i = 0; i < without[0].size(); ++i) {
-        double mean = 0.0, scatter = 0.0;
-        for (const Row& row : without)
-            mean += row[i] / n;
-        for (const Row& row : without)
-            scatter += (row[i] - mean) * (row[i] - mean);
-        errors.push_back(std::sqrt(scatter * (n - 1.0) / n));
-    }
-    return errors;
-}
 
 struct ConstantPair {
     double ElasticNumbers::*number;
@@ -182,21 +163,6 @@ void set_curves(PhononBranch& b, const Row& correlation, double step) {
         f *= b.share;
 }
 
-/// Of the last block of each run: how far beads are from where they were in the first frame.
-void set_travel(PhononResult& result, Runs runs) {
-    double squares = 0.0;
-    for (const PhononAccumulator& run : runs) {
-        const auto last = std::ranges::find_if(run.blocks().rbegin(), run.blocks().rend(),
-                                               [](const auto& b) { return b.displacements > 0.0; });
-        if (last != run.blocks().rend())
-            squares = std::max(squares, last->travel / last->displacements);
-    }
-    const Layout& layout = runs[0].layout();
-    const double area = layout.box.area() / static_cast<double>(layout.beads);
-    result.travel = std::sqrt(squares);
-    result.kept_places = result.travel < 0.5 * std::sqrt(2.0 / std::sqrt(3.0) * area);
-}
-
 double temperature_of(const PhononSums& sums) { return sums.block.temperature / sums.block.frames; }
 
 } // namespace
@@ -220,25 +186,38 @@ PhononResult reduce(Runs runs) {
                                      blocks.size(), fewest_blocks));
     const PhononSums all = pooled(blocks, blocks.size());
     const Analysis analysis(runs[0], all);
-    std::vector<Row> rows, numbers;
-    std::vector<Row> temperatures;
+    std::vector<Row> rows, numbers, temperatures;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
         const PhononSums rest = pooled(blocks, b);
         rows.push_back(analysis.branch_rows(rest));
         temperatures.push_back({temperature_of(rest)});
     }
-    const Row row = analysis.branch_rows(all), errors = errors_of(rows);
+    const Row row = analysis.branch_rows(all);
+    const Row errors = Jackknife{row, rows}.errors();
     for (const Row& rest : rows)
         numbers.push_back(row_of(analysis.constants(rest, errors)));
-    const Row number = row_of(analysis.constants(row, errors)), number_errors = errors_of(numbers);
+    const Row number = row_of(analysis.constants(row, errors));
+    const Row number_errors = Jackknife{number, numbers}.errors();
     PhononResult result;
     result.step = runs[0].interval();
     result.density = analysis.density();
     result.blocks = blocks.size();
-    result.temperature = {temperature_of(all), errors_of(temperatures)[0], blocks.size()};
+    result.temperature = {temperature_of(all), Jackknife{{}, temperatures}.error(0), blocks.size()};
     for (const PhononAccumulator& run : runs)
         result.frames += run.frames();
-    set_travel(result, runs);
+
+    // How far beads are from where they were in the first frame, in the last block of each run.
+    double squares = 0.0;
+    for (const PhononAccumulator& run : runs) {
+        const auto last = std::ranges::find_if(run.blocks().rbegin(), run.blocks().rend(),
+                                               [](const auto& b) { return b.displacements > 0.0; });
+        if (last != run.blocks().rend())
+            squares = std::max(squares, last->travel / last->displacements);
+    }
+    const Layout& layout = runs[0].layout();
+    const double area = layout.box.area() / static_cast<double>(layout.beads);
+    result.travel = std::sqrt(squares);
+    result.kept_places = result.travel < 0.5 * std::sqrt(2.0 / std::sqrt(3.0) * area);
     for (std::size_t i = 0; i < analysis.classes().size(); ++i) {
         const MirrorModes& modes = analysis.classes()[i];
         PhononMode mode{modes.m, modes.n, analysis.qx(modes), analysis.qy(modes), analysis.angle(all, modes),
@@ -306,13 +285,6 @@ void set_drag(ElasticNumbers& out, const Numbers& modes) {
     out.viscosity_T = found[2] / scale;
 }
 
-/// Christoffel's equation for C12 from one wave off the axes; the root that a stable medium near isotropy
-/// has.
-double coupling_constant(const ElasticNumbers& e, double modulus, double cx, double cy) {
-    const double xx = e.C11 * cx * cx + e.C66 * cy * cy, yy = e.C66 * cx * cx + e.C22 * cy * cy;
-    return std::sqrt((modulus - xx) * (modulus - yy)) / (cx * cy) - e.C66;
-}
-
 } // namespace
 
 WaveModuli wave_moduli(double C11, double C22, double C12, double C66, double angle) {
@@ -342,7 +314,14 @@ ElasticNumbers elastic_numbers(const Numbers& modes, double density) {
     e.C66 = modulus(speed(modes, T, wT, on_axis));
     const auto oblique = std::ranges::find_if(modes, diagonal);
     const double q = oblique == modes.end() ? 0.0 : std::hypot(oblique->qx, oblique->qy);
-    e.C12 = q > 0.0 ? coupling_constant(e, modulus(e.c_Ld), oblique->qx / q, oblique->qy / q) : NAN;
+    e.C12 = NAN;
+    if (q > 0.0) {
+        // Christoffel's equation for C12 from one wave off the axes; the root that a stable medium near
+        // isotropy has.
+        const double cx = oblique->qx / q, cy = oblique->qy / q, diagonal_modulus = modulus(e.c_Ld);
+        const double xx = e.C11 * cx * cx + e.C66 * cy * cy, yy = e.C66 * cx * cx + e.C22 * cy * cy;
+        e.C12 = std::sqrt((diagonal_modulus - xx) * (diagonal_modulus - yy)) / (cx * cy) - e.C66;
+    }
     e.bulk = (e.C11 + e.C22 + 2.0 * e.C12) / 4.0;
     e.mu = (e.C11 + e.C22 - 2.0 * e.C12 + 4.0 * e.C66) / 8.0;
     e.eta = e.bulk / e.mu;

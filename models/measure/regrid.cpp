@@ -15,25 +15,6 @@ namespace {
 
 constexpr double tolerance = 1e-12; // of the residual, relative
 
-struct SurroundingBins {
-    std::array<std::size_t, 4> bins{};
-    std::size_t count = 0;
-};
-
-SurroundingBins around(std::size_t bin, std::size_t n, std::size_t bins) {
-    SurroundingBins found;
-    const std::size_t column = bin % n;
-    if (column > 0)
-        found.bins[found.count++] = bin - 1;
-    if (column + 1 < n)
-        found.bins[found.count++] = bin + 1;
-    if (bin >= n)
-        found.bins[found.count++] = bin - n;
-    if (bin + n < bins)
-        found.bins[found.count++] = bin + n;
-    return found;
-}
-
 } // namespace
 
 void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::size_t columns) {
@@ -50,13 +31,22 @@ void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::s
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
     for (Eigen::Index k = 0; k < size; ++k) {
-        const SurroundingBins near = around(bins[static_cast<std::size_t>(k)], columns, values.size());
-        entries.emplace_back(k, k, static_cast<double>(near.count));
-        for (std::size_t i = 0; i < near.count; ++i)
-            if (known[near.bins[i]])
-                right[k] += values[near.bins[i]];
+        const std::size_t bin = bins[static_cast<std::size_t>(k)], column = bin % columns;
+        std::vector<std::size_t> near;
+        if (column > 0)
+            near.push_back(bin - 1);
+        if (column + 1 < columns)
+            near.push_back(bin + 1);
+        if (bin >= columns)
+            near.push_back(bin - columns);
+        if (bin + columns < values.size())
+            near.push_back(bin + columns);
+        entries.emplace_back(k, k, static_cast<double>(near.size()));
+        for (const std::size_t other : near)
+            if (known[other])
+                right[k] += values[other];
             else
-                entries.emplace_back(k, unknown[near.bins[i]], -1.0);
+                entries.emplace_back(k, unknown[other], -1.0);
     }
     Eigen::SparseMatrix<double> matrix(size, size);
     matrix.setFromTriplets(entries.begin(), entries.end());
@@ -70,25 +60,6 @@ void fill_in(std::vector<double>& values, const std::vector<bool>& known, std::s
 namespace {
 
 constexpr double own = 0.5, nearest_allowed = 0.75; // in spacings
-
-void put(std::size_t bin, const std::vector<NearSample>& own_samples, const LocalFit& fit,
-         const BinSamples& samples, DisplacementField& field) {
-    double total = 0.0;
-    for (const NearSample& sample : own_samples) {
-        const std::size_t k = sample.sample;
-        const double w = samples.count[k];
-        const Vector2 apart = fit.difference(sample.x, sample.y);
-        field.Ux[bin] += w * (samples.value[k].x - apart.x);
-        field.Uy[bin] += w * (samples.value[k].y - apart.y);
-        field.sigma_x[bin] += w * samples.sigma[k].x; // neighbours share their cell, so errors do not cancel
-        field.sigma_y[bin] += w * samples.sigma[k].y;
-        field.coherence[bin] += w * samples.coherence[k];
-        total += w;
-    }
-    for (auto* values : {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.coherence})
-        (*values)[bin] /= total;
-    field.count[bin] = total / static_cast<double>(own_samples.size());
-}
 
 } // namespace
 
@@ -112,8 +83,24 @@ void regrid(const BinSamples& samples, const std::vector<Vector2>& undisplaced, 
         }
         if (own_samples.empty() && nearest && size(*nearest) <= nearest_allowed)
             own_samples.push_back(*nearest);
-        if (!own_samples.empty())
-            put(bin, own_samples, LocalFit(near, samples), samples, field);
+        if (own_samples.empty())
+            continue;
+        const LocalFit fit(near, samples);
+        double total = 0.0;
+        for (const NearSample& sample : own_samples) {
+            const std::size_t k = sample.sample;
+            const double w = samples.count[k];
+            const Vector2 apart = fit.difference(sample.x, sample.y);
+            field.Ux[bin] += w * (samples.value[k].x - apart.x);
+            field.Uy[bin] += w * (samples.value[k].y - apart.y);
+            field.sigma_x[bin] += w * samples.sigma[k].x; // neighbours share their cell: errors do not cancel
+            field.sigma_y[bin] += w * samples.sigma[k].y;
+            field.coherence[bin] += w * samples.coherence[k];
+            total += w;
+        }
+        for (auto* values : {&field.Ux, &field.Uy, &field.sigma_x, &field.sigma_y, &field.coherence})
+            (*values)[bin] /= total;
+        field.count[bin] = total / static_cast<double>(own_samples.size());
     }
 }
 
@@ -132,16 +119,13 @@ Basis basis(double x, double y) { return {1.0, x, y, x * x, x * y, y * y}; }
 Scattered::Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid)
     : samples_(samples), places_(positions), grid_(grid), in_cell_(grid.bins()) {
     for (std::size_t j = 0; j < positions.size(); ++j)
-        if (samples.count[j] > 0.0)
-            in_cell_[cell(column(positions[j].x), row(positions[j].y))].push_back(j);
-}
-
-long Scattered::column(double x) const {
-    return static_cast<long>(std::floor(x / grid_.width + 0.5)) + static_cast<long>(grid_.columns / 2);
-}
-
-long Scattered::row(double y) const {
-    return static_cast<long>(std::floor(y / grid_.height + 0.5)) + static_cast<long>(grid_.rows / 2);
+        if (samples.count[j] > 0.0) {
+            const long column = static_cast<long>(std::floor(positions[j].x / grid.width + 0.5)),
+                       row = static_cast<long>(std::floor(positions[j].y / grid.height + 0.5));
+            in_cell_[cell(column + static_cast<long>(grid.columns / 2),
+                          row + static_cast<long>(grid.rows / 2))]
+                .push_back(j);
+        }
 }
 
 std::size_t Scattered::cell(long i, long j) const {

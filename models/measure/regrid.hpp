@@ -40,11 +40,8 @@ public:
     Scattered(const BinSamples& samples, const std::vector<Vector2>& positions, const RodGrid& grid);
     /// Within so many spacings of the middle of a bin, at most 4; in the order of bins and samples.
     std::vector<NearSample> around(std::size_t bin, double reach) const;
-    const BinSamples& samples() const { return samples_; }
 
 private:
-    long column(double x) const;
-    long row(double y) const;
     std::size_t cell(long i, long j) const;
 
     const BinSamples& samples_;

@@ -46,13 +46,6 @@ private:
     std::vector<std::size_t> parent_;
 };
 
-/// On the plane, a square that holds all places and in which no two are near each other round its edge.
-double side_of(std::span<const double> x, std::span<const double> y, double link) {
-    const auto [left, right] = std::ranges::minmax(x);
-    const auto [low, high] = std::ranges::minmax(y);
-    return std::max(right - left, high - low) + 2.0 * link;
-}
-
 /// Calls see(a, b), a < b, for each pair nearer than `reach`.
 template<class See>
 void each_near_pair(std::span<const RodPosition> rods, double reach, std::optional<PeriodicBox> box,
@@ -62,7 +55,13 @@ void each_near_pair(std::span<const RodPosition> rods, double reach, std::option
         x.push_back(rod.x);
         y.push_back(rod.y);
     }
-    const PeriodicBox side = box ? *box : PeriodicBox(side_of(x, y, reach));
+    PeriodicBox side = box.value_or(PeriodicBox{});
+    if (!box) {
+        // On the plane, a square that holds all rods and in which no two are near each other round its edge.
+        const auto [left, right] = std::ranges::minmax(x);
+        const auto [low, high] = std::ranges::minmax(y);
+        side = PeriodicBox(std::max(right - left, high - low) + 2.0 * reach);
+    }
     const CellList cells(x, y, side, reach);
     cells.pairs([&](std::size_t p, std::size_t q) {
         const double dx = cells.x()[p] - cells.x()[q], dy = cells.y()[p] - cells.y()[q];
@@ -78,43 +77,6 @@ double alignment(std::span<const RodPosition> rods, double k) {
     for (const RodPosition& rod : rods)
         sum += std::polar(1.0, k * rod.heading);
     return std::abs(sum) / static_cast<double>(rods.size());
-}
-
-/// Of one number of each instant.
-Estimate block_mean(std::span<const double> values, const std::vector<std::size_t>& block_of) {
-    std::vector<double> sum(block_of.empty() ? 0 : block_of.back() + 1, 0.0), weight(sum.size(), 0.0);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        sum[block_of[i]] += values[i];
-        weight[block_of[i]] += 1.0;
-    }
-    for (std::size_t b = 0; b < sum.size(); ++b)
-        sum[b] /= weight[b];
-    Estimate mean = mean_of_blocks(sum, weight);
-    mean.error *= correlation_factor(successive_correlation(sum));
-    return mean;
-}
-
-/// The instants that count, of all runs, and their blocks, numbered from 0 without gaps.
-struct Counted {
-    std::vector<const RodOrder*> orders;
-    std::vector<std::size_t> block_of;
-};
-
-Counted counted(std::span<const RodOrderSeries> runs, double from, double block) {
-    Counted late;
-    for (const RodOrderSeries& run : runs) {
-        std::optional<double> last; // block of this run
-        const auto first =
-            static_cast<std::size_t>(std::ranges::lower_bound(run.times, from) - run.times.begin());
-        for (std::size_t i = first; i < run.times.size(); ++i) {
-            const double at = std::floor((run.times[i] - from) / block);
-            const std::size_t next = late.block_of.empty() ? 0 : late.block_of.back() + 1;
-            late.block_of.push_back(last == at ? late.block_of.back() : next);
-            late.orders.push_back(&run.orders[i]);
-            last = at;
-        }
-    }
-    return late;
 }
 
 std::vector<double> numbers_by_size(const std::vector<const RodOrder*>& orders) {
@@ -225,14 +187,35 @@ std::optional<double> link_lifetime(std::span<const double> times, std::span<con
 }
 
 MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, double block) {
-    const Counted late = counted(runs, from, block);
-    if (late.orders.empty())
+    // The instants that count, of all runs, and their blocks, numbered from 0 without gaps.
+    std::vector<const RodOrder*> orders;
+    std::vector<std::size_t> block_of;
+    for (const RodOrderSeries& run : runs) {
+        std::optional<double> last; // block of this run
+        const auto first =
+            static_cast<std::size_t>(std::ranges::lower_bound(run.times, from) - run.times.begin());
+        for (std::size_t i = first; i < run.times.size(); ++i) {
+            const double at = std::floor((run.times[i] - from) / block);
+            const std::size_t next = block_of.empty() ? 0 : block_of.back() + 1;
+            block_of.push_back(last == at ? block_of.back() : next);
+            orders.push_back(&run.orders[i]);
+            last = at;
+        }
+    }
+    if (orders.empty())
         throw InputError(fmt::format("order of the rods: no time from {:g} on", from));
+    const std::size_t blocks = block_of.back() + 1;
     const auto mean = [&](const auto& number) {
-        std::vector<double> values;
-        for (const RodOrder* order : late.orders)
-            values.push_back(number(*order));
-        return block_mean(values, late.block_of);
+        std::vector<double> sum(blocks, 0.0), weight(blocks, 0.0);
+        for (std::size_t i = 0; i < orders.size(); ++i) {
+            sum[block_of[i]] += number(*orders[i]);
+            weight[block_of[i]] += 1.0;
+        }
+        for (std::size_t b = 0; b < blocks; ++b)
+            sum[b] /= weight[b];
+        Estimate estimate = mean_of_blocks(sum, weight);
+        estimate.error *= correlation_factor(successive_correlation(sum));
+        return estimate;
     };
     MeanRodOrder result;
     result.polar = mean([](const RodOrder& o) { return o.polar; });
@@ -240,8 +223,8 @@ MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, d
     result.mean_size = mean([](const RodOrder& o) { return o.mean_size(); });
     result.weighted_size = mean([](const RodOrder& o) { return o.weighted_size(); });
     result.largest = mean([](const RodOrder& o) { return static_cast<double>(o.clusters.front()); });
-    result.clusters = numbers_by_size(late.orders);
-    for (std::size_t k = 0; k < late.orders.front()->fluctuations.size(); ++k) {
+    result.clusters = numbers_by_size(orders);
+    for (std::size_t k = 0; k < orders.front()->fluctuations.size(); ++k) {
         const auto level = [&](double NumberFluctuation::*number) {
             return mean([&](const RodOrder& o) { return o.fluctuations[k].*number; });
         };
@@ -250,8 +233,8 @@ MeanRodOrder mean_rod_order(std::span<const RodOrderSeries> runs, double from, d
             {level(&NumberFluctuation::cell).value, level(&NumberFluctuation::rods).value, found.value});
         result.fluctuation_errors.push_back(found.error);
     }
-    result.instants = late.orders.size();
-    result.blocks = late.block_of.back() + 1;
+    result.instants = orders.size();
+    result.blocks = blocks;
     return result;
 }
 

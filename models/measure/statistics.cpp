@@ -74,20 +74,15 @@ namespace {
 
 using Values = std::span<const double>;
 
-void want_finite(const char* what, Values values) {
-    if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); }))
-        throw InputError(fmt::format("measure: {} of a line fit that are not all finite", what));
-}
-
 void check_points(Values x, Values y, Values error) {
     if (x.size() != y.size() || x.size() != error.size())
         throw InputError(fmt::format("measure: a line fit of {} x, {} y and {} errors: must be as many",
                                      x.size(), y.size(), error.size()));
     if (x.size() < 2)
         throw InputError(fmt::format("measure: a line fit needs at least 2 points, there are {}", x.size()));
-    want_finite("x", x);
-    want_finite("y", y);
-    want_finite("errors", error);
+    for (const auto& [what, values] : {std::pair("x", x), std::pair("y", y), std::pair("errors", error)})
+        if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); }))
+            throw InputError(fmt::format("measure: {} of a line fit that are not all finite", what));
     const auto bad = std::ranges::find_if(error, [](double e) { return !(e > 0.0); });
     if (bad != error.end())
         throw InputError(

@@ -23,19 +23,10 @@ struct RodWay {
     RodWay(const Tracks& tracks, double x0, double y0, double x1, double y1)
         : x(is_unwrapped(tracks) ? x1 - x0 : nearest_image(x1 - x0, tracks.box.x)),
           y(is_unwrapped(tracks) ? y1 - y0 : nearest_image(y1 - y0, tracks.box.y)) {}
-    double length() const { return std::hypot(x, y); }
 };
 
 RodWay step(const Tracks& tracks, const RodTrack& rod, std::size_t from, std::size_t to) {
     return {tracks, rod.x[from], rod.y[from], rod.x[to], rod.y[to]};
-}
-
-/// At its end, m/s.
-double late_speed(const Tracks& tracks, const RodTrack& rod) {
-    const std::size_t last = rod.frame.size() - 1, from = last > recent ? last - recent : 0;
-    return from == last ? 0.0
-                        : step(tracks, rod, from, last).length() /
-                              (tracks.time[rod.frame[last]] - tracks.time[rod.frame[from]]);
 }
 
 /// Whether the second may be the first, come again under another number.
@@ -44,8 +35,13 @@ bool goes_on(const Tracks& tracks, const RodTrack& first, const RodTrack& second
     if (begin <= last || tracks.tick[begin] - tracks.tick[last] > longest_absence)
         return false;
     const RodWay way(tracks, first.x.back(), first.y.back(), second.x.front(), second.y.front());
-    const double reach = 1.5 * late_speed(tracks, first) * (tracks.time[begin] - tracks.time[last]) + spacing;
-    return way.length() <= reach;
+    // It may go half as fast again as at the end of the first.
+    const std::size_t end = first.frame.size() - 1, from = end > recent ? end - recent : 0;
+    const RodWay late = step(tracks, first, from, end);
+    const double speed =
+        from == end ? 0.0 : std::hypot(late.x, late.y) / (tracks.time[last] - tracks.time[first.frame[from]]);
+    const double reach = 1.5 * speed * (tracks.time[begin] - tracks.time[last]) + spacing;
+    return std::hypot(way.x, way.y) <= reach;
 }
 
 /// Of the rods of which this holds the first, if all others may be the same one once more, later; `is_later`
@@ -129,11 +125,6 @@ void axes_to_headings(const Tracks& tracks, RodTrack& rod) {
     }
 }
 
-double nearest_turn(double heading, double before) {
-    return std::abs(heading - before) <= half_turn ? heading
-                                                   : before + std::remainder(heading - before, whole_turn);
-}
-
 } // namespace
 
 void settle_rods(Tracks& tracks, double spacing, bool ahead, bool join) {
@@ -181,8 +172,10 @@ HeadingTrack poses_of(const Tracks& tracks, std::size_t rod) {
         poses.y[f] = is_unwrapped(tracks) ? track.y[row] : y(0, track.y[row], tracks.box.y);
         if (std::isnan(track.heading[row]))
             continue;
-        poses.heading[f] = before ? nearest_turn(track.heading[row], *before) : track.heading[row];
-        before = poses.heading[f];
+        double heading = track.heading[row];
+        if (before && !(std::abs(heading - *before) <= half_turn)) // the nearest turn
+            heading = *before + std::remainder(heading - *before, whole_turn);
+        before = poses.heading[f] = heading;
     }
     return poses;
 }

@@ -114,25 +114,6 @@ Film film_of_times(const std::vector<double>& time, const std::string& file) {
     return film;
 }
 
-/// Rows by frame, in a frame by id, else as in the file.
-Index row_order(const Film& film, const std::vector<std::int64_t>& id, std::vector<std::size_t>& start) {
-    start.assign(film.time.size() + 1, 0);
-    for (const std::uint32_t f : film.frame)
-        ++start[f + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    Index order(film.frame.size());
-    std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    for (std::size_t i = 0; i < order.size(); ++i)
-        order[next[film.frame[i]]++] = static_cast<std::uint32_t>(i);
-    const auto by_id = [&](std::uint32_t i) { return id[i]; };
-    for (std::size_t f = 0; f + 1 < start.size(); ++f) {
-        const auto rows = std::span(order).subspan(start[f], start[f + 1] - start[f]);
-        if (!std::ranges::is_sorted(rows, {}, by_id))
-            std::ranges::stable_sort(rows, {}, by_id);
-    }
-    return order;
-}
-
 /// In the layout's box, with image indices.
 struct BoxPosition {
     double x, y;
@@ -161,8 +142,22 @@ public:
             warn_of_far_spot();
         rows_.frame = {};
         rows_.time = {};
-        std::vector<std::size_t> start;
-        const Index order = row_order(film, rows_.id, start);
+
+        // Rows by frame, in a frame by id, else as in the file.
+        std::vector<std::size_t> start(film.time.size() + 1, 0);
+        for (const std::uint32_t f : film.frame)
+            ++start[f + 1];
+        std::partial_sum(start.begin(), start.end(), start.begin());
+        Index order(film.frame.size());
+        std::vector<std::size_t> next(start.begin(), start.end() - 1);
+        for (std::size_t i = 0; i < order.size(); ++i)
+            order[next[film.frame[i]]++] = static_cast<std::uint32_t>(i);
+        const auto by_id = [&](std::uint32_t i) { return rows_.id[i]; };
+        for (std::size_t f = 0; f + 1 < start.size(); ++f) {
+            const auto rows = std::span(order).subspan(start[f], start[f + 1] - start[f]);
+            if (!std::ranges::is_sorted(rows, {}, by_id))
+                std::ranges::stable_sort(rows, {}, by_id);
+        }
         film.frame = {};
         out_.time = std::move(film.time);
         out_.tick = std::move(film.tick);
@@ -170,7 +165,18 @@ public:
         out_.on_grid = film.on_grid;
         take_all(order, start);
         settle_rods(out_, spacing_, scale_.thin_end_ahead, !rows_.certain_ids && !out_.has_images);
-        warn_of_cover();
+
+        // A wrong unit shows in the cover: it is off by 1000 and more. The sparsest suspensions that are
+        // filmed cover some 1e-3; discs cover pi/sqrt(12) = 0.907 at most.
+        const double a = scale_.bead_radius,
+                     side = std::sqrt(seen_area(layout_of(out_))) +
+                            (hull_ ? std::sqrt(std::numbers::pi) * a : 0.0), // a hull is one of centres
+            covered =
+                out_.beads_per_frame() * std::numbers::pi * std::pow(a / side, 2) * out_.mean_square_radius();
+        if (!out_.x.empty() && (covered < 1e-3 || covered > 0.91))
+            out_.warnings.push_back(fmt::format("{}: beads cover {:.2g} of the window: is tracks.pixel or "
+                                                "tracks.bead_radius right?",
+                                                file_, covered));
         return std::move(out_);
     }
 
@@ -190,59 +196,18 @@ private:
             out_.box = *scale_.box;
             return;
         }
-        const Window window = scale_.window ? *scale_.window : hull();
+        Window window;
+        try {
+            window = scale_.window ? *scale_.window : Window::hull(rows_.x, rows_.y);
+        } catch (const InputError& error) {
+            refuse_film(file_, error.what());
+        }
         low_ = window.low();
         out_.window = window.moved(-low_.x, -low_.y);
         // The farthest corner as it comes out of the same subtraction as places do.
         const Corner high = window.high();
         out_.box = {high.x - low_.x, high.y - low_.y};
         hull_ = !scale_.window;
-    }
-
-    Window hull() const {
-        try {
-            return Window::hull(rows_.x, rows_.y);
-        } catch (const InputError& error) {
-            refuse_film(file_, error.what());
-        }
-    }
-
-    /// False: outside of the window.
-    bool put_in(BoxPosition& position) const {
-        if (scale_.box) {
-            const BoxPosition given = position;
-            position.x = into_box(given.x, out_.box.x);
-            position.y = into_box(given.y, out_.box.y);
-            position.image_x += static_cast<std::int32_t>(std::lround((given.x - position.x) / out_.box.x));
-            position.image_y += static_cast<std::int32_t>(std::lround((given.y - position.y) / out_.box.y));
-            return true;
-        }
-        position.x -= low_.x;
-        position.y -= low_.y;
-        const bool inside = hull_ || out_.window->inside_by(position.x, position.y) >= 0.0;
-        position.x = std::clamp(position.x, 0.0, out_.box.x); // rounding, of a circle
-        position.y = std::clamp(position.y, 0.0, out_.box.y);
-        return inside;
-    }
-
-    /// How far a number may go between two frames (`gap`: it was missing in between) and still be the same.
-    void set_rule() {
-        step_ = gap_ = HUGE_VAL;
-        if (scale_.longest_step) {
-            step_ = gap_ = *scale_.longest_step;
-            out_.cut_rule =
-                fmt::format("more than tracks.longest_step = {:.3g} a away", step_ / scale_.bead_radius);
-        } else if (!scale_.box && rows_.certain_ids && rows_.box) {
-            // Of a periodic box seen in a window: what leaves on one side comes in on the other.
-            step_ = gap_ = 0.5 * scale_.pixel * rows_.box->shorter();
-            out_.cut_rule = "across the border of the file's box";
-        } else if (!scale_.box && !rows_.certain_ids) {
-            step_ = 3.0 * spacing_;
-            gap_ = spacing_;
-            out_.cut_rule = fmt::format("more than 3 mean spacings of {:.3g} a away, or 1 after a gap; "
-                                        "tracks.longest_step sets another distance",
-                                        spacing_ / scale_.bead_radius);
-        }
     }
 
     /// One wrong row makes a hull that is mostly empty.
@@ -275,25 +240,29 @@ private:
             file_, frame, rows_.x[*row] / scale_.pixel, rows_.y[*row] / scale_.pixel));
     }
 
-    /// A wrong unit shows here: it is off by 1000 and more. The sparsest suspensions that are filmed cover
-    /// some 1e-3; discs cover pi/sqrt(12) = 0.907 at most.
-    void warn_of_cover() {
-        const double a = scale_.bead_radius,
-                     side = std::sqrt(seen_area(layout_of(out_))) +
-                            (hull_ ? std::sqrt(std::numbers::pi) * a : 0.0), // a hull is one of centres
-            covered =
-                out_.beads_per_frame() * std::numbers::pi * std::pow(a / side, 2) * out_.mean_square_radius();
-        if (!out_.x.empty() && (covered < 1e-3 || covered > 0.91))
-            out_.warnings.push_back(fmt::format("{}: beads cover {:.2g} of the window: is tracks.pixel or "
-                                                "tracks.bead_radius right?",
-                                                file_, covered));
-    }
-
     void take_all(const Index& order, const std::vector<std::size_t>& start) {
         const double area = out_.window ? out_.window->area() : out_.box.area();
         const double each = area * static_cast<double>(out_.frames()) / static_cast<double>(rows_.size());
         spacing_ = std::sqrt(2.0 / std::sqrt(3.0) * each);
-        set_rule();
+
+        // How far a number may go between two frames (gap: it was missing in between) and still be the same.
+        step_ = gap_ = HUGE_VAL;
+        if (scale_.longest_step) {
+            step_ = gap_ = *scale_.longest_step;
+            out_.cut_rule =
+                fmt::format("more than tracks.longest_step = {:.3g} a away", step_ / scale_.bead_radius);
+        } else if (!scale_.box && rows_.certain_ids && rows_.box) {
+            // Of a periodic box seen in a window: what leaves on one side comes in on the other.
+            step_ = gap_ = 0.5 * scale_.pixel * rows_.box->shorter();
+            out_.cut_rule = "across the border of the file's box";
+        } else if (!scale_.box && !rows_.certain_ids) {
+            step_ = 3.0 * spacing_;
+            gap_ = spacing_;
+            out_.cut_rule = fmt::format("more than 3 mean spacings of {:.3g} a away, or 1 after a gap; "
+                                        "tracks.longest_step sets another distance",
+                                        spacing_ / scale_.bead_radius);
+        }
+
         out_.x.reserve(order.size());
         out_.y.reserve(order.size());
         out_.bead.reserve(order.size());
@@ -345,9 +314,21 @@ private:
             place.image_x = rows_.image_x[row];
             place.image_y = rows_.image_y[row];
         }
-        if (!put_in(place)) {
-            ++out_.counts.outside;
-            return;
+        if (scale_.box) {
+            const BoxPosition given = place;
+            place.x = into_box(given.x, out_.box.x);
+            place.y = into_box(given.y, out_.box.y);
+            place.image_x += static_cast<std::int32_t>(std::lround((given.x - place.x) / out_.box.x));
+            place.image_y += static_cast<std::int32_t>(std::lround((given.y - place.y) / out_.box.y));
+        } else {
+            place.x -= low_.x;
+            place.y -= low_.y;
+            if (!hull_ && !(out_.window->inside_by(place.x, place.y) >= 0.0)) {
+                ++out_.counts.outside;
+                return;
+            }
+            place.x = std::clamp(place.x, 0.0, out_.box.x); // rounding, of a circle
+            place.y = std::clamp(place.y, 0.0, out_.box.y);
         }
         const bool rod = is_rod(row);
         const bool own = !rows_.radius.empty() && !std::isnan(rows_.radius[row]);
@@ -362,10 +343,15 @@ private:
                      y = out_.has_images ? std::fma(place.image_y, out_.box.y, place.y) : place.y;
         Trail& trail = (rod ? rod_trails_ : trails_)[rows_.id[row]];
         follow(trail, rows_.id[row], frame, x, y, rod);
-        if (!rod)
+        if (!rod) {
             frame_beads_.push_back({trail.particle, place, radius});
-        else
-            add_rod(trail, frame, row, x, y);
+            return;
+        }
+        RodTrack& track = out_.rods[trail.particle];
+        track.frame.push_back(frame);
+        track.x.push_back(x);
+        track.y.push_back(y);
+        track.heading.push_back(rows_.heading.empty() ? std::nan("") : rows_.heading[row] * scale_.angle);
     }
 
     /// The particle goes on, or another begins under its number.
@@ -391,14 +377,6 @@ private:
             out_.counts.missing += frame - trail.frame - 1;
         }
         trail = {frame, x, y, trail.particle, rod};
-    }
-
-    void add_rod(const Trail& trail, std::size_t frame, std::uint32_t row, double x, double y) {
-        RodTrack& rod = out_.rods[trail.particle];
-        rod.frame.push_back(frame);
-        rod.x.push_back(x);
-        rod.y.push_back(y);
-        rod.heading.push_back(rows_.heading.empty() ? std::nan("") : rows_.heading[row] * scale_.angle);
     }
 
     struct TrackedBead {

@@ -5,91 +5,32 @@
 #include <cmath>
 #include <optional>
 #include <queue>
+#include <utility>
+#include <vector>
 
 namespace rodwake::measure {
 
 namespace {
 
-constexpr long reach = 2; // bins
-
-struct Candidate {
-    double quality;
+struct NearBin {
     std::size_t bin;
-    bool operator<(const Candidate& other) const { // equal quality: the lower bin first
-        return quality != other.quality ? quality < other.quality : bin > other.bin;
-    }
+    double distance2; ///< in bins
 };
 
-/// Calls visit(bin, distance^2 in bins) for the bins around one, not across the grid's edge.
-template<class Visit>
-void around(std::size_t bin, const RodGrid& grid, Visit visit) {
+/// The bins around one, not across the grid's edge.
+std::vector<NearBin> bins_around(std::size_t bin, const RodGrid& grid) {
+    constexpr long reach = 2; // bins
     const long columns = static_cast<long>(grid.columns), rows = static_cast<long>(grid.rows),
                column = static_cast<long>(bin) % columns, row = static_cast<long>(bin) / columns;
+    std::vector<NearBin> near;
     for (long j = -reach; j <= reach; ++j)
         for (long i = -reach; i <= reach; ++i)
             if ((i != 0 || j != 0) && column + i >= 0 && column + i < columns && row + j >= 0 &&
                 row + j < rows)
-                visit(static_cast<std::size_t>((row + j) * columns + column + i),
-                      static_cast<double>(i * i + j * j));
+                near.push_back({static_cast<std::size_t>((row + j) * columns + column + i),
+                                static_cast<double>(i * i + j * j)});
+    return near;
 }
-
-class Flood {
-public:
-    Flood(std::vector<Vector2>& u, const std::vector<double>& quality, const RodGrid& grid,
-          const LatticeVectors& lattice)
-        : u_(u), quality_(quality), grid_(grid), lattice_(lattice), done_(u.size()), waiting_(u.size()) {}
-
-    void from(std::size_t start) {
-        take(start, {});
-        while (!queue_.empty()) {
-            const std::size_t bin = queue_.top().bin;
-            queue_.pop();
-            take(bin, expected(bin));
-        }
-    }
-    /// The best bin not done yet beyond this distance from the rod.
-    std::optional<std::size_t> best(double beyond) const {
-        std::optional<std::size_t> found;
-        for (std::size_t j = 0; j < u_.size(); ++j)
-            if (!done_[j] && quality_[j] > 0.0 && (!found || quality_[j] > quality_[*found]) &&
-                std::hypot(grid_.x_of(j), grid_.y_of(j)) >= beyond)
-                found = j;
-        return found;
-    }
-    std::vector<bool> done() const { return done_; }
-
-private:
-    void take(std::size_t bin, const Vector2& near) {
-        u_[bin] = lattice_.nearest_to(u_[bin], near);
-        done_[bin] = true;
-        around(bin, grid_, [&](std::size_t next, double) {
-            if (done_[next] || waiting_[next] || !(quality_[next] > 0.0))
-                return;
-            waiting_[next] = true;
-            queue_.push({quality_[next], next});
-        });
-    }
-    Vector2 expected(std::size_t bin) const {
-        Vector2 sum;
-        double total = 0.0;
-        around(bin, grid_, [&](std::size_t next, double distance2) {
-            if (!done_[next])
-                return;
-            const double weight = quality_[next] / (distance2 * distance2);
-            sum.x += weight * u_[next].x;
-            sum.y += weight * u_[next].y;
-            total += weight;
-        });
-        return {sum.x / total, sum.y / total};
-    }
-
-    std::vector<Vector2>& u_;
-    const std::vector<double>& quality_;
-    const RodGrid& grid_;
-    const LatticeVectors& lattice_;
-    std::vector<bool> done_, waiting_;
-    std::priority_queue<Candidate> queue_;
-};
 
 } // namespace
 
@@ -122,11 +63,48 @@ Vector2 LatticeVectors::nearest_to(const Vector2& u, const Vector2& v) const {
 
 std::vector<bool> unwrap(std::vector<Vector2>& u, const std::vector<double>& quality, const RodGrid& grid,
                          const LatticeVectors& lattice, double far_from) {
-    Flood flood(u, quality, grid, lattice);
+    std::vector<bool> done(u.size()), waiting(u.size());
+    std::priority_queue<std::pair<double, long>>
+        queue; // quality and -bin: of equal quality the lower bin first
+    const auto take = [&](std::size_t bin, const Vector2& near) {
+        u[bin] = lattice.nearest_to(u[bin], near);
+        done[bin] = true;
+        for (const NearBin& next : bins_around(bin, grid))
+            if (!done[next.bin] && !waiting[next.bin] && quality[next.bin] > 0.0) {
+                waiting[next.bin] = true;
+                queue.emplace(quality[next.bin], -static_cast<long>(next.bin));
+            }
+    };
     for (const double beyond : {far_from, 0.0})
-        while (const auto start = flood.best(beyond))
-            flood.from(*start);
-    return flood.done();
+        while (true) {
+            // A flood starts at the best bin that is not done yet beyond this distance from the rod.
+            std::optional<std::size_t> start;
+            for (std::size_t j = 0; j < u.size(); ++j)
+                if (!done[j] && quality[j] > 0.0 && (!start || quality[j] > quality[*start]) &&
+                    std::hypot(grid.x_of(j), grid.y_of(j)) >= beyond)
+                    start = j;
+            if (!start)
+                break;
+            take(*start, {});
+
+            // It goes on to the best bin at its edge, near the mean of those around it.
+            while (!queue.empty()) {
+                const auto bin = static_cast<std::size_t>(-queue.top().second);
+                queue.pop();
+                Vector2 sum;
+                double total = 0.0;
+                for (const NearBin& next : bins_around(bin, grid)) {
+                    if (!done[next.bin])
+                        continue;
+                    const double weight = quality[next.bin] / (next.distance2 * next.distance2);
+                    sum.x += weight * u[next.bin].x;
+                    sum.y += weight * u[next.bin].y;
+                    total += weight;
+                }
+                take(bin, {sum.x / total, sum.y / total});
+            }
+        }
+    return done;
 }
 
 } // namespace rodwake::measure

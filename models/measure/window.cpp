@@ -18,16 +18,13 @@ double cross(const Corner& a, const Corner& b, const Corner& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Calls use(a, b) for each edge.
-template<class Use>
-void edges_of(const std::vector<Corner>& corners, const Use& use) {
-    for (std::size_t k = 0; k < corners.size(); ++k)
-        use(corners[k], corners[k + 1 == corners.size() ? 0 : k + 1]);
+/// The end of the edge that begins at corner k.
+const Corner& end_of_edge(const std::vector<Corner>& corners, std::size_t k) {
+    return corners[k + 1 == corners.size() ? 0 : k + 1];
 }
 
 /// One half of the hull of sorted points, left to right or back.
-template<class Points>
-void append_chain(const Points& points, std::vector<Corner>& hull) {
+void append_chain(const std::vector<Corner>& points, std::vector<Corner>& hull) {
     const std::size_t first = hull.size();
     for (const Corner& p : points) {
         while (hull.size() >= first + 2 && cross(hull[hull.size() - 2], hull.back(), p) <= 0.0)
@@ -48,13 +45,6 @@ std::vector<Corner> convex_hull(std::vector<Corner> points) {
     std::ranges::reverse(points);
     append_chain(points, hull);
     return hull;
-}
-
-/// Whether a point is inside the polygon by more than rounding.
-bool surely_inside(const std::vector<Corner>& corners, const Corner& p) {
-    bool inside = !corners.empty();
-    edges_of(corners, [&](const Corner& a, const Corner& b) { inside = inside && cross(a, b, p) > 0.0; });
-    return inside;
 }
 
 } // namespace
@@ -80,9 +70,13 @@ Window Window::hull(std::span<const double> x, std::span<const double> y) {
     }
     const std::vector<Corner> inner = convex_hull(far);
     std::vector<Corner> points = far;
-    for (std::size_t i = 0; i < x.size(); ++i)
-        if (!surely_inside(inner, {x[i], y[i]}))
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        bool inside = !inner.empty(); // by more than rounding
+        for (std::size_t k = 0; k < inner.size() && inside; ++k)
+            inside = cross(inner[k], end_of_edge(inner, k), {x[i], y[i]}) > 0.0;
+        if (!inside)
             points.push_back({x[i], y[i]});
+    }
     Window window{convex_hull(std::move(points)), {}, 0.0};
     if (window.corners.size() < 3 || !(window.area() > 0.0))
         throw InputError("measure: all particles lie on one line: a hull around them has no area; give "
@@ -94,9 +88,10 @@ double Window::area() const {
     if (corners.empty())
         return pi * radius * radius;
     double twice = 0.0;
-    edges_of(corners, [&](const Corner& a, const Corner& b) {
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const Corner &a = corners[k], &b = end_of_edge(corners, k);
         twice += (a.x - corners[0].x) * (b.y - corners[0].y) - (a.y - corners[0].y) * (b.x - corners[0].x);
-    });
+    }
     return 0.5 * twice;
 }
 
@@ -124,23 +119,14 @@ double Window::inside_by(double x, double y) const {
     if (corners.empty())
         return radius - std::hypot(x - centre.x, y - centre.y);
     double least = HUGE_VAL;
-    edges_of(corners, [&](const Corner& a, const Corner& b) {
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const Corner &a = corners[k], &b = end_of_edge(corners, k);
         least = std::min(least, cross(a, b, {x, y}) / std::hypot(b.x - a.x, b.y - a.y));
-    });
+    }
     return least;
 }
 
 namespace {
-
-/// Of the circle about a point `off` from the centre.
-void circle_shares(double radius, double off, double bin, std::span<double> share) {
-    for (std::size_t k = 0; k < share.size(); ++k) {
-        const double r = (static_cast<double>(k) + 0.5) * bin;
-        const double cosine =
-            std::clamp((radius * radius - off * off - r * r) / (2.0 * off * r), -1.0, 1.0); // off = 0: +-1
-        share[k] = 1.0 - std::acos(cosine) / pi;
-    }
-}
 
 double within_half_turn(double angle) {
     return angle > pi ? angle - 2.0 * pi : angle < -pi ? angle + 2.0 * pi : angle;
@@ -149,11 +135,12 @@ double within_half_turn(double angle) {
 } // namespace
 
 CircleShares::CircleShares(const Window& window) : window_(window), seen_(window.corners.size()) {
-    edges_of(window.corners, [&](const Corner& a, const Corner& b) {
+    for (std::size_t k = 0; k < window.corners.size(); ++k) {
+        const Corner &a = window.corners[k], &b = end_of_edge(window.corners, k);
         const double length = std::hypot(b.x - a.x, b.y - a.y);
         edges_.push_back(
             {a, length, (b.x - a.x) / length, (b.y - a.y) / length, std::atan2(a.x - b.x, b.y - a.y)});
-    });
+    }
 }
 
 /// Takes off what lies beyond one edge: of the directions in which it is seen, those in which it is nearer
@@ -180,9 +167,17 @@ void CircleShares::take(const Edge& edge, const RelativeCorner& from, const Rela
 }
 
 void CircleShares::about(double x, double y, double bin, std::span<double> share) {
-    if (edges_.empty())
-        return circle_shares(window_.radius, std::hypot(x - window_.centre.x, y - window_.centre.y), bin,
-                             share);
+    if (edges_.empty()) {
+        // The circle's centre is `off` from the point.
+        const double radius = window_.radius, off = std::hypot(x - window_.centre.x, y - window_.centre.y);
+        for (std::size_t k = 0; k < share.size(); ++k) {
+            const double r = (static_cast<double>(k) + 0.5) * bin;
+            const double cosine = std::clamp((radius * radius - off * off - r * r) / (2.0 * off * r), -1.0,
+                                             1.0); // off = 0: +-1
+            share[k] = 1.0 - std::acos(cosine) / pi;
+        }
+        return;
+    }
     std::ranges::fill(share, 1.0);
     rest_.assign(share.size() + 1, 0.0);
     for (std::size_t k = 0; k < edges_.size(); ++k) {

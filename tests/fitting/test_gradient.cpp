@@ -30,7 +30,7 @@ double error_of_gradient(const Problem& problem, const LossShape& loss) {
     const SearchSpace space(problem);
     Evaluator evaluator(problem, space, loss);
     std::vector<double> start;
-    for (const std::size_t i : space.free())
+    for (const std::size_t i : space.free)
         start.push_back(problem.parameters[i].start);
     const Eigen::VectorXd u = space.coordinates(start), exact = evaluator.gradient(evaluator(u, true));
     return (by_differences(evaluator, u) - exact).cwiseAbs().maxCoeff() / exact.norm();

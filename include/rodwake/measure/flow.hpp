@@ -70,9 +70,7 @@ private:
     };
     void start(const Past& now);
     void follow_marked(const Past& now);
-    void travel(const Past& now);
     void take(const Past& before, const Past& now);
-    FlowBlock& block_at(double time);
 
     Layout layout_;
     FlowOptions options_;

@@ -99,8 +99,6 @@ private:
         Accumulator sums;
     };
 
-    bool has_travelled(const Frame& frame);
-
     Layout layout_;
     double from_;
     FromTravel travel_;

@@ -109,15 +109,12 @@ private:
     struct Moved {
         double x = 0.0, y = 0.0, beads = 0.0;
     };
-    void start(const Frame& frame);
     bool on_grid() const { return layout_.grid != 0.0; }
     bool within_longest(double seconds) const;
     void push(std::size_t level, const OctaveFrame& now);
     void correlate(const OctaveFrame& before, const OctaveFrame& now, LagSums& sums);
     void correlate_named(const OctaveFrame& before, const OctaveFrame& now, LagSums& sums);
     void add_halves(LagSums& sums, std::span<const Moved, groups> moved);
-    void follow_drift(const std::vector<double>& x, const std::vector<double>& y,
-                      const std::vector<std::uint32_t>& bead);
     void add_named(const Frame& frame);
 
     Layout layout_;

@@ -113,7 +113,6 @@ private:
     void count(const Waiting& frame);
     void count_kinds(const Waiting& frame, const std::vector<double>& all, OrderBlock& block) const;
     std::vector<double> pairs_for_g(const std::vector<double>& x, const std::vector<double>& y) const;
-    OrderBlock& block_at(double time);
 
     Layout layout_;
     OrderOptions options_;

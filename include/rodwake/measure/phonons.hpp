@@ -78,7 +78,6 @@ public:
     std::size_t lags() const { return lags_; } ///< lag 0 included; 0 before the second frame
 
 private:
-    void take(double time, const std::vector<double>& currents, double temperature);
     void take_displacements(const Frame& frame);
     void correlate(PhononBlock& block, double temperature) const;
     PhononBlock& block_at(double time);
