@@ -151,14 +151,15 @@ double runs(const scene::Scene& scene, long count) {
 class PlainBed {
 public:
     explicit PlainBed(const granular::GranularProblem& p, const granular::State& state)
-        : problem_(p), bodies_(granular::make_bodies(p, state)), plates_(p.plates, p.gravity),
-          finder_(bodies_, p.box), contacts_({p.contacts, p.box, p.time_step, p.gravity}) {}
+        : problem_(p), bodies_(granular::make_bodies(p, state)), finder_(bodies_, p.box),
+          contacts_({p.contacts, p.box, p.time_step, p.gravity}) {}
 
     [[gnu::noinline]] void plain_step() {
         const double dt = problem_.time_step;
         const granular::PlateStep plate{
-            plates_.floor(static_cast<double>(step_ + 1 - problem_.equilibration_steps) * dt), plates_.gap(),
-            dt, problem_.gravity};
+            floor_path(problem_.plates, problem_.gravity,
+                       static_cast<double>(step_ + 1 - problem_.equilibration_steps) * dt),
+            problem_.plates.gap, dt, problem_.gravity};
         const double floor = plate.floor.position(), a = problem_.bead_radius;
         granular::BodyRange all = granular::BodyRange::empty();
         for (std::size_t begin = 0; begin < bodies_.beads; begin += granular::beads_per_block) {
@@ -180,7 +181,7 @@ public:
 private:
     granular::GranularProblem problem_;
     granular::Bodies bodies_;
-    granular::PlateMotion plates_;
+
     granular::PairFinder finder_;
     granular::PairContacts contacts_;
     ThreadPool team_{1};

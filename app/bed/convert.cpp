@@ -100,26 +100,13 @@ std::vector<fs::path> trajectories(const fs::path& in) {
     return found;
 }
 
-/// A file without the columns, separators and gaps of others; goes with the object.
-class PlainCsv {
-public:
-    PlainCsv(const ConvertRequest& request, const fs::path& in, const RunContext& context)
-        : path_(request.out.string() + ".plain.csv") {
-        const TrackRows rows =
-            store::read_track_csv(in, request.columns, [&](double) { return !context.stopped(); });
-        store::write_plain_csv(rows, path_);
-    }
-    ~PlainCsv() {
+/// A file that goes with the object.
+struct TemporaryFile {
+    fs::path path;
+    ~TemporaryFile() {
         std::error_code ignored;
-        fs::remove(path_, ignored);
+        fs::remove(path, ignored);
     }
-    PlainCsv(const PlainCsv&) = delete;
-    PlainCsv& operator=(const PlainCsv&) = delete;
-
-    const fs::path& path() const { return path_; }
-
-private:
-    fs::path path_;
 };
 
 bool convert_file(const ConvertRequest& request, const fs::path& in, const fs::path& out,
@@ -129,10 +116,14 @@ bool convert_file(const ConvertRequest& request, const fs::path& in, const fs::p
                          ": exists already; --force replaces it, or name another file with -o");
     const TrackFormat format =
         request.format == TrackFormat::automatic ? store::track_format(in) : request.format;
-    std::optional<PlainCsv> plain;
+    // CSV without the columns, separators and gaps of other programs.
+    const TemporaryFile plain{request.out.string() + ".plain.csv"};
     if (format == TrackFormat::csv)
-        plain.emplace(request, in, context);
-    Words words = {(plain ? plain->path() : in).string(), "--output=" + out.string(), "--force"};
+        store::write_plain_csv(
+            store::read_track_csv(in, request.columns, [&](double) { return !context.stopped(); }),
+            plain.path);
+    Words words = {(format == TrackFormat::csv ? plain.path : in).string(), "--output=" + out.string(),
+                   "--force"};
     for (std::string& word : reading_options(request.columns, request.group, format))
         words.push_back(std::move(word));
     const std::pair<const char*, const std::string&> others[] = {

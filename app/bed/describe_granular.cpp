@@ -65,29 +65,6 @@ std::string contact_text(const char* pair, const Surface& surface) {
     return fmt::format("{} {:g}/{:g}", pair, surface.friction, surface.restitution);
 }
 
-std::string container_text(const granular::Container& c, double a) {
-    const std::string size =
-        c.kind == granular::ContainerKind::circle
-            ? fmt::format("dish of radius {:.6g} a = {:g} mm, its middle at ({:.6g} a, {:.6g} a)",
-                          c.radius() / a, 1e3 * c.radius(), c.radius() / a, c.radius() / a)
-            : fmt::format("rectangle of {:.6g} a x {:.6g} a = {:g} mm x {:g} mm", c.sides.x / a,
-                          c.sides.y / a, 1e3 * c.sides.x, 1e3 * c.sides.y);
-    return fmt::format("vertical wall around the bed, a {}; friction/restitution: {}, {}", size,
-                       contact_text("beads", c.beads), contact_text("rods", c.rods));
-}
-
-PlanLine plates_line(const GranularProblem& problem) {
-    const granular::Plates& plates = problem.plates;
-    if (plates.gamma == 0.0)
-        return {false,
-                fmt::format("vibration: gamma is 0, static plates with a gap of {:g} mm", 1e3 * plates.gap)};
-    return {
-        true,
-        fmt::format("plates: gap {:g} mm, {:g} Hz, amplitude {:.4g} um (Gamma = {:g}), {:.4g} steps a period",
-                    1e3 * plates.gap, plates.frequency, 1e6 * plates.amplitude(problem.gravity), plates.gamma,
-                    1.0 / (plates.frequency * problem.time_step))};
-}
-
 std::string time_text(const scene::Granular& bed, const GranularProblem& problem) {
     return fmt::format(
         "{} steps of {:g} s from t = 0 ({:g} s) after {} of equilibration ({:g} s) with the rods held; "
@@ -173,8 +150,17 @@ PlanLine body_force_line(const GranularProblem& problem) {
 
 std::string box_text(const scene::Granular& bed, const GranularProblem& problem) {
     const double a = problem.bead_radius;
-    if (problem.container)
-        return container_text(*problem.container, a);
+    if (problem.container) {
+        const granular::Container& c = *problem.container;
+        const std::string size =
+            c.kind == granular::ContainerKind::circle
+                ? fmt::format("dish of radius {:.6g} a = {:g} mm, its middle at ({:.6g} a, {:.6g} a)",
+                              c.radius() / a, 1e3 * c.radius(), c.radius() / a, c.radius() / a)
+                : fmt::format("rectangle of {:.6g} a x {:.6g} a = {:g} mm x {:g} mm", c.sides.x / a,
+                              c.sides.y / a, 1e3 * c.sides.x, 1e3 * c.sides.y);
+        return fmt::format("vertical wall around the bed, a {}; friction/restitution: {}, {}", size,
+                           contact_text("beads", c.beads), contact_text("rods", c.rods));
+    }
     const PeriodicBox& box = problem.box;
     if (box.square())
         return fmt::format("periodic box of {:.4g} a = {:g} mm", box.x / a, 1e3 * box.x);
@@ -207,7 +193,16 @@ void describe_granular(const Plan& plan, Lines& lines) {
                            bed.phi_b.value_or(share), with_rods ? " with the rods' shadows" : "", share)
              : "beads: there are none"});
     lines.push_back({true, box_text(bed, problem)});
-    lines.push_back(plates_line(problem));
+    const granular::Plates& plates = problem.plates;
+    if (plates.gamma == 0.0)
+        lines.push_back({false, fmt::format("vibration: gamma is 0, static plates with a gap of {:g} mm",
+                                            1e3 * plates.gap)});
+    else
+        lines.push_back(
+            {true, fmt::format("plates: gap {:g} mm, {:g} Hz, amplitude {:.4g} um (Gamma = {:g}), "
+                               "{:.4g} steps a period",
+                               1e3 * plates.gap, plates.frequency, 1e6 * plates.amplitude(problem.gravity),
+                               plates.gamma, 1.0 / (plates.frequency * problem.time_step))});
     if (problem.gravity == 0.0)
         lines.push_back({false, "gravity: it is 0"});
     const granular::ContactTable& c = problem.contacts;

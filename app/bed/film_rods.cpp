@@ -34,19 +34,6 @@ struct FilmPose {
     }
 };
 
-/// The one named "x0", "theta12".
-const Column& column_of(const std::vector<measure::HeadingTrack>& rods, const std::string& name) {
-    const std::size_t digits = name.find_first_of("0123456789");
-    std::size_t number = rods.size();
-    if (digits != std::string::npos)
-        std::from_chars(name.data() + digits, name.data() + name.size(), number);
-    if (number >= rods.size())
-        throw InputError(
-            fmt::format("the film has no {}: it has {} rods, numbered from 0", name, rods.size()));
-    const measure::HeadingTrack& rod = rods[number];
-    return name[0] == 'x' ? rod.x : name[0] == 'y' ? rod.y : rod.heading;
-}
-
 } // namespace
 
 std::vector<FilmRod> film_rods(const measure::Tracks& tracks) {
@@ -105,8 +92,20 @@ RunTables FilmRods::tables() const {
             },
             [rods = poses_](const std::vector<std::string>& names) {
                 std::vector<Column> columns;
-                for (const std::string& name : names)
-                    columns.push_back(name == "t" ? rods.at(0).time : column_of(rods, name));
+                for (const std::string& name : names) { // "t", "x0", "theta12"
+                    const std::size_t digits = name.find_first_of("0123456789");
+                    std::size_t number = name == "t" ? 0 : rods.size();
+                    if (digits != std::string::npos)
+                        std::from_chars(name.data() + digits, name.data() + name.size(), number);
+                    if (number >= rods.size())
+                        throw InputError(fmt::format("the film has no {}: it has {} rods, numbered from 0",
+                                                     name, rods.size()));
+                    const measure::HeadingTrack& rod = rods[number];
+                    columns.push_back(name == "t"      ? rod.time
+                                      : name[0] == 'x' ? rod.x
+                                      : name[0] == 'y' ? rod.y
+                                                       : rod.heading);
+                }
                 return columns;
             }};
 }

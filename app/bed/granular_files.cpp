@@ -226,11 +226,6 @@ void GranularFiles::write_trajectory(const std::string& name, store::Journal& lo
         text->commit();
 }
 
-void GranularFiles::finish(const store::H5mdInfo& info) {
-    write_tables();
-    finish_frames(info);
-}
-
 void GranularFiles::finish_frames(const store::H5mdInfo& info) {
     if (frames_)
         write_trajectory("trajectory", *frames_, info, true);

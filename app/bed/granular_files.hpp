@@ -39,8 +39,7 @@ public:
 
     /// table.csv and tracks.csv of the rows so far.
     void write_tables();
-    /// Turns the logs into their final files; of the frames alone, the trajectory.
-    void finish(const store::H5mdInfo& info);
+    /// Turns the logs of frames into their final files.
     void finish_frames(const store::H5mdInfo& info);
 
 private:

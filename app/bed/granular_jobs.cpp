@@ -177,41 +177,32 @@ std::vector<GranularTask> granular_tasks(const Case& case_, const fs::path& dire
     return tasks;
 }
 
-namespace {
-
-/// Whether the files are there that cannot be made of the last state. An ensemble that grows may grow out of
-/// XYZ.
-bool has_files(const GranularPlan& plan, const fs::path& folder, const GranularCheckpoint& last) {
-    const GranularSchedule& s = plan.bed.schedule;
-    const auto there = [&](bool made, const char* name) { return !made || fs::exists(folder / name); };
-    return there(true, "table.csv") && there(!plan.bed.problem.rods.empty(), "tracks.csv") &&
-           there(s.h5md, "trajectory.h5md") &&
-           there(s.xyz && plan.bed.of.scene.granular->runs == 1, "trajectory.xyz") &&
-           there(s.archive_every > 0, "archive.rwc") &&
-           there(last.logs.period_frames > 0, "last_period.h5md");
-}
-
-/// What was measured on the way, once more from the last state.
-void restore_records(const MeasurePlan& plan, const fs::path& file, const GranularCheckpoint& last) {
-    if (last.measure_keys != plan.key_text || fs::exists(file))
-        return;
-    measure::Measures measures = plan.sums;
-    measures.load(last.measures, file.string());
-    write_records(file, plan, measures);
-}
-
-} // namespace
-
 std::optional<GranularSummary> finished_before(const GranularPlan& plan, const GranularTask& task) {
-    const auto last = load_checkpoint(task.folder / "final.rwc");
-    if (!last || !has_files(plan, task.folder, last->checkpoint))
+    const auto loaded = load_checkpoint(task.folder / "final.rwc");
+    if (!loaded)
         return std::nullopt;
-    if (plan.bed.measures)
-        restore_records(*plan.bed.measures, task.folder / "measure.rwc", last->checkpoint);
+    // The files that cannot be made of the last state. An ensemble that grows may grow out of XYZ.
+    const GranularCheckpoint& last = loaded->checkpoint;
+    const GranularSchedule& s = plan.bed.schedule;
+    const auto there = [&](bool made, const char* name) { return !made || fs::exists(task.folder / name); };
+    if (!(there(true, "table.csv") && there(!plan.bed.problem.rods.empty(), "tracks.csv") &&
+          there(s.h5md, "trajectory.h5md") &&
+          there(s.xyz && plan.bed.of.scene.granular->runs == 1, "trajectory.xyz") &&
+          there(s.archive_every > 0, "archive.rwc") &&
+          there(last.logs.period_frames > 0, "last_period.h5md")))
+        return std::nullopt;
+    // The measures of the way are written once more from the last state.
+    const fs::path records = task.folder / "measure.rwc";
+    const auto& measured = plan.bed.measures;
+    if (measured && last.measure_keys == measured->key_text && !fs::exists(records)) {
+        measure::Measures measures = measured->sums;
+        measures.load(last.measures, records.string());
+        write_records(records, *measured, measures);
+    }
     remove_progress(task.folder); // of a run whose end was cut short
     auto known = read_summary(task.folder / "summary.json", plan.bed.problem, task.run);
-    return known || last->checkpoint.scene != plan.scene_key ? std::move(known)
-                                                             : std::optional(restore_summary(plan, task));
+    return known || last.scene != plan.scene_key ? std::move(known)
+                                                 : std::optional(restore_summary(plan, task));
 }
 
 void require_same_run(const GranularTask& task, const std::string& key) {

@@ -47,11 +47,18 @@ struct LastPeriod {
         every = std::max<std::int64_t>(1, (period + period_frames / 2) / period_frames);
         from = std::max<std::int64_t>(0, p.steps - period);
     }
-    bool due(std::int64_t step) const { return step >= from && (step - from) % every == 0; }
-    std::int64_t next(std::int64_t step) const {
-        return step < from ? from : from + next_multiple(step - from, every);
-    }
 };
+
+/// States of the archive up to this step of the simulation: the start, and each interval counted from t = 0.
+std::size_t states_until(std::int64_t step, const BedPlan& bed) {
+    const std::int64_t every = bed.schedule.archive_every, first = -bed.problem.equilibration_steps;
+    if (every == 0)
+        return 0;
+    std::size_t count = 1;
+    for (std::int64_t at = next_multiple(first, every); at <= step + first; at += every)
+        ++count;
+    return count;
+}
 
 class BedRun {
 public:
@@ -65,7 +72,7 @@ public:
           record_(plan.bed.schedule.order_cutoff, plan.bed.problem.rods.size()),
           files_(task.folder, plan.bed.problem, simulation_.state(), plan.bed.schedule,
                  loaded_ && !is_over ? loaded_->logs : LogLengths{},
-                 loaded_ && !is_over ? states_kept(loaded_->state.step) : 0),
+                 loaded_ && !is_over ? states_until(loaded_->state.step, plan.bed) : 0),
           period_(plan.bed.problem), measures_(first_measures()), cpu_start_(cpu_now(one_thread_)),
           wall_start_(Clock::now()), saved_(wall_start_) {
         meter_.mark(&RunCost::start);
@@ -79,9 +86,29 @@ public:
     GranularResult go(const std::function<void(const Simulation&, const granular::TableRow*)>& on_progress) {
         on_progress_ = &on_progress;
         while (!simulation_.finished() && !travelled()) {
-            meter_.advance(simulation_, steps_to_next_event());
-            if (simulation_.failure())
-                return failed();
+            // Up to the next step at which something is due.
+            const GranularSchedule& due = bed_.schedule;
+            const std::int64_t now = step();
+            std::int64_t next = std::min(
+                {next_multiple(now, sample_every), next_multiple(now, due.row_every), bed_.problem.steps});
+            if (now < 0)
+                next = std::min(next, std::int64_t{0});
+            else
+                next = std::min({next, next_multiple(now, due.frame_every),
+                                 now < period_.from
+                                     ? period_.from
+                                     : period_.from + next_multiple(now - period_.from, period_.every)});
+            if (measures_ && now >= 0)
+                next = std::min(next, next_multiple(now, bed_.measures->every));
+            if (due.archive_every > 0)
+                next = std::min(next, next_multiple(now, due.archive_every));
+            meter_.advance(simulation_, next - now);
+            if (simulation_.failure()) {
+                // what led there can be looked at; the last good checkpoint stays
+                files_.sync();
+                files_.write_tables();
+                return {StageEnd::failed, simulation_.failure()->message, summary()};
+            }
             observe();
             on_progress(simulation_, nullptr);
             if (context_.stopped()) {
@@ -157,34 +184,8 @@ private:
     /// From t = 0 on.
     std::int64_t step() const { return simulation_.step() - bed_.problem.equilibration_steps; }
 
-    /// Up to this step of the simulation: the start, and each interval counted from t = 0.
-    std::size_t states_kept(std::int64_t step) const {
-        const std::int64_t every = bed_.schedule.archive_every, first = -bed_.problem.equilibration_steps;
-        if (every == 0)
-            return 0;
-        std::size_t count = 1;
-        for (std::int64_t at = next_multiple(first, every); at <= step + first; at += every)
-            ++count;
-        return count;
-    }
-
     bool travelled() const {
         return bed_.schedule.stop_at_travel > 0.0 && record_.mean_advance() >= bed_.schedule.stop_at_travel;
-    }
-
-    std::int64_t steps_to_next_event() const {
-        const std::int64_t now = step();
-        std::int64_t next = std::min({next_multiple(now, sample_every),
-                                      next_multiple(now, bed_.schedule.row_every), bed_.problem.steps});
-        if (now < 0)
-            next = std::min(next, std::int64_t{0});
-        else
-            next = std::min({next, next_multiple(now, bed_.schedule.frame_every), period_.next(now)});
-        if (measures_ && now >= 0)
-            next = std::min(next, next_multiple(now, bed_.measures->every));
-        if (bed_.schedule.archive_every > 0)
-            next = std::min(next, next_multiple(now, bed_.schedule.archive_every));
-        return next - now;
     }
 
     void observe() {
@@ -197,7 +198,7 @@ private:
         meter_.mark(&RunCost::records);
         if (now >= 0 && (now % bed_.schedule.frame_every == 0))
             files_.add_frame(simulation_.state(), simulation_.time());
-        if (now >= 0 && period_.due(now))
+        if (now >= period_.from && (now - period_.from) % period_.every == 0) // never before 0
             files_.add_period_frame(simulation_.state(), simulation_.time());
         if (bed_.schedule.archive_every > 0 && (now % bed_.schedule.archive_every == 0 || at_start))
             files_.keep(simulation_.state());
@@ -250,13 +251,6 @@ private:
         meter_.mark(&RunCost::output);
     }
 
-    GranularResult failed() {
-        // what led there can be looked at; the last good checkpoint stays
-        files_.sync();
-        files_.write_tables();
-        return {StageEnd::failed, simulation_.failure()->message, summary()};
-    }
-
     GranularResult finish() {
         if (record_.sums().row_step !=
             simulation_.step()) // stopped by its travel: the tables have the end too
@@ -264,9 +258,15 @@ private:
         GranularSummary done = summary();
         checkpoint();
         // until the last checkpoint goes, a crash costs nothing: the same command does this again
-        files_.finish(h5md_info(bed_, task_.run, done.beads_fraction, context_.command));
-        if (bed_.schedule.archive_every > 0)
-            write_archive(task_.folder / "archive.rwc", archive());
+        files_.write_tables();
+        files_.finish_frames(h5md_info(bed_, task_.run, done.beads_fraction, context_.command));
+        if (bed_.schedule.archive_every > 0) {
+            GranularArchive all{plan_.scene_key, build_name(), bed_.problem.seed, task_.run,
+                                files_.kept_states()};
+            if (all.states.empty() || all.states.back().step != simulation_.step())
+                all.states.push_back(simulation_.state());
+            write_archive(task_.folder / "archive.rwc", all);
+        }
         if (measures_)
             write_records(task_.folder / "measure.rwc", *bed_.measures, *measures_);
         meter_.mark(&RunCost::output);
@@ -278,48 +278,8 @@ private:
         return {StageEnd::finished, {}, std::move(done)};
     }
 
-    GranularArchive archive() {
-        GranularArchive all{plan_.scene_key, build_name(), bed_.problem.seed, task_.run,
-                            files_.kept_states()};
-        if (all.states.empty() || all.states.back().step != simulation_.step())
-            all.states.push_back(simulation_.state());
-        return all;
-    }
-
     void write_summary(const GranularSummary& done) const {
         store::write_atomically(task_.folder / "summary.json", summary_json(bed_, done));
-    }
-
-    RodSummary rod_summary(std::size_t i, double time) const {
-        const granular::RodProgress& p = record_.rods()[i];
-        RodSummary rod;
-        rod.kind = bed_.problem.rods[i].shape.kind == granular::RodKind::motile ? "motile" : "apolar";
-        if (!(time > 0.0))
-            return rod;
-        rod.mean_speed = p.travelled / time;
-        rod.net_turn = p.heading - p.heading0;
-        rod.force = p.impulse_on_beads / time;
-        rod.thrust = record_.thrust()[i].impulse / time;
-        return rod;
-    }
-
-    KindSummary kind_summary(std::size_t k) const {
-        const granular::SampleSums& sums = record_.kinds()[k];
-        const double samples = static_cast<double>(std::max<std::int64_t>(sums.count, 1));
-        const std::vector<std::uint8_t> kind = simulation_.state().beads.kind; // restarts take some out
-        const auto beads = std::ranges::count(kind, k); // one alone has no temperature about its own mean
-        return {bed_.problem.bead_kinds[k].radius, static_cast<double>(beads), sums.T_xy / samples,
-                sums.T_z / samples,
-                beads > 1 && granular::in_absorbing_state(simulation_.far_temperatures(k), bed_.problem)};
-    }
-
-    static PairSummary pair_summary(const granular::PairProgress& pair) {
-        PairSummary summary{.separation_change = pair.change};
-        if (pair.half_box_time >= 0.0) {
-            summary.half_box_time = pair.half_box_time;
-            summary.half_box_separation_change = pair.half_box_change;
-        }
-        return summary;
     }
 
     GranularSummary summary() const {
@@ -337,13 +297,35 @@ private:
         const granular::PlaneTensor pressure = record_.mean_pressure(simulation_);
         s.pressure = {granular::isotropic(pressure), pressure[0], pressure[1], pressure[2]};
         s.absorbing_state = granular::in_absorbing_state(simulation_.far_temperatures(), bed_.problem);
-        for (std::size_t k = 0; k < record_.kinds().size(); ++k)
-            s.kinds.push_back(kind_summary(k));
-        for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i)
-            s.rods.push_back(rod_summary(i, s.simulated_time));
-        if (s.rods.size() == 2)
-            s.pair = pair_summary(sums.pair);
         const granular::State state = simulation_.state();
+        for (std::size_t k = 0; k < record_.kinds().size(); ++k) {
+            const granular::SampleSums& of_kind = record_.kinds()[k];
+            const double count = static_cast<double>(std::max<std::int64_t>(of_kind.count, 1));
+            const auto beads = std::ranges::count(state.beads.kind, k); // restarts take some out
+            // one alone has no temperature about its own mean
+            const bool still =
+                beads > 1 && granular::in_absorbing_state(simulation_.far_temperatures(k), bed_.problem);
+            s.kinds.push_back({bed_.problem.bead_kinds[k].radius, static_cast<double>(beads),
+                               of_kind.T_xy / count, of_kind.T_z / count, still});
+        }
+        for (std::size_t i = 0; i < bed_.problem.rods.size(); ++i) {
+            const granular::RodProgress& p = record_.rods()[i];
+            RodSummary& rod = s.rods.emplace_back();
+            rod.kind = bed_.problem.rods[i].shape.kind == granular::RodKind::motile ? "motile" : "apolar";
+            if (!(s.simulated_time > 0.0))
+                continue;
+            rod.mean_speed = p.travelled / s.simulated_time;
+            rod.net_turn = p.heading - p.heading0;
+            rod.force = p.impulse_on_beads / s.simulated_time;
+            rod.thrust = record_.thrust()[i].impulse / s.simulated_time;
+        }
+        if (s.rods.size() == 2) {
+            s.pair.emplace().separation_change = sums.pair.change;
+            if (sums.pair.half_box_time >= 0.0) {
+                s.pair->half_box_time = sums.pair.half_box_time;
+                s.pair->half_box_separation_change = sums.pair.half_box_change;
+            }
+        }
         s.state_hash = granular::state_hash(state);
         s.beads_fraction = granular::bead_area_fraction(bed_.problem, state.beads.radius);
         s.cost = cost();

@@ -110,7 +110,7 @@ struct PairSummary {
     }
 };
 
-/// The summary of a run. A number is added here, and where it is computed (Run::summary); summary.json,
+/// The summary of a run. A number is added here, and where it is computed (BedRun::summary); summary.json,
 /// runs.csv, means over runs, scans of beds, catalogue and manifest follow.
 struct GranularSummary {
     double simulated_time = 0.0, cpu_seconds = 0.0, wall_seconds = 0.0;

@@ -32,10 +32,14 @@ public:
         : log_(session.log), single_(jobs.size() == 1), of_one_(simulated_seconds(jobs.front().of->plan)),
           progress_(session.context, "dem", jobs.size(), simulated_seconds(jobs), "s") {}
 
-    /// A run that another rank has finished.
-    void finish(std::size_t job, double seconds) { progress_.update(job, seconds); }
-
-    void update(std::size_t job, const granular::Simulation& s, const granular::TableRow* row) {
+    /// `simulation`: null of a run that another rank has finished.
+    void update(std::size_t job, const granular::Simulation* simulation, const granular::TableRow* row,
+                double whole) {
+        if (!simulation) {
+            progress_.update(job, whole);
+            return;
+        }
+        const granular::Simulation& s = *simulation;
         const double time = static_cast<double>(s.step()) * s.problem().time_step;
         const bool due = progress_.update(job, time);
         if (!single_) // lines of several runs mix, and what follows belongs to one run
@@ -44,20 +48,17 @@ public:
             pass(time);
         begun_ = true;
         if (due && row && time >= next_line_) {
-            print(*row);
+            if (!headed_)
+                log_->info("      t/s    energy/J       T_xy        T_z   psi6 contacts  floor/N s  overlap");
+            log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", row->t,
+                       row->energy, row->T_xy, row->T_z, row->psi6, row->contacts, row->floor_impulse,
+                       row->max_overlap);
+            headed_ = true;
             pass(time);
         }
     }
 
 private:
-    void print(const granular::TableRow& r) {
-        if (!headed_)
-            log_->info("      t/s    energy/J       T_xy        T_z   psi6 contacts  floor/N s  overlap");
-        log_->info("{:9.3f} {:11.4e} {:10.3e} {:10.3e} {:6.3f} {:8.1f} {:10.3e} {:8.4f}", r.t, r.energy,
-                   r.T_xy, r.T_z, r.psi6, r.contacts, r.floor_impulse, r.max_overlap);
-        headed_ = true;
-    }
-
     void pass(double time) {
         while (next_line_ <= time)
             next_line_ += of_one_ / 20.0;
@@ -68,27 +69,6 @@ private:
     double of_one_, next_line_ = 0.0;
     SharedProgress progress_;
 };
-
-void warn_of_absorbing(const Session& session, const BedWork& work, std::span<const GranularSummary> runs) {
-    const granular::Plates& plates = work.plan.bed.problem.plates;
-    if (const auto count = std::ranges::count(runs, true, &GranularSummary::absorbing_state))
-        session.log->warn(
-            "dem{}: {} of {} runs ended in an absorbing state: the beads move in step with the plates and no "
-            "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
-            "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
-            work.of().suffix(), count, runs.size(), plates.frequency, plates.gamma);
-    for (std::size_t k = 0; !runs.empty() && k < runs[0].kinds.size(); ++k)
-        if (const auto count = std::ranges::count_if(runs, [k](const GranularSummary& run) {
-                return run.kinds[k].absorbing_state && !run.absorbing_state;
-            }))
-            session.log->warn("dem{}: in {} of {} runs the beads of kind {} (radius {:g} mm) ended in an "
-                              "absorbing state: they "
-                              "move in step with the plates and no longer sideways. Beads that nearly fill "
-                              "the gap do so: widen "
-                              "granular.plates.gap ({:g} mm), or change frequency ({:g} Hz) or gamma ({:g})",
-                              work.of().suffix(), count, runs.size(), k, 1e3 * runs[0].kinds[k].radius,
-                              1e3 * plates.gap, plates.frequency, plates.gamma);
-}
 
 StageEnd classify_outcome(const Session& session, const BedWork& work) {
     std::vector<GranularSummary> finished;
@@ -105,7 +85,24 @@ StageEnd classify_outcome(const Session& session, const BedWork& work) {
         if (result.end == StageEnd::failed)
             end = StageEnd::failed;
     }
-    warn_of_absorbing(session, work, finished);
+    const granular::Plates& plates = work.plan.bed.problem.plates;
+    if (const auto count = std::ranges::count(finished, true, &GranularSummary::absorbing_state))
+        session.log->warn(
+            "dem{}: {} of {} runs ended in an absorbing state: the beads move in step with the plates and no "
+            "longer move sideways, so T_xy falls to 0 and nothing is measured of a bed. Change "
+            "granular.plates.frequency ({:g} Hz) or gamma ({:g}), or raise phi_b",
+            name, count, finished.size(), plates.frequency, plates.gamma);
+    for (std::size_t k = 0; !finished.empty() && k < finished[0].kinds.size(); ++k)
+        if (const auto count = std::ranges::count_if(finished, [k](const GranularSummary& run) {
+                return run.kinds[k].absorbing_state && !run.absorbing_state;
+            }))
+            session.log->warn("dem{}: in {} of {} runs the beads of kind {} (radius {:g} mm) ended in an "
+                              "absorbing state: they "
+                              "move in step with the plates and no longer sideways. Beads that nearly fill "
+                              "the gap do so: widen "
+                              "granular.plates.gap ({:g} mm), or change frequency ({:g} Hz) or gamma ({:g})",
+                              name, count, finished.size(), k, 1e3 * finished[0].kinds[k].radius,
+                              1e3 * plates.gap, plates.frequency, plates.gamma);
     if (work.results.size() == 1 && !finished.empty() && work.of().label.empty()) {
         const GranularSummary& s = finished[0];
         session.log->info("dem: {:.4g} s simulated in {:.3g} s of CPU; T_xy {:.4g}, T_z {:.4g} m^2/s^2, psi6 "
@@ -125,13 +122,6 @@ StageEnd classify_outcome(const Session& session, const BedWork& work) {
                            finished.size(), work.results.size());
     }
     return end;
-}
-
-/// The worst: a failure weighs more than an interruption.
-StageEnd worse(StageEnd a, StageEnd b) {
-    if (a == StageEnd::failed || b == StageEnd::failed)
-        return StageEnd::failed;
-    return a == StageEnd::finished ? b : a;
 }
 
 std::string text_of(const PeriodicBox& box) { return fmt::format("{:.10g} x {:.10g} m", box.x, box.y); }
@@ -231,14 +221,13 @@ StageEnd run_granular(Session& session) {
     ProgressPrinter progress(session, jobs);
     execute_jobs(jobs, session.context, session.log,
                  [&](std::size_t job, const granular::Simulation* s, const granular::TableRow* row) {
-                     if (s)
-                         progress.update(job, *s, row);
-                     else
-                         progress.finish(job, simulated_seconds(jobs[job].of->plan));
+                     progress.update(job, s, row, simulated_seconds(jobs[job].of->plan));
                  });
     StageEnd end = StageEnd::finished;
     for (const BedWork& work : all)
-        end = worse(end, classify_outcome(session, work));
+        if (const StageEnd of_bed = classify_outcome(session, work); of_bed != StageEnd::finished)
+            end = of_bed == StageEnd::failed || end == StageEnd::finished ? of_bed
+                                                                          : end; // a failure weighs more
     // The cost is that of all finished runs, whichever command made them.
     RunCost sum;
     std::size_t runs = 0;

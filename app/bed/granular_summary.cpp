@@ -71,15 +71,6 @@ void put_mean(ordered_json& out, const std::string& name, std::span<const double
     out[name + "_error"] = finite_or_null(mean.error);
 }
 
-void put_known_mean(ordered_json& out, const std::string& name, std::vector<double> values,
-                    std::string_view known_runs) {
-    std::erase_if(values, [](double value) { return std::isnan(value); });
-    if (!known_runs.empty())
-        out[std::string(known_runs)] = values.size();
-    if (!values.empty())
-        put_mean(out, name, values);
-}
-
 template<class Member, Described Record>
 std::vector<Member> members(std::span<const Record> runs, Member Record::*member) {
     std::vector<Member> list;
@@ -101,24 +92,21 @@ ordered_json means_json(std::span<const Record> runs) {
         } else if constexpr (std::is_same_v<Member, double>) {
             if (field.info.over_runs == OverRuns::mean)
                 put_mean(out, name, values);
-            else if (field.info.over_runs == OverRuns::mean_of_known)
-                put_known_mean(out, name, values, field.info.known_runs);
             else if (field.info.over_runs == OverRuns::sum)
                 out[name] = mean_of(values).value * static_cast<double>(runs.size());
+            else if (field.info.over_runs == OverRuns::mean_of_known) {
+                std::vector<double> known = values;
+                std::erase_if(known, [](double value) { return std::isnan(value); });
+                if (!field.info.known_runs.empty())
+                    out[std::string(field.info.known_runs)] = known.size();
+                if (!known.empty())
+                    put_mean(out, name, known);
+            }
         } else if constexpr (std::is_same_v<Member, std::string>) {
             out[name] = values.front(); // OverRuns::same
         }
     });
     return out;
-}
-
-template<Described Record>
-void put_largest(ordered_json& out, std::span<const Record> runs) {
-    for_each_field<Record>([&](const auto& field) {
-        if constexpr (std::is_same_v<decltype(field.get), double Record::*>)
-            if (field.info.over_runs == OverRuns::largest)
-                out[std::string(field.name)] = std::ranges::max(members(runs, field.get));
-    });
 }
 
 /// Numbers of a part of the summary. Its place in the file begins with `before`, its columns end with
@@ -186,7 +174,11 @@ std::string summary_json(const BedPlan& bed, const GranularSummary& s) {
 
 std::string ensemble_json(const BedPlan& bed, std::span<const GranularSummary> runs, std::size_t asked) {
     ordered_json out = means_json(runs);
-    put_largest(out, runs);
+    for_each_field<GranularSummary>([&](const auto& field) {
+        if constexpr (std::is_same_v<decltype(field.get), double GranularSummary::*>)
+            if (field.info.over_runs == OverRuns::largest)
+                out[std::string(field.name)] = std::ranges::max(members(runs, field.get));
+    });
     out["absorbing_runs"] = std::ranges::count(runs, true, &GranularSummary::absorbing_state);
     out["rods"] = ordered_json::array();
     for (std::size_t i = 0; i < runs[0].rods.size(); ++i) {

@@ -19,14 +19,6 @@ using scene::Granular;
 using scene::Measure;
 using scene::Scene;
 
-std::string force_text(const measure::Layout& layout) {
-    if (!layout.force)
-        return "";
-    const measure::MovingForce& f = *layout.force;
-    return fmt::format("force at {:.17g}, {:.17g}, goes at {:.17g}, {:.17g}, points to {:.17g}\n", f.x, f.y,
-                       f.vx, f.vy, f.heading);
-}
-
 /// The table without what is worked out from other files, or only when the runs are put together.
 std::string key_text(const Measure& m, const MeasurePlan& plan) {
     scene::Scene key;
@@ -43,8 +35,12 @@ std::string key_text(const Measure& m, const MeasurePlan& plan) {
     std::string kinds;
     for (const double radius : layout.kind_radii)
         kinds += fmt::format(", beads of radius {:.17g}", radius);
+    std::string force;
+    if (const auto& f = layout.force; f && m.displacement)
+        force = fmt::format("force at {:.17g}, {:.17g}, goes at {:.17g}, {:.17g}, points to {:.17g}\n", f->x,
+                            f->y, f->vx, f->vy, f->heading);
     return fmt::format("{}box {:.17g}{}, beads {}, rods {}{}\n{}", scene::to_plain_toml(key), layout.box.x,
-                       second, layout.beads, layout.rods, kinds, m.displacement ? force_text(layout) : "");
+                       second, layout.beads, layout.rods, kinds, force);
 }
 
 /// Steps between the frames of currents: the largest part of `steps` that takes at most 5 ms, or what the
@@ -74,40 +70,25 @@ measure::Measures no_sums(const Scene& scene, const measure::Layout& layout) {
     return {layout, m.from, {static_cast<std::size_t>(m.rod), m.from_travel.value_or(0.0)}};
 }
 
-/// Of a bed without rods: what its displacement is seen from.
-std::optional<measure::MovingForce> force_of(const granular::GranularProblem& p) {
-    if (!p.rods.empty() || !p.body_force || p.body_force->kind != granular::BodyForceKind::gaussian)
-        return std::nullopt;
-    const granular::BodyForce& force = *p.body_force;
-    const double c = std::cos(force.direction), s = std::sin(force.direction);
-    const bool middle = force.place.empty();
-    return measure::MovingForce{middle ? 0.5 * p.box.x : force.place[0],
-                                middle ? 0.5 * p.box.y : force.place[1], force.speed * c, force.speed * s,
-                                force.direction};
-}
-
-} // namespace
-
-namespace {
-
-/// Where the centres of beads may be.
-std::optional<measure::Window> window_of(const granular::GranularProblem& p) {
-    if (!p.container)
-        return {};
-    const PeriodicBox& sides = p.container->sides;
-    return measure::room_within(p.container->kind == granular::ContainerKind::circle, sides,
-                                granular::bead_mix(p).smallest());
-}
-
 } // namespace
 
 measure::Layout layout_of(const granular::GranularProblem& p) {
     measure::Layout layout{granular::bed_sides(p), p.bead_radius, granular::mean_bead_mass(p), p.beads,
                            p.rods.size()};
-    layout.window = window_of(p);
+    if (p.container) // where the centres of beads may be
+        layout.window = measure::room_within(p.container->kind == granular::ContainerKind::circle,
+                                             p.container->sides, granular::bead_mix(p).smallest());
     for (const granular::RodSpec& rod : p.rods)
         layout.headings.push_back(rod.heading);
-    layout.force = force_of(p);
+    // The displacement of a bed without rods is seen from its force.
+    if (p.rods.empty() && p.body_force && p.body_force->kind == granular::BodyForceKind::gaussian) {
+        const granular::BodyForce& force = *p.body_force;
+        const double c = std::cos(force.direction), s = std::sin(force.direction);
+        const bool middle = force.place.empty();
+        layout.force = measure::MovingForce{middle ? 0.5 * p.box.x : force.place[0],
+                                            middle ? 0.5 * p.box.y : force.place[1], force.speed * c,
+                                            force.speed * s, force.direction};
+    }
     if (!granular::bead_mix(p).one_size())
         for (const granular::BeadKind& kind : p.bead_kinds)
             layout.kind_radii.push_back(kind.radius);

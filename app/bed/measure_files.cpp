@@ -42,27 +42,6 @@ void put_grid(store::Hdf5Writer& out, const MeasureGrid& grid, double a) {
                    attribute);
 }
 
-namespace {
-
-/// measure.h5: the grids of all measures, by the names of their groups; no file without any.
-void write_grids(const fs::path& folder, const CaseResults& r) {
-    std::vector<const MeasureGrid*> grids;
-    for (const auto& [name, report] : r.reports)
-        for (const MeasureGrid& grid : report.grids)
-            grids.push_back(&grid);
-    if (grids.empty())
-        return;
-    std::ranges::sort(grids, {}, [](const auto* grid) { return grid->group; });
-    store::Hdf5Writer h5(folder / "measure.h5");
-    h5.attribute("/", "bead_radius", r.row.bead_radius);
-    h5.attribute("/", "phi_b", r.row.phi_b);
-    for (const auto* grid : grids)
-        put_grid(h5, *grid, r.row.bead_radius);
-    h5.commit();
-}
-
-} // namespace
-
 void write_measures(const fs::path& folder, const CaseResults& r, const MeasureOrigin& origin) {
     for (const auto& [name, report] : r.reports) {
         for (const CsvFile& table : report.tables)
@@ -80,7 +59,20 @@ void write_measures(const fs::path& folder, const CaseResults& r, const MeasureO
                              arrays);
         }
     }
-    write_grids(folder, r);
+    // measure.h5: the grids of all measures, by the names of their groups; no file without any.
+    std::vector<const MeasureGrid*> grids;
+    for (const auto& [name, report] : r.reports)
+        for (const MeasureGrid& grid : report.grids)
+            grids.push_back(&grid);
+    if (!grids.empty()) {
+        std::ranges::sort(grids, {}, [](const auto* grid) { return grid->group; });
+        store::Hdf5Writer h5(folder / "measure.h5");
+        h5.attribute("/", "bead_radius", r.row.bead_radius);
+        h5.attribute("/", "phi_b", r.row.phi_b);
+        for (const auto* grid : grids)
+            put_grid(h5, *grid, r.row.bead_radius);
+        h5.commit();
+    }
     // last: whoever finds it finds everything
     ordered_json out = {
         {"units",

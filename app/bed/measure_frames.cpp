@@ -52,8 +52,11 @@ void check_bed(const std::filesystem::path& file, const store::TrajectoryInfo& i
                                      file.string(), info.rods, layout.rods));
 }
 
-void check_beads(const std::filesystem::path& file, const store::TrajectoryInfo& info,
-                 const measure::Layout& layout) {
+/// The same bed, all its beads among the frames, of the same sizes.
+void check_all(const std::filesystem::path& file, const store::TrajectoryInfo& info,
+               const MeasurePlan& plan) {
+    const measure::Layout& layout = plan.sums.layout();
+    check_bed(file, info, layout);
     if (info.beads < layout.beads)
         throw InputError(
             fmt::format("{}: frames hold {} beads, the scene has {}; they are of another bed, or of one with "
@@ -62,10 +65,6 @@ void check_beads(const std::filesystem::path& file, const store::TrajectoryInfo&
                         file.string(), info.beads, layout.beads));
     want_equal(file, "the number of beads", static_cast<double>(info.beads),
                static_cast<double>(layout.beads));
-}
-
-void check_sizes(const std::filesystem::path& file, const store::TrajectoryInfo& info,
-                 const MeasurePlan& plan) {
     if (!plan.mix)
         return;
     granular::BeadSizes sizes{info.radius, {}};
@@ -163,9 +162,7 @@ void for_each_frame(const std::filesystem::path& file, const measure::Layout& la
 
 void check_trajectory(const std::filesystem::path& file, const MeasurePlan& plan) {
     const store::H5mdReader reader(file);
-    check_bed(file, reader.info(), plan.sums.layout());
-    check_beads(file, reader.info(), plan.sums.layout());
-    check_sizes(file, reader.info(), plan);
+    check_all(file, reader.info(), plan);
     stride_of(file, reader.info(), plan);
 }
 
@@ -184,9 +181,7 @@ std::optional<measure::Measures> measure_trajectory(const std::filesystem::path&
                                                     const MeasurePlan& plan,
                                                     const std::function<bool(double)>& on_progress) {
     const store::TrajectoryInfo info = store::H5mdReader(file).info();
-    check_bed(file, info, plan.sums.layout());
-    check_beads(file, info, plan.sums.layout());
-    check_sizes(file, info, plan);
+    check_all(file, info, plan);
     measure::Measures measures = plan.sums;
     bool stopped = false;
     for_each_frame(file, plan.sums.layout(), stride_of(file, info, plan),

@@ -47,54 +47,35 @@ bool replays(const RunFiles& run, const MeasurePlan& plan) {
     }
 }
 
-/// What the run recorded on its way if it is of these keys, else its trajectory measured now.
-std::optional<measure::Measures> measures_of(const RunFiles& run, const MeasurePlan& plan,
-                                             const std::function<bool(double)>& on_progress) {
-    if (run.own)
-        if (auto recorded = read_records(run.folder / "measure.rwc", plan))
-            return recorded;
-    if (run.own && replays(run, plan))
-        return measure_archive(run.folder / "archive.rwc", plan, on_progress);
-    if (run.own && !fs::exists(run.trajectory))
-        refuse_unrecorded(run.folder);
-    return measure_trajectory(run.trajectory, plan, on_progress);
-}
-
 /// Of all runs; nothing if a signal stopped it.
 std::optional<std::vector<measure::Measures>> sums_of(const std::vector<RunFiles>& runs,
                                                       const MeasurePlan& plan, const RunContext& context) {
     SharedProgress progress(context, "measure", runs.size(), static_cast<double>(runs.size()), "runs");
     std::vector<std::optional<measure::Measures>> found(runs.size());
     parallel_for(runs.size(), context.thread_count(), [&](std::size_t i) {
-        found[i] = measures_of(runs[i], plan, [&](double part) {
+        // What the run recorded on its way if it is of these keys, else its frames measured now.
+        const RunFiles& run = runs[i];
+        const auto on_progress = [&](double part) {
             progress.update(i, part);
             return !context.stopped();
-        });
+        };
+        if (run.own)
+            found[i] = read_records(run.folder / "measure.rwc", plan);
+        if (found[i])
+            return;
+        if (run.own && replays(run, plan)) {
+            found[i] = measure_archive(run.folder / "archive.rwc", plan, on_progress);
+            return;
+        }
+        if (run.own && !fs::exists(run.trajectory))
+            refuse_unrecorded(run.folder);
+        found[i] = measure_trajectory(run.trajectory, plan, on_progress);
     });
     std::vector<measure::Measures> all;
     for (auto& item : found)
         if (item)
             all.push_back(std::move(*item));
     return all.size() == found.size() ? std::optional(std::move(all)) : std::nullopt;
-}
-
-/// Of a kind that is made in frames. Runs that recorded on their way may have ended before the first one.
-void require_frames(std::span<const measure::Measures> runs) {
-    if (std::ranges::all_of(runs, [](const measure::Measures& run) { return run.frames() == 0; }))
-        throw InputError(why_no_frames(runs.front()));
-}
-
-/// One measure that cannot be had does not take the others with it: its reason is kept.
-void report(const MeasureKind& kind, const MeasuredCase& data, CaseResults& results) {
-    try {
-        if (kind.include)
-            require_frames(data.sums);
-        results.reports.emplace_back(kind.name, kind.report(data));
-    } catch (const InputError& error) {
-        results.not_measured.emplace_back(kind.name, error.what());
-    } catch (const RunError& error) {
-        results.not_measured.emplace_back(kind.name, error.what());
-    }
 }
 
 /// Names of the kinds for which this holds.
@@ -115,41 +96,27 @@ std::vector<RunFiles> finished(std::span<const GranularTask> tasks) {
     return found;
 }
 
-/// Before an earlier measurement makes room for one of this run.
-void require_recorded(const RunFiles& run, const MeasurePlan& plan) {
-    if (read_records(run.folder / "measure.rwc", plan) || replays(run, plan))
-        return;
-    if (!fs::exists(run.trajectory))
-        refuse_unrecorded(run.folder);
-    check_trajectory(run.trajectory, plan);
-}
-
-CaseResults facts_of(const BedPlan& plan) {
-    const Case& case_ = plan.of;
-    const scene::Granular& bed = *case_.scene.granular;
-    CaseResults r;
-    r.row.name = case_.name;
-    r.label = case_.label;
-    r.folder = case_.folder;
-    r.row.bead_radius = bed.bead_radius;
-    r.row.phi_b = phi_b(plan);
-    if (bed.rods.size() == 2) {
-        const auto &p = bed.rods[0].position, &q = bed.rods[1].position;
-        r.row.separation = nearest_distance(p[0] - q[0], p[1] - q[1], plan.problem.box);
-    }
-    if (!bed.rods.empty())
-        r.row.imposed_speed = bed.rods[static_cast<std::size_t>(case_.scene.measure->rod)].imposed_speed;
-    return r;
-}
-
 /// Nothing if a signal stopped it.
 std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& context, const fs::path& folder,
                                         const Logger& log) {
     const Case& case_ = bed.of;
     const std::vector<RunFiles> runs = finished_runs(case_, folder, log);
     const scene::Measure& m = *case_.scene.measure;
-    CaseResults results = facts_of(bed);
-    results.row.runs = runs.size();
+    const scene::Granular& keys = *case_.scene.granular;
+    CaseResults results;
+    results.label = case_.label;
+    results.folder = case_.folder;
+    SeriesRow& row = results.row;
+    row.name = case_.name;
+    row.bead_radius = keys.bead_radius;
+    row.phi_b = phi_b(bed);
+    row.runs = runs.size();
+    if (keys.rods.size() == 2) {
+        const auto &p = keys.rods[0].position, &q = keys.rods[1].position;
+        row.separation = nearest_distance(p[0] - q[0], p[1] - q[1], bed.problem.box);
+    }
+    if (!keys.rods.empty())
+        row.imposed_speed = keys.rods[static_cast<std::size_t>(m.rod)].imposed_speed;
     std::vector<measure::Measures> sums;
     if (bed.measures) {
         auto found = sums_of(runs, *bed.measures, context);
@@ -175,9 +142,22 @@ std::optional<CaseResults> measure_case(const BedPlan& bed, const RunContext& co
 } // namespace
 
 void report_measures(const MeasuredCase& data, CaseResults& results) {
-    for (const MeasureKind& kind : measure_kinds())
-        if (kind.wanted(*data.scene.measure) && (kind.include || !data.tables.empty()))
-            report(kind, data, results);
+    for (const MeasureKind& kind : measure_kinds()) {
+        if (!kind.wanted(*data.scene.measure) || !(kind.include || !data.tables.empty()))
+            continue;
+        // One measure that cannot be had does not take the others with it: its reason is kept.
+        try {
+            // Runs that recorded on their way may have ended before the first frame.
+            const auto empty = [](const measure::Measures& run) { return run.frames() == 0; };
+            if (kind.include && std::ranges::all_of(data.sums, empty))
+                throw InputError(why_no_frames(data.sums.front()));
+            results.reports.emplace_back(kind.name, kind.report(data));
+        } catch (const InputError& error) {
+            results.not_measured.emplace_back(kind.name, error.what());
+        } catch (const RunError& error) {
+            results.not_measured.emplace_back(kind.name, error.what());
+        }
+    }
 }
 
 std::vector<RunFiles> finished_runs(const Case& case_, const fs::path& folder, const Logger& log) {
@@ -198,36 +178,37 @@ std::vector<RunFiles> finished_runs(const Case& case_, const fs::path& folder, c
 
 namespace {
 
-/// measure.trajectory can be measured.
-void require_trajectory(const Plan& plan) {
-    const auto& frames = plan.beds.front().measures;
-    if (!frames)
-        throw InputError(plan.scene.path +
-                         ": measure.trajectory is given, but nothing that is measured in frames: " +
-                         names_where([](const MeasureKind& kind) { return kind.include; }));
-    check_trajectory(plan.scene.measure->trajectory, *frames);
-}
-
-/// Finished runs of the folder hold what is to be measured: seen before an earlier measurement makes room.
-void require_recorded(const Plan& plan, const fs::path& folder) {
-    for (const BedPlan& bed : plan.beds)
-        if (bed.measures)
-            for (const RunFiles& run : finished(granular_tasks(bed.of, folder)))
-                require_recorded(run, *bed.measures);
-}
-
 void require_measurable(const Plan& plan, const fs::path& folder, const RunContext& context) {
     if (plan.scene.tracks) {
         look_at_tracks(plan.scene, nullptr);
         return;
     }
-    if (!plan.scene.measure->trajectory.empty())
-        return require_trajectory(plan);
+    const std::string& trajectory = plan.scene.measure->trajectory;
+    if (!trajectory.empty()) {
+        const auto& frames = plan.beds.front().measures;
+        if (!frames)
+            throw InputError(plan.scene.path +
+                             ": measure.trajectory is given, but nothing that is measured in frames: " +
+                             names_where([](const MeasureKind& kind) { return kind.include; }));
+        return check_trajectory(trajectory, *frames);
+    }
     if (!only_measures(plan))
         return;
     require_run(plan, folder);
-    if (context.force || stage_status(folder, Stage::measure) == "unfinished")
-        require_recorded(plan, folder);
+    if (!context.force && stage_status(folder, Stage::measure) != "unfinished")
+        return;
+    // Finished runs of the folder hold what is to be measured: seen before an earlier measurement makes room.
+    for (const BedPlan& bed : plan.beds) {
+        if (!bed.measures)
+            continue;
+        for (const RunFiles& run : finished(granular_tasks(bed.of, folder))) {
+            if (read_records(run.folder / "measure.rwc", *bed.measures) || replays(run, *bed.measures))
+                continue;
+            if (!fs::exists(run.trajectory))
+                refuse_unrecorded(run.folder);
+            check_trajectory(run.trajectory, *bed.measures);
+        }
+    }
 }
 
 } // namespace

@@ -62,17 +62,6 @@ std::vector<double> layer(const store::Hdf5Reader& h5, const fs::path& file, con
     return data.values;
 }
 
-void require_data(const MeasuredInput& input, std::int64_t blocks, long samples) {
-    if (std::ranges::none_of(input.grid.known, [](bool known) { return known; }))
-        refuse(input.file, "no bin of /displacement has data (count is 0 everywhere): measure longer");
-    if (samples > 0 && blocks < 2)
-        refuse(input.file,
-               fmt::format("the errors of its field are unknown, because it was measured in {} block of "
-                           "time. Measure more runs, longer, or with a shorter measure.block; or set "
-                           "medium.measured.samples = 0 for a run without errors",
-                           blocks));
-}
-
 /// Where no error is known, that of every bin is taken to be the field's root mean square: all count alike.
 void require_errors(const fs::path& file, const std::vector<double>& values, std::vector<double>& sigma) {
     if (std::ranges::all_of(sigma, [](double s) { return std::isnan(s); })) {
@@ -119,7 +108,14 @@ MeasuredInput read_measured(const Scene& scene, const fs::path& run_directory) {
                         {}};
     for (const double count : layer(h5, file, "count", side))
         input.grid.known.push_back(count > 0.0);
-    require_data(input, h5.integer("/displacement", "blocks"), keys.samples);
+    if (std::ranges::none_of(input.grid.known, [](bool known) { return known; }))
+        refuse(file, "no bin of /displacement has data (count is 0 everywhere): measure longer");
+    if (const std::int64_t blocks = h5.integer("/displacement", "blocks"); keys.samples > 0 && blocks < 2)
+        refuse(file,
+               fmt::format("the errors of its field are unknown, because it was measured in {} block of "
+                           "time. Measure more runs, longer, or with a shorter measure.block; or set "
+                           "medium.measured.samples = 0 for a run without errors",
+                           blocks));
     require_errors(file, input.grid.Ux, input.grid.sigma_x);
     require_errors(file, input.grid.Uy, input.grid.sigma_y);
     constexpr double window = 0.71; // of the cell over which a value is a mean, in lattice spacings

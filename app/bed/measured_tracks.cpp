@@ -217,30 +217,6 @@ struct FilmBead {
     }
 };
 
-/// Everything that is missing. The reader that met it reported most of it already.
-std::vector<RowsLeftOut> left_out(const TrackRows& file, const measure::Tracks& tracks) {
-    const measure::TrackCounts& counts = tracks.counts;
-    std::vector<RowsLeftOut> all;
-    const auto add = [&](std::size_t rows, std::string why) {
-        if (rows > 0)
-            all.push_back({std::move(why), rows});
-    };
-    add(file.without_place, "rows without a position, the first at " + file.first_without_place);
-    add(file.hidden, "spots hidden by TrackMate's filters");
-    add(file.branches, "links cut where tracks split or merge");
-    add(counts.dangling, "links to spots that are not in the file");
-    add(counts.repeated, "rows of a particle that the frame has already");
-    add(counts.outside, "rows outside of the window");
-    add(counts.restarts, "tracks cut where they jump: their number goes on " + tracks.cut_rule);
-    add(counts.untracked, "rows in no track, used where one frame is enough");
-    add(counts.empty_frames, "frames without any row");
-    add(counts.headless, "rows of rods whose heading is not known");
-    add(counts.joined, "rods that went on under another number, joined");
-    for (const std::string& warning : tracks.warnings)
-        all.push_back({warning, 0});
-    return all;
-}
-
 TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const TrackRows& kept,
                        const measure::Tracks& tracks) {
     const double a = keys.bead_radius, area = seen_area(measure::layout_of(tracks)) / (a * a);
@@ -263,21 +239,26 @@ TracksReport report_of(const scene::Tracks& keys, const fs::path& file, const Tr
     r.duration = tracks.time.back() - tracks.time.front();
     r.area = area;
     r.phi_b = r.beads_per_frame * std::numbers::pi * tracks.mean_square_radius() / area;
-    r.left_out = left_out(kept, tracks);
+    // Everything that is missing. The reader that met it reported most of it already.
+    const measure::TrackCounts& counts = tracks.counts;
+    const auto add = [&](std::size_t rows, std::string why) {
+        if (rows > 0)
+            r.left_out.push_back({std::move(why), rows});
+    };
+    add(kept.without_place, "rows without a position, the first at " + kept.first_without_place);
+    add(kept.hidden, "spots hidden by TrackMate's filters");
+    add(kept.branches, "links cut where tracks split or merge");
+    add(counts.dangling, "links to spots that are not in the file");
+    add(counts.repeated, "rows of a particle that the frame has already");
+    add(counts.outside, "rows outside of the window");
+    add(counts.restarts, "tracks cut where they jump: their number goes on " + tracks.cut_rule);
+    add(counts.untracked, "rows in no track, used where one frame is enough");
+    add(counts.empty_frames, "frames without any row");
+    add(counts.headless, "rows of rods whose heading is not known");
+    add(counts.joined, "rods that went on under another number, joined");
+    for (const std::string& warning : tracks.warnings)
+        r.left_out.push_back({warning, 0});
     return r;
-}
-
-/// Every how many intervals a frame is measured.
-std::size_t stride_of(const scene::Measure& m, const measure::Tracks& tracks, const std::string& path) {
-    if (!tracks.on_grid) // then frames at least measure.interval apart
-        return 1;
-    const double interval = tracks.interval, ratio = m.interval.value_or(interval) / interval;
-    if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
-        throw InputError(
-            fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
-                        "of that",
-                        path, interval, *m.interval));
-    return static_cast<std::size_t>(std::round(ratio));
 }
 
 /// Nothing if it was stopped.
@@ -342,7 +323,15 @@ std::optional<measure::Tracks> read(const Scene& scene, const RunContext& contex
 /// Over its frames; nothing if it was stopped.
 std::optional<measure::Measures> sums_of(const Scene& scene, const measure::Tracks& tracks,
                                          Progress& progress, const RunContext& context) {
-    const std::size_t stride = stride_of(*scene.measure, tracks, scene.path);
+    // Every how many intervals a frame is measured; at uneven times frames are at least the interval apart.
+    const double ratio =
+        tracks.on_grid ? scene.measure->interval.value_or(tracks.interval) / tracks.interval : 1.0;
+    if (ratio < 0.999 || std::abs(ratio - std::round(ratio)) > 1e-4 * ratio)
+        throw InputError(
+            fmt::format("{}: frames are {:g} s apart; measure.interval = {:g} s is no whole multiple "
+                        "of that",
+                        scene.path, tracks.interval, *scene.measure->interval));
+    const auto stride = static_cast<std::size_t>(std::round(ratio));
     const double least = tracks.on_grid ? 0.0 : scene.measure->interval.value_or(0.0) * (1.0 - 1e-9),
                  mean = tracks.has_all_frames() ? tracks.interval
                                                 : (tracks.time.back() - tracks.time.front()) /

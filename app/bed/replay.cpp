@@ -38,26 +38,25 @@ GranularArchive archive_of(const fs::path& run) {
     return {c.scene, c.build, c.seed, c.run, {std::move(c.state)}};
 }
 
-BedPlan bed_of(const GranularArchive& archive, const std::string& name) {
-    BedPlan bed{{"scene", "", "", scene::parse_scene(archive.scene, name)}, {}, {}, {}};
-    const std::string& file = bed.of.scene.granular->start_file;
-    if (!file.empty() && granular_key(bed.of.scene) != archive.scene)
-        throw InputError(
-            fmt::format("{}: granular.start_file = \"{}\" is not the file that the run began from; "
-                        "put that one back",
-                        name, file));
-    bed.problem = granular_problem(bed.of.scene);
-    bed.problem.seed = archive.seed;
-    bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
-    return bed;
-}
-
 /// A run, and where it can be taken up.
 struct ArchivedRun {
     GranularArchive archive;
     BedPlan bed;
 
-    explicit ArchivedRun(const fs::path& run) : archive(archive_of(run)), bed(bed_of(archive, run.string())) {
+    explicit ArchivedRun(const fs::path& run)
+        : archive(archive_of(run)), bed{{"scene", "", "", scene::parse_scene(archive.scene, run.string())},
+                                        {},
+                                        {},
+                                        {}} {
+        const std::string& file = bed.of.scene.granular->start_file;
+        if (!file.empty() && granular_key(bed.of.scene) != archive.scene)
+            throw InputError(
+                fmt::format("{}: granular.start_file = \"{}\" is not the file that the run began from; "
+                            "put that one back",
+                            run.string(), file));
+        bed.problem = granular_problem(bed.of.scene);
+        bed.problem.seed = archive.seed;
+        bed.schedule = granular_schedule(*bed.of.scene.granular, bed.problem);
         require_end(end(), bed.problem, run.string());
         const State& last = archive.states.back();
         if (last.beads.size() != bed.problem.beads || last.rods.size() != bed.problem.rods.size())
@@ -102,10 +101,6 @@ bool advance(Simulation& simulation, std::int64_t step, const RunContext& contex
     return true;
 }
 
-struct StepRange {
-    std::int64_t from, to, every;
-};
-
 } // namespace
 
 Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::path& folder,
@@ -123,9 +118,9 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     if (!(interval >= p.time_step && std::isfinite(interval)))
         throw InputError(
             fmt::format("replay: frames {:g} s apart: at least a step, {:g} s", interval, p.time_step));
-    const StepRange steps = {step_at(request.from), step_at(to), std::llround(interval / p.time_step)};
-    Simulation simulation(p, kept.state(steps.from), {},
-                          granular::worthwhile_threads(p, context.thread_count()));
+    const std::int64_t first = step_at(request.from), end = step_at(to),
+                       every = std::llround(interval / p.time_step);
+    Simulation simulation(p, kept.state(first), {}, granular::worthwhile_threads(p, context.thread_count()));
     Replayed done;
     done.begun_at = kept.time(simulation.step());
     done.file = folder / "trajectory.h5md";
@@ -134,9 +129,9 @@ Replayed replay(const fs::path& run, const ReplayRequest& request, const fs::pat
     schedule.xyz = schedule.last_period = false;
     schedule.archive_every = 0;
     GranularFiles files(folder, p, simulation.state(), schedule, {});
-    Progress progress(context, "replay", kept.time(steps.to) - done.begun_at, "s");
-    done.from = kept.time(steps.from);
-    for (std::int64_t step = steps.from; step <= steps.to; step += steps.every) {
+    Progress progress(context, "replay", kept.time(end) - done.begun_at, "s");
+    done.from = kept.time(first);
+    for (std::int64_t step = first; step <= end; step += every) {
         if (!advance(simulation, step, context)) {
             remove_progress(folder);
             done.interrupted = true;

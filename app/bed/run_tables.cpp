@@ -11,13 +11,7 @@
 
 namespace rodwake::app {
 
-namespace {
-
-namespace fs = std::filesystem;
-
-} // namespace
-
-RunTables run_tables(const fs::path& folder) {
+RunTables run_tables(const std::filesystem::path& folder) {
     return {[file = folder / "summary.json"](const std::string& name, const std::string& what) {
                 std::ifstream in(file);
                 try {

@@ -17,32 +17,7 @@
 
 namespace rodwake::app {
 
-namespace {
-
 namespace fs = std::filesystem;
-
-/// Kinds of the column, or those whose radii are nearest.
-std::vector<std::uint8_t> kinds_of(const scene::Granular& bed, const store::Table& table,
-                                   const std::string& name) {
-    std::vector<std::uint8_t> kinds;
-    const auto* column = table.find("kind");
-    const auto* radius = table.find("radius");
-    const std::size_t count = std::max<std::size_t>(bed.bead_kinds.size(), 1);
-    for (std::size_t i = 0; column && i < table.rows(); ++i) {
-        const double kind = (*column)[i];
-        if (!(kind >= 0.0 && kind < static_cast<double>(count) && kind == std::floor(kind)))
-            throw InputError(
-                fmt::format("{}:{}: kind = {}: must be a whole number from 0 to {}, the number of "
-                            "one of the [[granular.bead_kinds]]",
-                            name, table.lines[i], kind, count - 1));
-        kinds.push_back(static_cast<std::uint8_t>(kind));
-    }
-    for (std::size_t i = 0; !column && radius && i < table.rows(); ++i)
-        kinds.push_back(static_cast<std::uint8_t>(scene::bead_mix(bed).nearest((*radius)[i])));
-    return kinds;
-}
-
-} // namespace
 
 fs::path start_file_of(const scene::Granular& bed, const std::string& scene) {
     const std::string& file = bed.start_file;
@@ -113,7 +88,22 @@ granular::GivenBeads read_start_file(const scene::Granular& bed, const std::stri
         return column ? *column : std::vector<double>();
     };
     granular::GivenBeads given{take("x"),  take("y"),  take("z"),      take("vx"),
-                               take("vy"), take("vz"), take("radius"), kinds_of(bed, table, file.string())};
+                               take("vy"), take("vz"), take("radius"), {}};
+    // Kinds of the column, or those whose radii are nearest.
+    const auto* column = table.find("kind");
+    const std::size_t count = std::max<std::size_t>(bed.bead_kinds.size(), 1);
+    for (std::size_t i = 0; column && i < table.rows(); ++i) {
+        const double kind = (*column)[i];
+        if (!(kind >= 0.0 && kind < static_cast<double>(count) && kind == std::floor(kind)))
+            throw InputError(
+                fmt::format("{}:{}: kind = {}: must be a whole number from 0 to {}, the number of "
+                            "one of the [[granular.bead_kinds]]",
+                            file.string(), table.lines[i], kind, count - 1));
+        given.kind.push_back(static_cast<std::uint8_t>(kind));
+    }
+    if (!column)
+        for (const double radius : given.radius)
+            given.kind.push_back(static_cast<std::uint8_t>(scene::bead_mix(bed).nearest(radius)));
     constexpr double furthest = 1e3; // m, as for other lengths of a scene
     for (std::size_t i = 0; i < table.rows(); ++i) {
         const double radius = given.radius.empty() ? bed.bead_radius : given.radius[i];

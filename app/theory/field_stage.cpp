@@ -31,18 +31,14 @@ std::vector<double> evenly_spaced(double from, double to, std::size_t count) {
 }
 
 /// Of one rod, heading along x.
-class RodField {
-public:
-    explicit RodField(const elastic::WakeField& field) : box_(field.box()), wake_(field.wake(0.0)) {}
+struct RodField {
+    std::optional<PeriodicBox> box;
+    std::shared_ptr<const elastic::Wake> wake;
 
     /// NaN at the rod itself, where the field is singular: figures leave that point out.
     FieldValues at(double x, double y, elastic::FieldRequest request) const {
-        return elastic::is_singular(x, y, box_) ? elastic::unrequested() : wake_->at(x, y, request);
+        return elastic::is_singular(x, y, box) ? elastic::unrequested() : wake->at(x, y, request);
     }
-
-private:
-    std::optional<PeriodicBox> box_;
-    std::shared_ptr<const elastic::Wake> wake_;
 };
 
 /// A stored quantity of the grid: name, power of the length unit it scales with, and how to get it.
@@ -65,10 +61,6 @@ constexpr GridQuantity quantities[] = {
     {"axis_value", 0, [](const FieldValues& f) { return elastic::extensional_axis(f.strain).value; }},
     {"axis_angle", 0, [](const FieldValues& f) { return elastic::extensional_axis(f.strain).angle; }},
 };
-
-double factor(int length_power, const OutputUnits& units) {
-    return length_power == 0 ? 1.0 : (length_power > 0 ? units.length : 1.0 / units.length);
-}
 
 std::string unit_name(const GridQuantity& quantity, const OutputUnits& units) {
     if (std::string_view(quantity.name) == "axis_angle")
@@ -97,9 +89,11 @@ void store_grid(Session& session, const RodField& field) {
             const auto here =
                 field.at(x[column], y[row], {.displacement = true, .strain = true, .polar = true});
             const auto point = static_cast<Eigen::Index>(row * x.size() + column);
-            for (std::size_t q = 0; q < std::size(quantities); ++q)
-                values(point, static_cast<Eigen::Index>(q)) =
-                    quantities[q].of(here) * factor(quantities[q].length_power, units);
+            for (std::size_t q = 0; q < std::size(quantities); ++q) {
+                const int power = quantities[q].length_power;
+                const double factor = power == 0 ? 1.0 : power > 0 ? units.length : 1.0 / units.length;
+                values(point, static_cast<Eigen::Index>(q)) = quantities[q].of(here) * factor;
+            }
         }
     });
     if (session.context.stopped())
@@ -136,14 +130,11 @@ void store_cut(Session& session, const RodField& field, std::size_t index) {
     session.directory.write(fmt::format("field_cut_{}.csv", index), store::to_csv(names, columns));
 }
 
-} // namespace
-
-namespace {
-
 StageEnd run_field(Session& session) {
     const scene::Field& table = *session.plan.scene.field;
     WakeFields fields(session);
-    const RodField field(*fields.of(session.modelled()));
+    const auto wakes = fields.of(session.modelled());
+    const RodField field{wakes->box(), wakes->wake(0.0)};
     if (!table.x.empty())
         store_grid(session, field);
     for (std::size_t i = 0; i < table.cuts.size() && !session.context.stopped(); ++i)

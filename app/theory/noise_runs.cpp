@@ -37,27 +37,7 @@ inline constexpr auto
 
 namespace rodwake::app {
 
-namespace {
-
 using rods::NoiseSums;
-
-/// What is in the journal of this problem: the sums of its last record, with the ends of all.
-NoiseSums sums_in(store::Journal& journal, const NoiseSums& none) {
-    NoiseSums sums = none;
-    std::size_t whole = 0;
-    for (; whole < journal.size(); ++whole) {
-        std::optional<NoiseSums> record = journal.get<NoiseSums>(whole);
-        if (!record)
-            break;
-        sums.ends.insert(sums.ends.end(), record->ends.begin(), record->ends.end());
-        record->ends = std::move(sums.ends);
-        sums = std::move(*record);
-    }
-    journal.keep(whole); // what follows counts on what is damaged
-    return sums;
-}
-
-} // namespace
 
 bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProblem& problem,
                const std::string& field, NoiseSums& sums) {
@@ -74,7 +54,18 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
                                scene::to_plain_toml(key_of_rods(plan.of.scene)) + "\n" + field +
                                fmt::format("\nmax_steps {}", plan.of.scene.rods_run->max_steps),
                            store::Journal::OfAnother::replace);
-    sums = sums_in(journal, rods::no_runs(problem));
+    // The journal of this problem has the ends of all runs, and the sums in its last record.
+    sums = rods::no_runs(problem);
+    std::size_t whole = 0;
+    for (; whole < journal.size(); ++whole) {
+        std::optional<NoiseSums> record = journal.get<NoiseSums>(whole);
+        if (!record)
+            break;
+        sums.ends.insert(sums.ends.end(), record->ends.begin(), record->ends.end());
+        record->ends = std::move(sums.ends);
+        sums = std::move(*record);
+    }
+    journal.keep(whole); // what follows counts on what is damaged
     if (!sums.ends.empty())
         session.log->info("noise{}: resuming from run {}", plan.of.suffix(), sums.ends.size());
     else if (journal.replaced())
@@ -120,16 +111,6 @@ bool run_noise(const Session& session, const RodsPlan& plan, const rods::RodProb
 namespace {
 using rods::NoisyEnd;
 
-void add_capture(NoiseReport& report, const NoiseSums& sums, std::size_t rods) {
-    const scan::Proportion of = captured(sums, rods);
-    if (of.of == 0) // a single rod captures none
-        return;
-    const auto [low, high] = of.wilson(capture_quantile);
-    report.capture_probability = of.value();
-    report.capture_low = low;
-    report.capture_high = high;
-}
-
 std::vector<double> in_units_of(double unit, std::vector<double> values) {
     for (double& value : values)
         value *= unit;
@@ -162,7 +143,13 @@ std::string noise_json(const NoiseSums& sums, const NoisePlan& plan, const rods:
                            cosine = rods::heading_correlation(sums);
     NoiseReport report;
     report.runs = sums.ends.size();
-    add_capture(report, sums, rods);
+    if (const scan::Proportion captures = captured(sums, rods);
+        captures.of > 0) { // a single rod captures none
+        const auto [low, high] = captures.wilson(capture_quantile);
+        report.capture_probability = captures.value();
+        report.capture_low = low;
+        report.capture_high = high;
+    }
     for (const NoisyEnd& end : sums.ends)
         if (end.failed)
             ++report.endings.failed;

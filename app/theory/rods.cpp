@@ -71,26 +71,20 @@ std::optional<NoisePlan> noise_plan(const scene::Scene& scene, const rods::RodPr
     return plan;
 }
 
-namespace {
-
-/// Whether these runs say enough, or cannot.
-bool known_well(std::span<const rods::NoisyEnd> ends, std::size_t rods, double error) {
-    if (std::ranges::any_of(ends, &rods::NoisyEnd::failed))
-        return true;
-    const rods::CaptureCount captures = rods::count_captures(ends, rods);
-    const auto [low, high] = scan::Proportion{captures.count, captures.of}.wilson(scan::quantile_95);
-    return captures.of == 0 || 0.5 * (high - low) <= error;
-}
-
-} // namespace
-
 std::uint32_t wanted_runs(const rods::NoiseSums& sums, std::size_t rods, const NoisePlan& plan) {
     std::uint32_t runs = plan.runs;
     if (!plan.capture_error)
         return runs;
-    while (runs < plan.most_runs && runs <= sums.ends.size() &&
-           !known_well(std::span(sums.ends).first(runs), rods, *plan.capture_error))
+    while (runs < plan.most_runs && runs <= sums.ends.size()) {
+        const std::span<const rods::NoisyEnd> ends = std::span(sums.ends).first(runs);
+        if (std::ranges::any_of(ends, &rods::NoisyEnd::failed)) // more would say no more
+            break;
+        const rods::CaptureCount captures = rods::count_captures(ends, rods);
+        const auto [low, high] = scan::Proportion{captures.count, captures.of}.wilson(scan::quantile_95);
+        if (captures.of == 0 || 0.5 * (high - low) <= *plan.capture_error)
+            break;
         runs = std::min(plan.most_runs, runs + (runs + 1) / 2);
+    }
     return runs;
 }
 

@@ -15,13 +15,6 @@ namespace rodwake::app {
 namespace {
 using rods::RodResult;
 
-bool is_ok(const RodResult& result) { return result.solution.status.ok(); }
-
-double final_separation(const RodResult& run, rods::Box box) {
-    return run.solution.final_state.size() < 6 ? std::nan("")
-                                               : rods::closest_pair(run.solution.final_state, box).distance;
-}
-
 Spread spread_of(const std::vector<double>& values) {
     const Estimate mean = mean_of(values);
     Spread out;
@@ -57,9 +50,11 @@ std::string ensemble_csv(const std::vector<RodResult>& samples, rods::Box box, c
     std::vector<DrawnRow> rows;
     for (std::size_t i = 0; i < samples.size(); ++i) {
         const RodResult& result = samples[i];
+        const std::vector<double>& last = result.solution.final_state;
+        const double separation = last.size() < 6 ? std::nan("") : rods::closest_pair(last, box).distance;
         rows.push_back({static_cast<double>(i),
-                        is_ok(result) ? ending_code(result.outcome.ending) : std::nan(""),
-                        result.outcome.time * units.time, final_separation(result, box) * units.length,
+                        result.solution.status.ok() ? ending_code(result.outcome.ending) : std::nan(""),
+                        result.outcome.time * units.time, separation * units.length,
                         result.outcome.min_separation * units.length,
                         result.outcome.turn.empty() ? std::nan("") : result.outcome.turn.front()});
     }
@@ -71,14 +66,14 @@ DrawnReport drawn_report(const std::vector<RodResult>& samples, rods::Box box, c
     report.samples = samples.size();
     std::vector<double> last, least, contacts;
     for (const RodResult& result : samples) {
-        if (!is_ok(result)) {
+        if (!result.solution.status.ok()) {
             ++report.failed;
             continue;
         }
         report.add(result.outcome.ending);
         if (result.solution.final_state.size() < 6)
             continue;
-        last.push_back(final_separation(result, box) * units.length);
+        last.push_back(rods::closest_pair(result.solution.final_state, box).distance * units.length);
         least.push_back(result.outcome.min_separation * units.length);
         if (result.outcome.ending == Ending::contact)
             contacts.push_back(result.outcome.time * units.time);

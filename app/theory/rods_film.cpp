@@ -15,24 +15,6 @@ namespace {
 
 constexpr const char* log_name = "medium_film.log";
 
-void write_header(store::Hdf5Writer& file, const RodsPlan& plan, const OutputUnits& units,
-                  const std::string& command) {
-    const medium::DynamicMedium medium = plan.of.scene.medium->memory();
-    const BuildInfo build = build_info();
-    file.attribute("/", "schema", std::int64_t{1});
-    file.attribute("/", "rodwake_version", build.version);
-    file.attribute("/", "git", build.git);
-    file.attribute("/", "command", command);
-    file.attribute("/", "scene", scene::to_toml(plan.of.scene));
-    file.attribute("/", "units", units.system);
-    file.attribute("/", "what",
-                   medium.self_field
-                       ? "displacement u of the medium, of all rods"
-                       : "displacement u of the medium, of all rods; each feels u less its own");
-    file.attribute("/", "box", medium.box * units.length);
-    file.attribute("/", "force_width", medium.force_width * units.length);
-}
-
 std::vector<double> scaled(std::span<const double> values, double by) {
     std::vector<double> result(values.begin(), values.end());
     for (double& value : result)
@@ -70,7 +52,19 @@ void RodsFilm::add(const medium::FilmFrame& frame) {
 
 void RodsFilm::write(const OutputUnits& units, const std::string& command) {
     store::Hdf5Writer file(folder_ / "medium_film.h5");
-    write_header(file, plan_, units, command);
+    const BuildInfo build = build_info();
+    file.attribute("/", "schema", std::int64_t{1});
+    file.attribute("/", "rodwake_version", build.version);
+    file.attribute("/", "git", build.git);
+    file.attribute("/", "command", command);
+    file.attribute("/", "scene", scene::to_toml(plan_.of.scene));
+    file.attribute("/", "units", units.system);
+    file.attribute("/", "what",
+                   medium_.self_field
+                       ? "displacement u of the medium, of all rods"
+                       : "displacement u of the medium, of all rods; each feels u less its own");
+    file.attribute("/", "box", medium_.box * units.length);
+    file.attribute("/", "force_width", medium_.force_width * units.length);
     // The points of the grid along y are the same as along x.
     const medium::FieldGrid grid(medium_.film_grid);
     std::vector<double> positions;

@@ -39,18 +39,7 @@ struct RodOrderSettings {
     explicit RodOrderSettings(const scene::Scene& scene);
 };
 
-using measure::RodOrder;
 using measure::RodOrderSeries;
-
-OrderRow row_of(double t, const RodOrder& o) {
-    return {t,
-            o.polar,
-            o.nematic,
-            static_cast<double>(o.clusters.size()),
-            o.mean_size(),
-            o.weighted_size(),
-            static_cast<double>(o.clusters.front())};
-}
 
 /// Means over the runs, as far as all of them go.
 std::string series_csv(const std::vector<RodOrderSeries>& runs) {
@@ -58,23 +47,19 @@ std::string series_csv(const std::vector<RodOrderSeries>& runs) {
     std::vector<OrderRow> rows(shortest.times.size());
     for (const RodOrderSeries& run : runs)
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            const OrderRow row = row_of(shortest.times[i], run.orders[i]);
+            const measure::RodOrder& o = run.orders[i];
+            const OrderRow row = {shortest.times[i],
+                                  o.polar,
+                                  o.nematic,
+                                  static_cast<double>(o.clusters.size()),
+                                  o.mean_size(),
+                                  o.weighted_size(),
+                                  static_cast<double>(o.clusters.front())};
             for_each_field<OrderRow>([&](const auto& field) {
                 rows[i].*field.get += row.*field.get / static_cast<double>(runs.size());
             });
             rows[i].t = row.t; // the same in all
         }
-    return csv_of(rows);
-}
-
-/// Sizes that occur.
-std::string clusters_csv(const measure::MeanRodOrder& mean, std::size_t rods) {
-    std::vector<ClusterRow> rows;
-    for (std::size_t i = 0; i < mean.clusters.size(); ++i) {
-        const auto size = static_cast<double>(i + 1);
-        if (mean.clusters[i] != 0.0)
-            rows.push_back({size, mean.clusters[i], size * mean.clusters[i] / static_cast<double>(rods)});
-    }
     return csv_of(rows);
 }
 
@@ -136,8 +121,15 @@ void write_rods_order(const Session& session, const Case& of, const RodOrderSett
     const auto longest =
         std::ranges::max_element(runs, {}, [](const auto& run) { return run.orders.size(); });
     const auto& of_some_instant = longest->orders.front().clusters;
-    write("clusters.csv", clusters_csv(mean, std::accumulate(of_some_instant.begin(), of_some_instant.end(),
-                                                             std::size_t{0})));
+    const auto rods =
+        static_cast<double>(std::accumulate(of_some_instant.begin(), of_some_instant.end(), std::size_t{0}));
+    std::vector<ClusterRow> clusters; // of the sizes that occur
+    for (std::size_t i = 0; i < mean.clusters.size(); ++i) {
+        const auto size = static_cast<double>(i + 1);
+        if (mean.clusters[i] != 0.0)
+            clusters.push_back({size, mean.clusters[i], size * mean.clusters[i] / rods});
+    }
+    write("clusters.csv", csv_of(clusters));
     std::vector<FluctuationRow> fluctuations;
     for (std::size_t k = 0; k < mean.fluctuations.size(); ++k) {
         const measure::NumberFluctuation& of_cells = mean.fluctuations[k];
@@ -155,12 +147,6 @@ void write_rods_order(const Session& session, const Case& of, const RodOrderSett
 
 namespace fs = std::filesystem;
 
-/// The row of a run that ended between two output times, by contact, does not count.
-std::size_t rows_that_count(const std::vector<double>& t, const scene::RodsRun& run, double unit) {
-    const std::size_t last = t.size() - 1;
-    return last > 0 && t[last] < run.output_times[last - 1] * unit ? last : t.size();
-}
-
 RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene,
                              const RodOrderSettings& keys) {
     std::vector<std::string> names{std::string(field_names<TimeRow>().front())};
@@ -170,7 +156,10 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene,
     const auto columns = store::read_csv(folder / "rods.csv", names).columns;
     RodOrderSeries series;
     series.times = columns[0];
-    series.times.resize(rows_that_count(series.times, *scene.rods_run, keys.units.time));
+    // The row of a run that ended between two output times, by contact, does not count.
+    const std::size_t last = series.times.size() - 1;
+    if (last > 0 && series.times[last] < scene.rods_run->output_times[last - 1] * keys.units.time)
+        series.times.pop_back();
     std::vector<measure::RodPosition> places(scene.rods.size());
     const rods::BodyForces bodies(keys.bodies, places.size(), keys.box);
     std::vector<double> state(3 * places.size());
@@ -192,37 +181,15 @@ RodOrderSeries theory_series(const fs::path& folder, const scene::Scene& scene,
     return series;
 }
 
-StageEnd order_of_theory(const Session& session) {
-    for (const Case& case_ : cases_of(session.plan.scene)) {
-        const RodOrderSettings keys(case_.scene);
-        write_rods_order(session, case_, keys,
-                         {theory_series(session.directory.file(case_.folder), case_.scene, keys)});
+StageEnd run_order(Session& session) {
+    if (!order_of_bed(session.plan.scene)) { // rods of the theory
+        for (const Case& case_ : cases_of(session.plan.scene)) {
+            const RodOrderSettings keys(case_.scene);
+            write_rods_order(session, case_, keys,
+                             {theory_series(session.directory.file(case_.folder), case_.scene, keys)});
+        }
+        return StageEnd::finished;
     }
-    return StageEnd::finished;
-}
-
-/// Apolar rods have no heading, and are left out.
-std::vector<measure::RodPosition> motile(const measure::Frame& frame,
-                                         const granular::GranularProblem& problem) {
-    std::vector<measure::RodPosition> positions;
-    for (std::size_t r = 0; r < frame.rods.size(); ++r)
-        if (problem.rods[r].shape.kind == granular::RodKind::motile)
-            positions.push_back(frame.rods[r]);
-    return positions;
-}
-
-RodOrderSeries bed_series(const RunFiles& run, const granular::GranularProblem& problem,
-                          const RodOrderSettings& keys, const std::function<bool(double)>& on_progress) {
-    RodOrderSeries series;
-    for_each_frame(run.trajectory, layout_of(problem), 1, [&](const measure::Frame& frame, double part) {
-        series.times.push_back(frame.time);
-        series.orders.push_back(measure::rod_order(motile(frame, problem), *keys.link, keys.box));
-        return on_progress(part);
-    });
-    return series;
-}
-
-StageEnd order_of_beds(const Session& session) {
     for (const BedPlan& bed : session.plan.beds) {
         const RodOrderSettings keys(bed.of.scene);
         const std::vector<RunFiles> runs = finished_runs(bed.of, session.directory.path(), session.log);
@@ -230,10 +197,17 @@ StageEnd order_of_beds(const Session& session) {
                                 "runs");
         std::vector<RodOrderSeries> series(runs.size());
         parallel_for(runs.size(), session.context.thread_count(), [&](std::size_t i) {
-            series[i] = bed_series(runs[i], bed.problem, keys, [&](double part) {
-                progress.update(i, part);
-                return !session.context.stopped();
-            });
+            for_each_frame(
+                runs[i].trajectory, layout_of(bed.problem), 1, [&](const measure::Frame& frame, double part) {
+                    std::vector<measure::RodPosition> motile; // apolar rods have no heading, and are left out
+                    for (std::size_t r = 0; r < frame.rods.size(); ++r)
+                        if (bed.problem.rods[r].shape.kind == granular::RodKind::motile)
+                            motile.push_back(frame.rods[r]);
+                    series[i].times.push_back(frame.time);
+                    series[i].orders.push_back(measure::rod_order(motile, *keys.link, keys.box));
+                    progress.update(i, part);
+                    return !session.context.stopped();
+                });
         });
         if (session.context.stopped())
             return StageEnd::interrupted;
@@ -297,11 +271,7 @@ StageKind order_stage() {
                 },
             .key = order_key,
             .files = order_files,
-            .run =
-                [](Session& session) {
-                    return order_of_bed(session.plan.scene) ? order_of_beds(session)
-                                                            : order_of_theory(session);
-                },
+            .run = run_order,
             .require = require_rods,
             .outdated = order_outdated,
             .light = true};

@@ -13,20 +13,18 @@ namespace rodwake::app {
 
 namespace {
 
-std::string method_name(const RodsPlan& plan) {
-    if (field_of(plan) != scene::FieldBackend::dynamic)
-        return integrate::to_string(plan.options.ode.method) +
-               (plan.options.held_wakes ? ", wakes held" : "");
-    return plan.of.scene.medium->memory().closure == medium::Closure::none
-               ? "etdrk4"
-               : integrate::to_string(integrate::Method::erk); // medium/simulate.hpp
-}
-
 SolverReport solver_report(const rods::RodResult& result, const RodsPlan& plan, const OutputUnits& units) {
     const integrate::OdeOptions& ode = plan.options.ode;
     const integrate::Statistics& n = result.solution.statistics;
     SolverReport solver;
-    solver.method = plan.noise ? "noise, strong order 1.5" : method_name(plan);
+    if (plan.noise)
+        solver.method = "noise, strong order 1.5";
+    else if (field_of(plan) != scene::FieldBackend::dynamic)
+        solver.method = integrate::to_string(ode.method) + (plan.options.held_wakes ? ", wakes held" : "");
+    else // medium/simulate.hpp
+        solver.method = plan.of.scene.medium->memory().closure == medium::Closure::none
+                            ? "etdrk4"
+                            : integrate::to_string(integrate::Method::erk);
     solver.form = to_string(plan.options.form);
     solver.field_name = to_string(field_of(plan));
     if (field_of(plan) == scene::FieldBackend::dynamic) // which of the two "auto" comes to

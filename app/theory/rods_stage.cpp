@@ -46,14 +46,6 @@ struct Work {
     std::string checkpoint_file() const { return of().folder + "rods_checkpoint.rwc"; }
     std::string end_file() const { return of().folder + "rods_end.rwc"; }
     std::string rows_file() const { return of().folder + "rods.csv"; }
-    /// Two rods in steady wakes start at 0 again: they take milliseconds, and their certificate is of a whole
-    /// run. So do runs with a film, whose frames are in its file already.
-    bool goes_on() const {
-        const auto& medium = of().scene.medium;
-        const bool dynamic = medium && medium->is_dynamic();
-        return !plan->noise && !(dynamic && medium->memory().film_interval) &&
-               (dynamic || !rods::to_pair_problem(problem));
-    }
     /// Changes with the data of a measured field.
     std::string field_key() const {
         if (!measured)
@@ -113,18 +105,6 @@ void open_film(const Session& session, Work& work) {
     work.film = std::make_unique<RodsFilm>(folder, *work.plan, none);
 }
 
-void solve_dynamic(const Session& session, Work& work) {
-    const medium::DynamicMedium medium = work.of().scene.medium->memory();
-    medium::FilmSink sink;
-    if (medium.film_interval) {
-        open_film(session, work);
-        sink = [&](const medium::FilmFrame& frame) { work.film->add(frame); };
-    }
-    medium::MediumResult result = medium::simulate({work.problem, medium}, work.options, sink);
-    work.own_turn = std::move(result.own_turn);
-    work.result = std::move(static_cast<rods::RodResult&>(result));
-}
-
 void solve(const Session& session, Work& work, bool show_progress) {
     Progress progress(session.context, "rods", work.plan->problem.t_end, "t");
     work.options.ode.stop_requested = [&] { return session.context.stopped(); };
@@ -140,17 +120,28 @@ void solve(const Session& session, Work& work, bool show_progress) {
         session.directory.write(work.checkpoint_file(),
                                 checkpoint_bytes(checkpoint, work.of().scene, work.field_key()));
     };
-    if (work.goes_on())
+    // Two rods in steady wakes start at 0 again: they take milliseconds, and their certificate is of a whole
+    // run. So do runs with a film, whose frames are in its file already.
+    const auto& keys = work.of().scene.medium;
+    const bool dynamic = keys && keys->is_dynamic();
+    if (!(dynamic && keys->memory().film_interval) && (dynamic || !rods::to_pair_problem(work.problem)))
         work.options.on_end = [&](rods::RodCheckpoint end) { // whose other rows are in rods.csv
             end.times = {end.times.back()};
             end.outputs = {end.outputs.back()};
             work.end = std::move(end);
         };
     resume(session, work);
-    const auto& medium = work.of().scene.medium;
-    if (medium && medium->is_dynamic())
-        solve_dynamic(session, work);
-    else
+    if (dynamic) {
+        const medium::DynamicMedium memory = keys->memory();
+        medium::FilmSink sink;
+        if (memory.film_interval) {
+            open_film(session, work);
+            sink = [&](const medium::FilmFrame& frame) { work.film->add(frame); };
+        }
+        medium::MediumResult result = medium::simulate({work.problem, memory}, work.options, sink);
+        work.own_turn = std::move(result.own_turn);
+        work.result = std::move(static_cast<rods::RodResult&>(result));
+    } else
         work.result = rods::simulate_certified(work.problem, work.options);
     if (work.is_over())
         std::filesystem::remove(session.directory.file(work.checkpoint_file()));
@@ -259,20 +250,6 @@ void store(Session& session, Work& work, std::int64_t order) {
                             ensemble_csv(work.samples, work.problem.box, session.units));
 }
 
-StageEnd report(const Session& session, const Work& work) {
-    const integrate::Status& status = work.result.solution.status;
-    const std::string name = work.of().label.empty() ? std::string("rods") : "rods, " + work.of().name;
-    if (status.termination == integrate::Termination::failed) {
-        session.log->error("{}: {}", name, status.message());
-        return StageEnd::failed;
-    }
-    session.log->info("{}: {} ({}); {}, {} steps", name, to_string(work.result.outcome.ending),
-                      work.result.outcome.reason, to_string(work.result.outcome.certificate),
-                      work.result.solution.statistics.steps);
-    return status.termination == integrate::Termination::interrupted ? StageEnd::interrupted
-                                                                     : StageEnd::finished;
-}
-
 /// Threads that the cases leave over add up the wakes of each.
 Work work_of(const RodsPlan& plan, WakeFields& fields, std::size_t threads) {
     Work work{&plan, plan.problem, plan.options, {}, {}, {}, nullptr, {}, {}, nullptr};
@@ -291,25 +268,6 @@ Work work_of(const RodsPlan& plan, WakeFields& fields, std::size_t threads) {
     return work;
 }
 
-/// What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval too
-/// wide.
-void report_capture(const Session& session, const Work& work, const rods::NoiseSums& sums) {
-    const scan::Proportion captures = captured(sums, work.problem.rods.size());
-    if (captures.of == 0) // a single rod
-        return;
-    const auto [low, high] = captures.wilson(capture_quantile);
-    session.log->info(
-        "noise{}: {} of {} runs end in contact or pursuit, capture probability {:.3g} ({:.3g} to "
-        "{:.3g} with 95 % confidence)",
-        work.of().suffix(), captures.count, captures.of, captures.value(), low, high);
-    const NoisePlan& plan = *work.plan->noise;
-    const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
-    if (wide && sums.ends.size() >= plan.most_runs)
-        session.log->warn("noise{}: stopped at noise.most_runs = {} before the error of the capture "
-                          "probability fell to noise.capture_error = {:g}",
-                          work.of().suffix(), plan.most_runs, *plan.capture_error);
-}
-
 /// One case after the other, each over all threads.
 StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
     StageEnd end = StageEnd::finished;
@@ -325,25 +283,24 @@ StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
                                sums.ends.size(), sums.failure);
             end = StageEnd::failed; // the folder stays open for another try
         }
-        report_capture(session, work, sums);
+        // What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval
+        // too wide. A single rod captures none.
+        if (const scan::Proportion captures = captured(sums, work.problem.rods.size()); captures.of > 0) {
+            const auto [low, high] = captures.wilson(capture_quantile);
+            session.log->info(
+                "noise{}: {} of {} runs end in contact or pursuit, capture probability {:.3g} ({:.3g} to "
+                "{:.3g} with 95 % confidence)",
+                work.of().suffix(), captures.count, captures.of, captures.value(), low, high);
+            const NoisePlan& plan = *work.plan->noise;
+            const bool wide = plan.capture_error && (high - low) / 2.0 > *plan.capture_error;
+            if (wide && sums.ends.size() >= plan.most_runs)
+                session.log->warn("noise{}: stopped at noise.most_runs = {} before the error of the capture "
+                                  "probability fell to noise.capture_error = {:g}",
+                                  work.of().suffix(), plan.most_runs, *plan.capture_error);
+        }
         work.noisy = std::move(sums);
     }
     return end;
-}
-
-/// One case after the other, each over all threads; false: stopped on the way.
-bool solve_samples(const Session& session, std::vector<Work>& cases) {
-    for (Work& work : cases) {
-        const auto& keys = work.of().scene.medium;
-        if (!work.measured || keys->measured->samples == 0)
-            continue;
-        work.samples =
-            run_ensemble(work.problem, work.options, *work.measured, *keys->measured, session.context);
-        if (work.samples.empty())
-            return false;
-        session.log->info("rods: {} samples of the measured field's errors", work.samples.size());
-    }
-    return true;
 }
 
 StageEnd run_rods(Session& session) {
@@ -359,12 +316,41 @@ StageEnd run_rods(Session& session) {
         cases.push_back(work_of(plan, fields, threads));
     parallel_for(cases.size(), session.context.thread_count(),
                  [&](std::size_t i) { solve(session, cases[i], i == 0); });
-    StageEnd end = solve_samples(session, cases) ? solve_noise(session, cases) : StageEnd::interrupted;
+    // Samples of the field's errors: one case after the other, each over all threads.
+    StageEnd end = StageEnd::finished;
+    for (Work& work : cases) {
+        const auto& keys = work.of().scene.medium;
+        if (!work.measured || keys->measured->samples == 0)
+            continue;
+        work.samples =
+            run_ensemble(work.problem, work.options, *work.measured, *keys->measured, session.context);
+        if (work.samples.empty()) {
+            end = StageEnd::interrupted;
+            break;
+        }
+        session.log->info("rods: {} samples of the measured field's errors", work.samples.size());
+    }
+    if (end == StageEnd::finished)
+        end = solve_noise(session, cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {
         store(session, cases[i], static_cast<std::int64_t>(i));
-        const StageEnd stage_end = report(session, cases[i]);
+        const Case& of = cases[i].of();
+        const rods::RodResult& result = cases[i].result;
+        const integrate::Status& status = result.solution.status;
+        const std::string name = of.label.empty() ? std::string("rods") : "rods, " + of.name;
+        StageEnd of_case = StageEnd::finished;
+        if (status.termination == integrate::Termination::failed) {
+            session.log->error("{}: {}", name, status.message());
+            of_case = StageEnd::failed;
+        } else {
+            session.log->info("{}: {} ({}); {}, {} steps", name, to_string(result.outcome.ending),
+                              result.outcome.reason, to_string(result.outcome.certificate),
+                              result.solution.statistics.steps);
+            if (status.termination == integrate::Termination::interrupted)
+                of_case = StageEnd::interrupted;
+        }
         if (end == StageEnd::finished)
-            end = stage_end;
+            end = of_case;
     }
     return end;
 }

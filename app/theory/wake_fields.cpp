@@ -36,15 +36,6 @@ inline constexpr auto parts<PeriodicTableData> = parts_of(
 
 namespace rodwake::app {
 
-namespace {
-
-void log_smoothing(const Logger& log, const char* component, const elastic::SmoothingReport& report) {
-    log->info("measured field, {}: smoothing {:.3g}, chi2 {:.4g} of {} bins, tr(HR) {:.0f}", component,
-              report.lambda, report.chi2, report.points, report.trace);
-}
-
-} // namespace
-
 std::shared_ptr<const elastic::WakeField> WakeFields::of(const scene::Scene& scene) {
     const scene::Medium& medium = *scene.medium;
     const elastic::Medium constants{medium.eta, medium.xi};
@@ -71,8 +62,10 @@ std::shared_ptr<const elastic::MeasuredDisplacement> WakeFields::measured(const 
     auto fitted = std::make_shared<const elastic::MeasuredDisplacement>(
         input.grid, elastic::Medium{scene.medium->eta, scene.medium->xi}, input.options);
     log_->info("measured field: {}", input.file.string());
-    log_smoothing(log_, "Ux", fitted->report_x());
-    log_smoothing(log_, "Uy", fitted->report_y());
+    for (const auto& [component, report] :
+         {std::pair{"Ux", &fitted->report_x()}, {"Uy", &fitted->report_y()}})
+        log_->info("measured field, {}: smoothing {:.3g}, chi2 {:.4g} of {} bins, tr(HR) {:.0f}", component,
+                   report->lambda, report->chi2, report->points, report->trace);
     measured_.push_back({*scene.medium, f_over_mu, fitted});
     return fitted;
 }

@@ -15,13 +15,6 @@ namespace rodwake::granular {
 namespace {
 
 constexpr double cut = 2.0; // deviations from the mean radius of a kind
-
-double normal_within_cut(RandomStream random) {
-    for (;;)
-        if (const double x = random.normal(); std::abs(x) <= cut)
-            return x;
-}
-
 } // namespace
 
 bool BeadMix::one_size() const {
@@ -160,9 +153,13 @@ BeadSizes bead_sizes(const GranularProblem& problem, std::uint32_t run) {
         return sum;
     };
     const double wanted = problem.bead_area > 0.0 ? problem.bead_area / M_PI : squares();
-    for (std::size_t i = 0; i < problem.beads; ++i)
-        sizes.radius[i] *=
-            1.0 + mix.spread * normal_within_cut(stream_for(Purpose::radius, problem.seed, run, i));
+    for (std::size_t i = 0; i < problem.beads; ++i) {
+        RandomStream random = stream_for(Purpose::radius, problem.seed, run, i);
+        double deviation = random.normal();
+        while (!(std::abs(deviation) <= cut))
+            deviation = random.normal();
+        sizes.radius[i] *= 1.0 + mix.spread * deviation;
+    }
     const double factor = std::sqrt(wanted / squares());
     for (double& radius : sizes.radius)
         radius *= factor;

@@ -32,41 +32,6 @@ void unpack(const Rows& rows, std::vector<double>& x, std::vector<double>& y, st
     }
 }
 
-/// Whole rows, four numbers at a time: they are looked at every few steps.
-Eigen::Map<const Eigen::Array4Xd> bead_velocities(const Bodies& bodies) {
-    return {bodies.velocity.data(), 4, static_cast<Eigen::Index>(bodies.beads)};
-}
-
-/// Of the beads' centre of mass; 0 if there are none.
-Eigen::Array4d mean_velocity(const Bodies& bodies) {
-    const auto v = bead_velocities(bodies);
-    Eigen::Array4d sum = Eigen::Array4d::Zero();
-    if (bodies.equal_beads) {
-        for (Eigen::Index i = 0; i < v.cols(); ++i)
-            sum += v.col(i);
-        return sum / std::max(static_cast<double>(bodies.beads), 1.0);
-    }
-    double masses = 0.0;
-    for (Eigen::Index i = 0; i < v.cols(); ++i) {
-        const double mass = bodies.mass_of_bead(static_cast<std::size_t>(i));
-        sum += mass * v.col(i);
-        masses += mass;
-    }
-    return sum / masses;
-}
-
-PlaneTensor flux_of_unequal(const Bodies& bodies, const Eigen::Array4d& mean) {
-    PlaneTensor flux{};
-    for (std::size_t i = 0; i < bodies.beads; ++i) {
-        const double m = bodies.mass_of_bead(i), x = bodies.velocity[4 * i] - mean[0],
-                     y = bodies.velocity[4 * i + 1] - mean[1];
-        flux[0] += m * x * x;
-        flux[1] += m * x * y;
-        flux[2] += m * y * y;
-    }
-    return flux;
-}
-
 /// About the velocity of the centre of mass of all beads; nothing if there is one kind.
 std::vector<Temperatures> temperatures_of_kinds(const Bodies& bodies, const Eigen::Array4d& mean) {
     if (bodies.kind.empty())
@@ -162,8 +127,22 @@ State to_state(const Bodies& bodies, std::int64_t step) {
 }
 
 Agitation agitation_of(const Bodies& bodies) {
-    const auto v = bead_velocities(bodies);
-    const Eigen::Array4d mean = mean_velocity(bodies);
+    // Whole rows, four numbers at a time: they are looked at every few steps.
+    const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4,
+                                              static_cast<Eigen::Index>(bodies.beads));
+    // Of the beads' centre of mass; 0 if there are none.
+    Eigen::Array4d mean = Eigen::Array4d::Zero();
+    double masses = 0.0;
+    for (Eigen::Index i = 0; i < v.cols(); ++i) {
+        if (bodies.equal_beads) {
+            mean += v.col(i);
+            continue;
+        }
+        const double mass = bodies.mass_of_bead(static_cast<std::size_t>(i));
+        mean += mass * v.col(i);
+        masses += mass;
+    }
+    mean /= bodies.equal_beads ? std::max(static_cast<double>(bodies.beads), 1.0) : masses;
     Eigen::Array4d products = Eigen::Array4d::Zero(); // xx, yy, zz, xy
     for (Eigen::Index i = 0; i < v.cols(); ++i) { // two passes: a difference of squares can come out negative
         const Eigen::Array4d apart = v.col(i) - mean;
@@ -173,7 +152,14 @@ Agitation agitation_of(const Bodies& bodies) {
     const double count = std::max(static_cast<double>(bodies.beads), 1.0), m = bodies.bead_mass;
     PlaneTensor flux{m * products[0], m * products[3], m * products[1]};
     if (!bodies.equal_beads)
-        flux = flux_of_unequal(bodies, mean);
+        flux = {};
+    for (std::size_t i = 0; i < bodies.beads && !bodies.equal_beads; ++i) {
+        const double mass = bodies.mass_of_bead(i), x = bodies.velocity[4 * i] - mean[0],
+                     y = bodies.velocity[4 * i + 1] - mean[1];
+        flux[0] += mass * x * x;
+        flux[1] += mass * x * y;
+        flux[2] += mass * y * y;
+    }
     for (const MovingRod& rod : bodies.rods) {
         const double x = rod.body().velocity.x() - mean[0], y = rod.body().velocity.y() - mean[1];
         flux[0] += rod.clump().mass * x * x;

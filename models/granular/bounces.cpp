@@ -17,87 +17,30 @@
 
 namespace rodwake::granular {
 
-// When two bodies in free flight touch: the root of the gap between them, which is known to lie between a
-// time at which they are apart and one at which one is within the other. Newton's step where it stays between
-// the two, their middle where it does not, so that a gap that curves the wrong way cannot lead it astray.
-
-struct GapAndSlope {
-    double gap, slope; ///< m; d gap/dt, m/s
-};
-
-/// Root of the gap of `flight`(time) between `apart`, where gap > 0, and `within`, where gap <= 0; either may
-/// be the earlier. Stops when a step is no longer than `tolerance`: Newton doubles the digits with
-/// each, so the error is about tolerance^2 gap''/(2 slope), then rounding.
-template<class Flight>
-double touch_time(const Flight& flight, double apart, double within, double start, double tolerance) {
-    double time = start;
-    for (int i = 0; i < 60; ++i) { // halving alone gives all digits in 53
-        const auto [here, slope] = flight(time);
-        (here > 0.0 ? apart : within) = time;
-        const auto [low, high] = std::minmax(apart, within);
-        const double newton = time - here / slope;
-        const double next = newton >= low && newton <= high ? newton : (apart + within) / 2.0;
-        if (std::abs(next - time) <= tolerance)
-            return next;
-        time = next;
-    }
-    return time;
-}
-
 namespace {
 
 // Within one step; more come to rest or, without losses (nothing may take energy), turn round at its end.
 constexpr int most_bounces = 16;
 
-/// Impulse on a bead from the plate given its velocity at the contact, applied to velocity and spin.
-void push_bead(Bodies& bodies, std::size_t bead, const Plate& plate, double plate_speed,
-               const Surface& surface, PlateTally& tally) {
+/// Bounces `before` the end of the step, where it is then, and flies on to the end.
+void bounce_at(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
+               PlateTally& tally) {
     auto v = row(bodies.velocity, bead);
     auto w = row(bodies.spin, bead);
+    const Vector3 old = v;
+    v.z() += plate.step->gravity * before;
     const double a = bodies.radius_of_bead(bead), per_mass = 1.0 / bodies.mass_of_bead(bead),
                  inertia = bodies.inertia_of_bead(bead), k_t = per_mass + a * a / inertia;
     // arm = -side a z; its spin velocity w x arm
     const Vector3 relative(v.x() - plate.side * a * w.y(), v.y() + plate.side * a * w.x(),
-                           plate.side * (v.z() - plate_speed));
+                           plate.side * (v.z() - plate.speed(before)));
     const Vector3 p = uncoupled_impact(k_t, per_mass, relative, surface).impulse;
     v += per_mass * Vector3(p.x(), p.y(), plate.side * p.z());
     w += plate.side * a / inertia * Vector3(p.y(), -p.x(), 0.0); // arm x P
     plate.impulse(tally) += plate.side * p.z();
     ++tally.impulses;
-}
-
-/// Bounces `before` the end of the step, where it is then, and flies on to the end.
-void bounce_at(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
-               PlateTally& tally) {
-    auto v = row(bodies.velocity, bead);
-    const Vector3 old = v;
-    v.z() += plate.step->gravity * before;
-    push_bead(bodies, bead, plate, plate.speed(before), surface, tally);
     v.z() -= plate.step->gravity * before;
     row(bodies.position, bead) += (v - old) * before;
-}
-
-/// Stays on the plate until that long before the end of the step.
-void rest_until(Bodies& bodies, std::size_t bead, const Plate& plate, double before, const Surface& surface,
-                PlateTally& tally) {
-    bounce_at(bodies, bead, plate, before, {surface.friction, 0.0}, tally);
-    const double vz = bodies.velocity[4 * bead + 2], gravity = plate.step->gravity;
-    bodies.position[4 * bead + 2] = plate.height(before) + plate.side * bodies.radius_of_bead(bead) +
-                                    (vz + gravity * before) * before - gravity * before * before / 2.0;
-}
-
-/// When the plate begins to run away from a bead that rests on it since `since`: how long before the end of
-/// the step, or the end. Accelerations change evenly within a step, to a hundredth of that change.
-double lift_off(const Plate& plate, double since) {
-    const double then = plate.pressing(since), now = plate.pressing();
-    return now >= 0.0 ? 0.0 : then > 0.0 ? since * now / (now - then) : since;
-}
-
-/// Whether a bead that touches with this speed hops for less than that: such hops add up to a rest on the
-/// plate.
-bool comes_to_rest(double touching_speed, double pressing, const Plate& plate, double restitution) {
-    return 2.0 * restitution * touching_speed <
-           std::max(pressing, plate.step->gravity) * shortest_hop * plate.step->time_step;
 }
 
 void note_flight(const Bodies& bodies, std::size_t bead, double back, Touches& touches, std::size_t k) {
@@ -107,38 +50,44 @@ void note_flight(const Bodies& bodies, std::size_t bead, double back, Touches& t
     touches.back[k] = back;
 }
 
-void note_depth(PlateTally& tally, double depth, std::size_t bead) {
-    if (depth > tally.deepest_flight) {
-        tally.deepest_flight = depth;
-        tally.deepest = bead;
-    }
-}
-
-bool in_a_plate(const Bodies& bodies, std::size_t bead, const PlateStep& step) {
-    const double z = bodies.position[4 * bead + 2], a = bodies.radius_of_bead(bead),
-                 floor = step.floor.position();
-    return -floor + (z - a) < 0.0 || floor + (-(z - step.gap) - a) < 0.0; // to the bit as in touches.cpp
-}
-
 /// From its first touch on, which is the k-th. Few bounce again within the step.
 void bounce_bead(Bodies& bodies, std::size_t bead, const PlateStep& step, const Surface& surface,
                  const Touches& first, std::size_t k, BodyRange& velocities, PlateTally& tally) {
+    const double a = bodies.radius_of_bead(bead), gravity = step.gravity;
+    double& z = bodies.position[4 * bead + 2];
     Touches again;
     const Touches* touch = &first;
     for (int bounces = 0; touch->side[k] != 0.0; ++bounces) {
         const Plate plate{touch->side[k], &step};
-        const double back = touch->back[k];
-        note_depth(tally, touch->depth[k] / bodies.radius_of_bead(bead), bead);
+        const double back = touch->back[k], depth = touch->depth[k] / a;
+        if (depth > tally.deepest_flight) {
+            tally.deepest_flight = depth;
+            tally.deepest = bead;
+        }
+        // Hops shorter than `shortest_hop` add up to a rest on the plate.
         const bool last = bounces == most_bounces;
-        const bool rests =
-            surface.restitution < 1.0 &&
-            (last || comes_to_rest(touch->speed[k], plate.pressing(back), plate, surface.restitution));
-        if (rests)
-            rest_until(bodies, bead, plate, lift_off(plate, back), surface, tally);
-        else
+        const double then = plate.pressing(back);
+        const bool rests = surface.restitution < 1.0 &&
+                           (last || 2.0 * surface.restitution * touch->speed[k] <
+                                        std::max(then, gravity) * shortest_hop * step.time_step);
+        if (rests) {
+            // It stays until the plate begins to run away from it, or to the end of the step. Accelerations
+            // change evenly within a step, to a hundredth of that change.
+            const double now = plate.pressing(), before = now >= 0.0   ? 0.0
+                                                          : then > 0.0 ? back * now / (now - then)
+                                                                       : back;
+            bounce_at(bodies, bead, plate, before, {surface.friction, 0.0}, tally);
+            const double vz = bodies.velocity[4 * bead + 2];
+            z = plate.height(before) + plate.side * a + (vz + gravity * before) * before -
+                gravity * before * before / 2.0;
+        } else {
             bounce_at(bodies, bead, plate, last ? 0.0 : back, surface, tally);
+        }
         velocities.include(&bodies.velocity[4 * bead]);
-        if (rests || last || !in_a_plate(bodies, bead, step))
+        const double floor = step.floor.position();
+        const bool in_a_plate =
+            -floor + (z - a) < 0.0 || floor + (-(z - step.gap) - a) < 0.0; // to the bit as in touches.cpp
+        if (rests || last || !in_a_plate)
             return;
         touch = &again;
         k = 0;
@@ -192,102 +141,87 @@ struct PlateNow {
     double left, height, speed;
 };
 
-/// Distance between a sphere of a freely flying rod and a plate as time goes on.
-class RodApproach {
-public:
-    RodApproach(const RodFlight& flight, const Clump& clump, std::size_t sphere, const PlateNow& now)
-        : flight_(flight), now_(now), radius_(clump.radius[sphere]), arm_(clump.offset[sphere]) {}
+struct GapAndSlope {
+    double gap, slope; ///< m, negative inside the plate; d gap/dt, m/s
+};
 
-    /// Gap, m, negative inside the plate, and d gap/dt.
+/// Distance between a sphere of a freely flying rod and a plate as time goes on.
+struct RodApproach {
+    const RodFlight& flight;
+    const PlateNow& plate_now;
+    double radius, arm;
+
+    GapAndSlope at(double time, double sine, double cosine, double height, double speed) const {
+        const double g = plate_now.plate.step->gravity, side = plate_now.plate.side;
+        const double rise = flight.kept + flight.swinging * cosine + flight.crossing * sine,
+                     rising = flight.rate * (flight.crossing * cosine - flight.swinging * sine);
+        const double z = flight.z + flight.vz * time - g * time * time / 2.0 + arm * rise;
+        return {side * (z - height) - radius, side * (flight.vz - g * time + arm * rising - speed)};
+    }
     GapAndSlope at(double time) const {
-        const auto [sine, cosine] = repeatable::sin_cos(flight_.rate * time);
-        const double before = now_.left - time;
-        return {gap(time, sine, cosine, now_.plate.height(before)),
-                opening(time, sine, cosine, now_.plate.speed(before))};
+        const auto [sine, cosine] = repeatable::sin_cos(flight.rate * time);
+        const double before = plate_now.left - time;
+        return at(time, sine, cosine, plate_now.plate.height(before), plate_now.plate.speed(before));
     }
-    double gap(double time) const {
-        const auto [sine, cosine] = repeatable::sin_cos(flight_.rate * time);
-        return gap(time, sine, cosine, now_.plate.height(now_.left - time));
-    }
-    double gap() const { return gap(0.0, 0.0, 1.0, now_.height); }
-    double opening() const { return opening(0.0, 0.0, 1.0, now_.speed); }
+    GapAndSlope now() const { return at(0.0, 0.0, 1.0, plate_now.height, plate_now.speed); }
     /// -d^2 gap/dt^2 now: positive where the sphere is pressed against the plate.
     double pressing() const {
-        return now_.plate.pressing() +
-               now_.plate.side * arm_ * flight_.rate * flight_.rate * flight_.swinging;
+        return plate_now.plate.pressing() +
+               plate_now.plate.side * arm * flight.rate * flight.rate * flight.swinging;
     }
-    double radius() const { return radius_; }
-    double gravity() const { return now_.plate.step->gravity; }
-
-private:
-    double gap(double time, double sine, double cosine, double plate) const {
-        const double rise = flight_.kept + flight_.swinging * cosine + flight_.crossing * sine;
-        const double height = flight_.z + flight_.vz * time - gravity() * time * time / 2.0 + arm_ * rise;
-        return now_.plate.side * (height - plate) - radius_;
-    }
-    double opening(double time, double sine, double cosine, double plate) const {
-        const double rise = flight_.rate * (flight_.crossing * cosine - flight_.swinging * sine);
-        return now_.plate.side * (flight_.vz - gravity() * time + arm_ * rise - plate);
-    }
-
-    const RodFlight& flight_;
-    const PlateNow& now_;
-    double radius_, arm_;
 };
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// A lower bound of the gap for all times that count: rotation and plates change the acceleration little
-/// within a step.
-double least_gap(const RodApproach& approach, double left) {
-    return approach.gap() + std::min(approach.opening(), 0.0) * left -
-           std::max(approach.pressing(), 0.0) * left * left;
-}
-
-/// Whether a sphere in contact stays there: what it moves by is what falling for `rest` adds.
-bool stays(const RodApproach& approach, double rest, bool lossless) {
-    const double opening = approach.opening();
-    const double slowest = std::max(approach.pressing(), approach.gravity()) * rest;
-    return lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest;
-}
-
-/// When the gap, widened by `lift`, closes between a time outside and one inside.
-double closing(const RodApproach& approach, double lift, double clear, double inside) {
-    const auto flight = [&](double time) {
-        const GapAndSlope at = approach.at(time);
-        return GapAndSlope{at.gap + lift, at.slope};
-    };
-    return touch_time(flight, clear, inside, (clear + inside) / 2.0, 1e-15 * inside);
-}
-
-/// Of a sphere in contact on its way out: it comes back after the top of its hop, if at all within `left`.
-double end_of_hop(const RodApproach& approach, double left) {
-    const double lift = std::max(-approach.gap(), 0.0), pressing = approach.pressing();
-    if (!(pressing > 0.0) || approach.gap(left) + lift >= 0.0)
-        return never;
-    return closing(approach, lift, std::min(approach.opening() / pressing, left / 2.0), left);
-}
-
-/// Of a sphere outside: within `left`, be it that it grazes the plate on the way.
-double first_touch(const RodApproach& approach, double left) {
-    if (approach.gap(left) < 0.0)
-        return closing(approach, 0.0, 0.0, left);
-    const double pressing = approach.pressing();
-    const double nearest = pressing < 0.0 ? approach.opening() / pressing : never;
-    return nearest < left && approach.gap(nearest) < 0.0 ? closing(approach, 0.0, 0.0, nearest) : never;
+/// When the gap, widened by `lift`, closes between a time `apart` at which it is open and one `within` at
+/// which it is not. Newton's step where it stays between the two, their middle where it does not, so that a
+/// gap that curves the wrong way cannot lead it astray. Newton doubles the digits with each step, so the
+/// error is about tolerance^2 gap''/(2 slope), then rounding.
+double touch_time(const RodApproach& approach, double lift, double apart, double within) {
+    const double tolerance = 1e-15 * within;
+    double time = (apart + within) / 2.0;
+    for (int i = 0; i < 60; ++i) { // halving alone gives all digits in 53
+        const auto [gap, slope] = approach.at(time);
+        const double here = gap + lift;
+        (here > 0.0 ? apart : within) = time;
+        const auto [low, high] = std::minmax(apart, within);
+        const double newton = time - here / slope;
+        const double next = newton >= low && newton <= high ? newton : (apart + within) / 2.0;
+        if (std::abs(next - time) <= tolerance)
+            return next;
+        time = next;
+    }
+    return time;
 }
 
 /// When the sphere touches the plate next within `left`; a contact that rests is looked at again after
 /// `rest`.
 double next_touch(const RodApproach& approach, double left, double rest, bool lossless) {
-    const double contact = touching * approach.radius();
-    if (least_gap(approach, left) > contact)
+    const auto [gap, opening] = approach.now();
+    const double contact = touching * approach.radius, pressing = approach.pressing();
+    // A lower bound of the gap for all times that count: rotation and plates change the acceleration little
+    // within a step.
+    if (gap + std::min(opening, 0.0) * left - std::max(pressing, 0.0) * left * left > contact)
         return never;
-    if (!(approach.gap() <= contact))
-        return first_touch(approach, left);
-    if (stays(approach, rest, lossless))
+    if (!(gap <= contact)) {
+        // The first touch of a sphere outside, be it that it grazes the plate on the way.
+        if (approach.at(left).gap < 0.0)
+            return touch_time(approach, 0.0, 0.0, left);
+        const double nearest = pressing < 0.0 ? opening / pressing : never;
+        return nearest < left && approach.at(nearest).gap < 0.0 ? touch_time(approach, 0.0, 0.0, nearest)
+                                                                : never;
+    }
+    // A sphere in contact stays there if it moves by no more than falling for `rest` adds.
+    const double slowest = std::max(pressing, approach.plate_now.plate.step->gravity) * rest;
+    if (lossless ? opening == 0.0 : -slowest <= opening && 2.0 * opening <= slowest)
         return std::min(rest, left);
-    return approach.opening() <= 0.0 ? 0.0 : end_of_hop(approach, left);
+    if (opening <= 0.0)
+        return 0.0;
+    // On its way out it comes back after the top of its hop, if at all within `left`.
+    const double lift = std::max(-gap, 0.0);
+    if (!(pressing > 0.0) || approach.at(left).gap + lift >= 0.0)
+        return never;
+    return touch_time(approach, lift, std::min(opening / pressing, left / 2.0), left);
 }
 
 /// Whether a rod lies on the floor of plates that are still: two places are no higher than a fall in one
@@ -308,150 +242,126 @@ bool lies_still(const MovingRod& rod, const PlateStep& step) {
 }
 
 /// A rod on its way through one step.
-class RodFall {
-public:
-    RodFall(MovingRod& rod, const PlateStep& step, const Surface& surface, const RodMoved& moved)
-        : rod_(rod), step_(step), surface_(surface), moved_(moved), flight_(rod) {
-        if (!(calm_ && lies_still(rod, step)))
+struct RodFall {
+    RodFall(MovingRod& falling, const PlateStep& plate_step, const Surface& plate_surface,
+            const RodMoved& on_change)
+        : rod(falling), step(plate_step), surface(plate_surface), moved(on_change), flight(falling) {
+        if (!(calm && lies_still(rod, step)))
             return;
         rod.stop();
-        left_ = 0.0;
-        momentum_.z() = rod.clump().mass * step.gravity * step.time_step;
-        upward_.push_back({1.0, momentum_.z()});
+        left = 0.0;
+        momentum.z() = rod.clump().mass * step.gravity * step.time_step;
+        upward.push_back({1.0, momentum.z()});
     }
 
     /// Goes on to the next impact, whose impulse is then wanted; nullptr: the step is over.
     const ImpactCase* next_impact() {
         // two ends that rest push each other: an impulse leaves a quarter of the approach to the next round
-        const int rounds = calm_ ? 12 : 1;
+        const int rounds = calm ? 12 : 1;
         for (;;) {
-            while (place_ < places())
-                if (touches(place_++))
-                    return &impact_;
-            if (++round_ < rounds && bounces_before_ != bounces_)
-                start_round();
-            else if (!fly())
-                return nullptr;
+            while (contact < contacts)
+                if (touches(contact++))
+                    return &impact;
+            if (++round >= rounds || bounces_before == bounces) {
+                // To the next touch, if the step is not over.
+                if (!(left > 0.0))
+                    return nullptr;
+                look();
+                double next = never;
+                for (std::size_t c = 0; c < contacts; ++c)
+                    next = std::min(next, next_touch(approach(c), left, rest, lossless));
+                if (!acted || bounces >= most_rod_bounces)
+                    next = std::max(next, std::min(rest, left));
+                rod.move(std::min(next, left), step.gravity);
+                if (next == never)
+                    return nullptr;
+                left = std::max(left - next, 0.0);
+                acted = false;
+                look();
+                round = 0;
+            }
+            bounces_before = bounces;
+            contact = 0;
         }
     }
 
-    /// The impulse of the impact, in its frame.
-    void take(const Vector3& impulse) { push(product(frame_, impulse)); }
-
-    const Vector3& momentum() const { return momentum_; }
-    void add_to(PlateTally& tally) const {
-        for (const auto& [side, impulse] : upward_)
-            Plate{side, &step_}.impulse(tally) += impulse;
-        tally.impulses += bounces_;
-        tally.max_overlap = std::max(tally.max_overlap, max_overlap_);
+    /// The impulse of the impact.
+    void push(const Vector3& impulse) {
+        rod.push(impulse, arm);
+        if (lift.z() != 0.0)
+            rod.shift(lift);
+        upward.emplace_back(side, impulse.z());
+        flight = RodFlight(rod);
+        momentum += impulse;
+        acted = true;
+        ++bounces;
+        moved(rod);
     }
 
-private:
-    std::size_t places() const { return 2 * rod_.outline().size(); }
-    /// Spheres of the rod's outline at the floor, then at the lid.
-    RodApproach approach(std::size_t place) const {
-        const std::size_t count = rod_.outline().size();
-        return {flight_, rod_.clump(), rod_.outline()[place % count], plates_[place / count]};
+    RodApproach approach(std::size_t c) const {
+        const std::size_t count = rod.outline().size(), sphere = rod.outline()[c % count];
+        return {flight, plates[c / count], rod.clump().radius[sphere], rod.clump().offset[sphere]};
     }
 
     void look() {
-        flight_ = RodFlight(rod_);
-        const double floor = step_.floor.position(left_), speed = step_.floor.velocity(left_);
-        plates_ = {PlateNow{{1.0, &step_}, left_, floor, speed},
-                   PlateNow{{-1.0, &step_}, left_, floor + step_.gap, speed}};
-    }
-
-    /// To the next touch; false: the step is over.
-    bool fly() {
-        if (!(left_ > 0.0))
-            return false;
-        look();
-        double next = never;
-        for (std::size_t place = 0; place < places(); ++place)
-            next = std::min(next, next_touch(approach(place), left_, rest_, lossless_));
-        if (!acted_ || bounces_ >= most_rod_bounces)
-            next = std::max(next, std::min(rest_, left_));
-        rod_.move(std::min(next, left_), step_.gravity);
-        if (next == never)
-            return false;
-        left_ = std::max(left_ - next, 0.0);
-        acted_ = false;
-        look();
-        round_ = 0;
-        start_round();
-        return true;
-    }
-
-    void start_round() {
-        bounces_before_ = bounces_;
-        place_ = 0;
+        flight = RodFlight(rod);
+        const double floor = step.floor.position(left), speed = step.floor.velocity(left);
+        plates = {PlateNow{{1.0, &step}, left, floor, speed},
+                  PlateNow{{-1.0, &step}, left, floor + step.gap, speed}};
     }
 
     /// Whether an impact is to be followed there: the sphere is in contact and approaches.
-    bool touches(std::size_t place) {
-        const RodApproach now = approach(place);
-        const PlateNow& then = plates_[place / rod_.outline().size()];
-        const double gap = now.gap(), side = then.plate.side;
-        if (!(gap <= touching * now.radius()))
+    bool touches(std::size_t c) {
+        const RodApproach sphere = approach(c);
+        const double gap = sphere.now().gap;
+        if (!(gap <= touching * sphere.radius))
             return false;
-        max_overlap_ = std::max(max_overlap_, -gap / now.radius());
+        max_overlap = std::max(max_overlap, -gap / sphere.radius);
+        side = sphere.plate_now.plate.side;
         const Vector3 normal(0.0, 0.0, side);
-        arm_ = rod_.clump().offset[rod_.outline()[place % rod_.outline().size()]] * rod_.axis() -
-               (now.radius() + gap) * normal;
-        const Vector3 relative = rod_.velocity_at(arm_) - Vector3(0.0, 0.0, then.speed);
-        const double approach = -relative.dot(normal);
-        if (!(approach > 0.0))
+        arm = sphere.arm * rod.axis() - (sphere.radius + gap) * normal;
+        const Vector3 relative = rod.velocity_at(arm) - Vector3(0.0, 0.0, sphere.plate_now.speed);
+        const double speed = -relative.dot(normal);
+        if (!(speed > 0.0))
             return false;
-        const bool rests = !lossless_ && 2.0 * surface_.restitution * approach <
-                                             std::max(now.pressing(), step_.gravity) * rest_;
-        lift_ = rests && gap < 0.0 ? Vector3(-gap * normal) : Vector3(Vector3::Zero());
-        side_ = side;
-        const Eigen::Matrix3d inverse_mass = rod_.inverse_mass_at(arm_);
-        if (rests && step_.still())
-            if (const auto held = hold_or_slide(inverse_mass, relative, side, surface_.friction)) {
+        const bool rests =
+            !lossless && 2.0 * surface.restitution * speed < std::max(sphere.pressing(), step.gravity) * rest;
+        lift = rests && gap < 0.0 ? Vector3(-gap * normal) : Vector3(Vector3::Zero());
+        const Eigen::Matrix3d inverse_mass = rod.inverse_mass_at(arm);
+        if (rests && step.still())
+            if (const auto held = hold_or_slide(inverse_mass, relative, side, surface.friction)) {
                 push(*held);
                 return false;
             }
-        frame_ = contact_frame(normal);
-        impact_ =
-            seen_in(frame_, inverse_mass, relative, {surface_.friction, rests ? 0.0 : surface_.restitution});
+        frame = contact_frame(normal);
+        impact =
+            seen_in(frame, inverse_mass, relative, {surface.friction, rests ? 0.0 : surface.restitution});
         return true;
     }
 
-    void push(const Vector3& impulse) {
-        rod_.push(impulse, arm_);
-        if (lift_.z() != 0.0)
-            rod_.shift(lift_);
-        upward_.emplace_back(side_, impulse.z());
-        flight_ = RodFlight(rod_);
-        momentum_ += impulse;
-        acted_ = true;
-        ++bounces_;
-        moved_(rod_);
-    }
-
-    MovingRod& rod_;
-    const PlateStep& step_;
-    const Surface& surface_;
-    const RodMoved& moved_;
-    bool lossless_ = surface_.restitution == 1.0;
+    MovingRod& rod;
+    const PlateStep& step;
+    const Surface& surface;
+    const RodMoved& moved;
+    bool lossless = surface.restitution == 1.0;
     /// Where plates are still and contacts lose energy nothing but the rod's own fall disturbs those that
     /// rest.
-    bool calm_ = step_.still() && !lossless_;
-    double rest_ = (calm_ ? 1.0 : rest_share) * step_.time_step;
-    double left_ = step_.time_step; ///< of the step
-    RodFlight flight_;
-    std::array<PlateNow, 2> plates_{};
-    std::size_t place_ = places();
-    int round_ = 0, bounces_ = 0, bounces_before_ = 0;
-    bool acted_ = true; ///< the last look gave an impulse; else time must pass
-    ImpactCase impact_;
-    Eigen::Matrix3d frame_;
-    Vector3 arm_, lift_;
-    double side_ = 1.0;
-    Vector3 momentum_ = Vector3::Zero();
-    std::vector<std::pair<double, double>> upward_; ///< side and impulse of each bounce
-    double max_overlap_ = 0.0;
+    bool calm = step.still() && !lossless;
+    double rest = (calm ? 1.0 : rest_share) * step.time_step;
+    double left = step.time_step; ///< of the step
+    RodFlight flight;
+    std::array<PlateNow, 2> plates{};
+    std::size_t contacts = 2 * rod.outline().size(); ///< its spheres at the floor, then at the lid
+    std::size_t contact = contacts;                  ///< the next one of this round
+    int round = 0, bounces = 0, bounces_before = 0;
+    bool acted = true; ///< the last look gave an impulse; else time must pass
+    ImpactCase impact;
+    Eigen::Matrix3d frame; ///< of the impact
+    Vector3 arm, lift;
+    double side = 1.0;
+    Vector3 momentum = Vector3::Zero();
+    std::vector<std::pair<double, double>> upward; ///< side and impulse of each bounce
+    double max_overlap = 0.0;
 };
 
 } // namespace
@@ -477,14 +387,17 @@ void fly_rods(std::span<MovingRod> rods, const PlateStep& step, const Surface& s
         });
         stronge_impacts(cases, impacts);
         for (std::size_t k = 0; k < flying.size(); ++k)
-            falls[flying[k]].take(impacts[k].impulse);
+            falls[flying[k]].push(product(falls[flying[k]].frame, impacts[k].impulse));
     }
     for (std::size_t i = 0; i < rods.size(); ++i) {
-        const double before = tally.max_overlap;
-        falls[i].add_to(tally);
-        momentum[i] += falls[i].momentum();
-        if (tally.max_overlap > before)
+        for (const auto& [side, impulse] : falls[i].upward)
+            Plate{side, &step}.impulse(tally) += impulse;
+        tally.impulses += falls[i].bounces;
+        momentum[i] += falls[i].momentum;
+        if (falls[i].max_overlap > tally.max_overlap) {
+            tally.max_overlap = falls[i].max_overlap;
             tally.deepest = i;
+        }
     }
 }
 

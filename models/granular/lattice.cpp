@@ -34,12 +34,6 @@ Matrix2d perfect_lattice(double spacing, double orientation) {
     return spacing * vectors;
 }
 
-/// Larger singular value: half of the sum s1 + s2 and of the difference s1 - s2, neither of which cancels.
-double largest_stretch(const Matrix2d& f) {
-    return 0.5 * (repeatable::length(f(0, 0) + f(1, 1), f(1, 0) - f(0, 1)) +
-                  repeatable::length(f(0, 0) - f(1, 1), f(1, 0) + f(0, 1)));
-}
-
 /// The lattice with these box edges; its vectors are the columns of box N^-1, N = (m1 m2; n1 n2).
 LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
     LatticeFit fit{m1, n1, m2, n2};
@@ -56,49 +50,14 @@ LatticeFit measured(int m1, int n1, int m2, int n2, const PeriodicBox& box) {
                 fit.spacing = std::min(fit.spacing, product(lattice, Eigen::Vector2d(i, j)).norm());
     const Matrix2d perfect =
         perfect_lattice(perfect_spacing(box, static_cast<double>(fit.sites)), fit.orientation);
-    fit.strain = largest_stretch(product(lattice, Matrix2d(perfect.inverse()))) - 1.0;
+    // The larger singular value is half of the sum s1 + s2 and of the difference s1 - s2, neither of which
+    // cancels.
+    const Matrix2d stretch = product(lattice, Matrix2d(perfect.inverse()));
+    fit.strain = 0.5 * (repeatable::length(stretch(0, 0) + stretch(1, 1), stretch(1, 0) - stretch(0, 1)) +
+                        repeatable::length(stretch(0, 0) - stretch(1, 1), stretch(1, 0) + stretch(0, 1))) -
+                 1.0;
     return fit;
 }
-
-struct Search {
-    PeriodicBox box;
-    double orientation;
-    long least, most;
-    LatticeFit best{};
-    double best_cost = std::numeric_limits<double>::infinity();
-
-    /// Strain and sites in excess both bring neighbours closer, so lost spacing weighs them; of those equal
-    /// in it the less strained is better. Rows may turn by a degree, in small boxes by half a spacing in the
-    /// box.
-    double cost(const LatticeFit& fit) const {
-        const double spacing = perfect_spacing(box, static_cast<double>(least));
-        const double turned = std::remainder(fit.orientation - orientation, 2.0 * M_PI);
-        const double turns = turned / std::max(degree, 0.5 * spacing / box.mean_side());
-        return 1.0 - fit.spacing / spacing + cost_of_strain * fit.strain + cost_of_turn * turns * turns;
-    }
-
-    void consider(int m1, int n1, int m2, int n2) {
-        const long sites = static_cast<long>(m1) * n2 - static_cast<long>(m2) * n1;
-        if (sites < least || sites > most)
-            return;
-        const auto fit = measured(m1, n1, m2, n2, box);
-        if (const double found = cost(fit); found < best_cost - 1e-12) { // a tie: the first, on every machine
-            best = fit;
-            best_cost = found;
-        }
-    }
-
-    /// All integer box edges next to those of the perfect lattice of this density.
-    void around(double sites) {
-        Matrix2d edges = perfect_lattice(perfect_spacing(box, sites), orientation).inverse();
-        edges.col(0) *= box.x;
-        edges.col(1) *= box.y;
-        const auto low = [](double x) { return static_cast<int>(std::floor(x)) - 1; };
-        const int m1 = low(edges(0, 0)), n1 = low(edges(1, 0)), m2 = low(edges(0, 1)), n2 = low(edges(1, 1));
-        for (int k = 0; k < 256; ++k) // four choices for each of the four
-            consider(m1 + (k & 3), n1 + (k >> 2 & 3), m2 + (k >> 4 & 3), n2 + (k >> 6 & 3));
-    }
-};
 
 long positive_remainder(long number, long divisor) {
     const long rest = number % divisor;
@@ -116,11 +75,39 @@ LatticeFit fit_lattice(const PeriodicBox& box, long sites, double orientation) {
     checks.finish();
     const double wanted = static_cast<double>(sites), root = std::sqrt(wanted);
     const double most = wanted * (1.0 + densest_extra) + 2.0 * root + 2.0; // small boxes: a few more rows
-    Search search{box, std::remainder(orientation, 2.0 * M_PI), sites, static_cast<long>(most)};
+    const double wanted_orientation = std::remainder(orientation, 2.0 * M_PI),
+                 perfect = perfect_spacing(box, wanted);
+    LatticeFit best{};
+    double best_cost = std::numeric_limits<double>::infinity();
+    const auto low = [](double x) { return static_cast<int>(std::floor(x)) - 1; };
     const int densities = 8 + static_cast<int>(2.0 * (std::sqrt(most) - root)); // edges move by half a step
-    for (int k = 0; k <= densities; ++k)
-        search.around(wanted + (most - wanted) * k / densities);
-    return search.best;
+    for (int step = 0; step <= densities; ++step) {
+        // All integer box edges next to those of the perfect lattice of this density.
+        const double density = wanted + (most - wanted) * step / densities;
+        Matrix2d edges = perfect_lattice(perfect_spacing(box, density), wanted_orientation).inverse();
+        edges.col(0) *= box.x;
+        edges.col(1) *= box.y;
+        for (int k = 0; k < 256; ++k) { // four choices for each of the four
+            const int m1 = low(edges(0, 0)) + (k & 3), n1 = low(edges(1, 0)) + (k >> 2 & 3),
+                      m2 = low(edges(0, 1)) + (k >> 4 & 3), n2 = low(edges(1, 1)) + (k >> 6 & 3);
+            const long found = static_cast<long>(m1) * n2 - static_cast<long>(m2) * n1;
+            if (found < sites || found > static_cast<long>(most))
+                continue;
+            // Strain and sites in excess both bring neighbours closer, so lost spacing weighs them; of those
+            // equal in it the less strained is better. Rows may turn by a degree, in small boxes by half a
+            // spacing in the box.
+            const LatticeFit fit = measured(m1, n1, m2, n2, box);
+            const double turned = std::remainder(fit.orientation - wanted_orientation, 2.0 * M_PI),
+                         turns = turned / std::max(degree, 0.5 * perfect / box.mean_side());
+            const double cost =
+                1.0 - fit.spacing / perfect + cost_of_strain * fit.strain + cost_of_turn * turns * turns;
+            if (cost < best_cost - 1e-12) { // a tie: the first, on every machine
+                best = fit;
+                best_cost = cost;
+            }
+        }
+    }
+    return best;
 }
 
 double LatticeBox::row_ratio() const {

@@ -20,7 +20,7 @@ namespace {
 constexpr double aim = 2e-4; // wanted free distance, of two radii: converges to `separation` in finite time
 constexpr double skin_share = 0.6; // of a radius
 constexpr double push = 0.55;      // share of the overlap that each of two beads gives way
-constexpr double kick = 0.1;       // of a radius, when shaken
+constexpr double shaking = 0.1;    // of a radius
 constexpr int sweeps_a_round = 2500, rounds = 4;
 
 struct BeadSphere {
@@ -30,32 +30,28 @@ struct BeadSphere {
 class PushApart {
 public:
     PushApart(BeadPositions& places, const Room& room)
-        : places_(places), room_(room), skin_(skin_share * room.radius) {}
+        : places_(places), room_(room), skin_(skin_share * room.radius) {
+        for (const Disc& disc : room.rods)
+            rods_.push_back({disc.x, disc.y, disc.height, disc.radius});
+    }
 
     /// Largest overlap left.
     double settle(int sweeps) {
-        double left = find();
+        p_.clear();
+        double left = find_pairs();
         for (int k = 0; k < sweeps && left > 0.0; ++k) {
             left = sweep();
-            if (furthest_move() > 0.5 * skin_)
-                left = refresh(); // pairs that are not listed may have met
+            double square = 0.0; // of the furthest move in plan view since the pairs were found
+            for (std::size_t i = 0; i < p_.size(); ++i) {
+                const double x = p_[i].x - found_at_[i].x, y = p_[i].y - found_at_[i].y;
+                square = std::max(square, x * x + y * y);
+            }
+            if (std::sqrt(square) > 0.5 * skin_)
+                left = find_pairs(); // pairs that are not listed may have met
             else if (left == 0.0)
                 left = largest_overlap(); // later pairs may have pushed earlier ones
         }
-        return refresh();
-    }
-
-    void shake(RandomStream& random) {
-        for (std::size_t i = 0; i < places_.size(); ++i) {
-            const double angle = random.uniform(0.0, 2.0 * M_PI),
-                         step = kick * room_.radius * random.uniform();
-            const auto [sine, cosine] = repeatable::sin_cos(angle);
-            places_.x[i] += step * cosine;
-            places_.y[i] += step * sine;
-            const double top = free_height(room_.gap, places_.radius[i]),
-                         rise = kick * room_.radius * random.uniform(-1.0, 1.0);
-            places_.z[i] = std::clamp(places_.z[i] + rise, -top, top);
-        }
+        return find_pairs();
     }
 
 private:
@@ -69,14 +65,16 @@ private:
         const double z = a.z - b.z;
         return {x, y, z, std::sqrt(x * x + y * y + z * z)};
     }
-    Gap gap_to_rod(NearPair pair) const {
-        const Disc& disc = room_.rods[pair.other];
-        return gap(p_[pair.bead], {disc.x, disc.y, disc.height, disc.radius}, room_.box);
-    }
-    double touching(NearPair pair) const { return room_.rods[pair.other].radius + p_[pair.bead].radius; }
 
-    /// Pairs of the places as they are; the largest overlap.
-    double find() {
+    /// Hands the swept positions back, if there are any, and lists the pairs that are near each other now;
+    /// returns the largest overlap.
+    double find_pairs() {
+        for (std::size_t k = 0; k < p_.size(); ++k) {
+            const std::uint32_t i = near_.order[k];
+            places_.x[i] = p_[k].x;
+            places_.y[i] = p_[k].y;
+            places_.z[i] = p_[k].z;
+        }
         near_ = neighbours(places_, room_, skin_);
         p_.clear();
         for (const std::uint32_t i : near_.order)
@@ -85,61 +83,22 @@ private:
         return largest_overlap();
     }
 
-    /// The same after sweeps.
-    double refresh() {
-        for (std::size_t k = 0; k < p_.size(); ++k) {
-            const std::uint32_t i = near_.order[k];
-            places_.x[i] = p_[k].x;
-            places_.y[i] = p_[k].y;
-            places_.z[i] = p_[k].z;
-        }
-        return find();
-    }
-
-    /// In plan view since the pairs were found.
-    double furthest_move() const {
-        double square = 0.0;
-        for (std::size_t k = 0; k < p_.size(); ++k) {
-            const double x = p_[k].x - found_at_[k].x, y = p_[k].y - found_at_[k].y;
-            square = std::max(square, x * x + y * y);
-        }
-        return std::sqrt(square);
-    }
-
     double largest_overlap() const {
         double largest = 0.0;
-        for (const NearPair pair : near_.beads) {
-            const BeadSphere &a = p_[pair.bead], &b = p_[pair.other];
+        const auto include = [&](const BeadSphere& a, const BeadSphere& b) {
             largest =
                 std::max(largest, (a.radius + b.radius) * (1.0 + separation) - gap(a, b, room_.box).distance);
-        }
+        };
+        for (const NearPair pair : near_.beads)
+            include(p_[pair.bead], p_[pair.other]);
         for (const NearPair pair : near_.rods)
-            largest = std::max(largest, touching(pair) * (1.0 + separation) - gap_to_rod(pair).distance);
+            include(p_[pair.bead], rods_[pair.other]);
         return largest;
     }
 
-    /// Every pair once; the largest overlap met on the way.
+    /// Parts every pair once; returns the largest overlap met on the way.
     double sweep() {
-        double largest = part_beads();
-        for (const NearPair pair : near_.rods)
-            largest = std::max(largest, part_from_rod(pair));
-        if (room_.container)
-            keep_inside();
-        return largest;
-    }
-
-    /// What this brings together, the next sweep parts.
-    void keep_inside() {
-        for (BeadSphere& bead : p_) {
-            const Eigen::Vector2d inside =
-                put_inside(*room_.container, {bead.x, bead.y}, bead.radius * (1.0 + separation));
-            bead.x = inside.x();
-            bead.y = inside.y();
-        }
-    }
-
-    /// All that is constant is local: the compiler could not know that places are not among the members.
-    double part_beads() {
+        // Constants are local: the compiler could not know that positions are not among the members.
         const PeriodicBox box = room_.box;
         const double between_plates = room_.gap;
         const auto move = [between_plates](BeadSphere& at, double x, double y, double z) {
@@ -157,31 +116,40 @@ private:
                 const double share = push * missing / g.distance;
                 move(a, share * g.x, share * g.y, share * g.z);
                 move(b, -share * g.x, -share * g.y, -share * g.z);
-            } else { // the same place: any direction will do
+            } else { // the same position: any direction will do
                 move(a, push * missing, 0.0, 0.0);
             }
             largest = std::max(largest, reach * (1.0 + separation) - g.distance);
         }
+        // Beads leave rods in the plane only: none can leave a rod upwards.
+        for (const NearPair pair : near_.rods) {
+            BeadSphere& bead = p_[pair.bead];
+            const Gap g = gap(bead, rods_[pair.other], box);
+            const double reach = rods_[pair.other].radius + bead.radius, wanted = reach * (1.0 + aim);
+            if (g.distance >= wanted)
+                continue;
+            const double in_plane = repeatable::length(g.x, g.y),
+                         missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
+            bead.x += in_plane > 0.0 ? missing * g.x / in_plane : missing;
+            bead.y += in_plane > 0.0 ? missing * g.y / in_plane : 0.0;
+            largest = std::max(largest, reach * (1.0 + separation) - g.distance);
+        }
+        if (!room_.container)
+            return largest;
+        // Overlaps that the wall makes are parted by the next sweep.
+        for (BeadSphere& bead : p_) {
+            const Eigen::Vector2d inside =
+                put_inside(*room_.container, {bead.x, bead.y}, bead.radius * (1.0 + separation));
+            bead.x = inside.x();
+            bead.y = inside.y();
+        }
         return largest;
-    }
-
-    /// In the plane only: a bead cannot leave a rod upwards.
-    double part_from_rod(NearPair pair) {
-        const Gap g = gap_to_rod(pair);
-        const double wanted = touching(pair) * (1.0 + aim);
-        if (g.distance >= wanted)
-            return 0.0;
-        const double in_plane = repeatable::length(g.x, g.y),
-                     missing = std::sqrt(wanted * wanted - g.z * g.z) - in_plane;
-        BeadSphere& bead = p_[pair.bead];
-        bead.x += in_plane > 0.0 ? missing * g.x / in_plane : missing;
-        bead.y += in_plane > 0.0 ? missing * g.y / in_plane : 0.0;
-        return std::max(0.0, touching(pair) * (1.0 + separation) - g.distance);
     }
 
     BeadPositions& places_;
     const Room& room_;
     double skin_;
+    std::vector<BeadSphere> rods_;
     NeighbourPairs near_;
     std::vector<BeadSphere> p_, found_at_; ///< cell by cell; now, and when the pairs were found
 };
@@ -192,7 +160,16 @@ double push_apart(BeadPositions& places, const Room& room, RandomStream random) 
     PushApart work(places, room);
     double left = work.settle(sweeps_a_round);
     for (int round = 1; round < rounds && left > 0.0; ++round) {
-        work.shake(random);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const double angle = random.uniform(0.0, 2.0 * M_PI),
+                         step = shaking * room.radius * random.uniform();
+            const auto [sine, cosine] = repeatable::sin_cos(angle);
+            places.x[i] += step * cosine;
+            places.y[i] += step * sine;
+            const double top = free_height(room.gap, places.radius[i]),
+                         rise = shaking * room.radius * random.uniform(-1.0, 1.0);
+            places.z[i] = std::clamp(places.z[i] + rise, -top, top);
+        }
         left = work.settle(sweeps_a_round);
     }
     return left;
@@ -202,11 +179,6 @@ namespace {
 
 constexpr double jitter = 0.01; // of the room's height: a layer that is exactly flat has nowhere to buckle
 constexpr int most_attempts = 10000;
-
-/// Depth to which a rod covers a bead here, m; negative if none does.
-double cover(double x, double y, double bead, const Room& room) {
-    return overlap({{x, y, bead}}, room.rods, room.box);
-}
 
 /// As dense between the rods as the beads are to be: sites for the beads, and for the area that the rods
 /// take.
@@ -223,36 +195,32 @@ long sites_needed(const GranularProblem& problem, const Room& room) {
     return static_cast<long>(std::ceil(sites - rounding * sites));
 }
 
-/// Sites of a triangular lattice about the middle of the container, those of beads inside.
-std::vector<Eigen::Vector2d> sites_inside(const Container& container, double spacing, double orientation,
-                                          double radius) {
-    const Eigen::Vector2d middle(0.5 * container.sides.x, 0.5 * container.sides.y),
-        along(spacing * direction(orientation)),
-        up(-std::sqrt(0.75) * along.y(), std::sqrt(0.75) * along.x());
-    const int reach =
-        static_cast<int>(std::ceil(repeatable::length(container.sides.x, container.sides.y) / spacing));
-    std::vector<Eigen::Vector2d> sites;
-    for (int j = -reach; j <= reach; ++j)
-        for (int i = -reach; i <= reach; ++i) {
-            const double shifted = i + (j % 2 != 0 ? 0.5 : 0.0);
-            const Eigen::Vector2d site = middle + shifted * along + static_cast<double>(j) * up;
-            if (nearest_wall(container, site, radius * (1.0 + separation)).depth <= 0.0)
-                sites.push_back(site);
-        }
-    return sites;
-}
-
-/// Of the widest lattice that has enough sites in the container.
+/// Sites of a triangular lattice about the middle of the container whose beads are inside; the widest lattice
+/// that has enough of them.
 std::vector<Eigen::Vector2d> container_sites(const GranularProblem& problem, const Room& room) {
     constexpr double step = 0.998, closest = 1.6; // bead radii; beads give way upwards too
+    const Container& container = *room.container;
     const auto needed = static_cast<std::size_t>(sites_needed(problem, room));
-    const double widest = std::sqrt(2.0 / std::sqrt(3.0) * room.container->area() /
+    const double widest = std::sqrt(2.0 / std::sqrt(3.0) * container.area() /
                                     static_cast<double>(std::max<std::size_t>(needed, 1)));
-    for (double spacing = std::min(1.1 * widest, room.container->sides.longer());
-         spacing > closest * room.radius; spacing *= step)
-        if (auto sites = sites_inside(*room.container, spacing, problem.orientation, room.radius);
-            sites.size() >= needed)
+    const Eigen::Vector2d middle(0.5 * container.sides.x, 0.5 * container.sides.y);
+    for (double spacing = std::min(1.1 * widest, container.sides.longer()); spacing > closest * room.radius;
+         spacing *= step) {
+        const Eigen::Vector2d along(spacing * direction(problem.orientation)),
+            up(-std::sqrt(0.75) * along.y(), std::sqrt(0.75) * along.x());
+        const int reach =
+            static_cast<int>(std::ceil(repeatable::length(container.sides.x, container.sides.y) / spacing));
+        std::vector<Eigen::Vector2d> sites;
+        for (int j = -reach; j <= reach; ++j)
+            for (int i = -reach; i <= reach; ++i) {
+                const double shifted = i + (j % 2 != 0 ? 0.5 : 0.0);
+                const Eigen::Vector2d site = middle + shifted * along + static_cast<double>(j) * up;
+                if (nearest_wall(container, site, room.radius * (1.0 + separation)).depth <= 0.0)
+                    sites.push_back(site);
+            }
+        if (sites.size() >= needed)
             return sites;
+    }
     throw RunError(fmt::format(
         "found no lattice of {} sites in the container: use fewer beads or a larger one", needed));
 }
@@ -282,7 +250,8 @@ std::vector<std::size_t> kept_sites(const std::vector<Eigen::Vector2d>& sites,
         const double bead = radius.empty() ? room.radius : radius[k],
                      depth = room.rods.empty()
                                  ? -1.0
-                                 : cover(sites[k].x(), sites[k].y(), bead, room) / room.box.shorter();
+                                 : overlap({{sites[k].x(), sites[k].y(), bead}}, room.rods, room.box) /
+                                       room.box.shorter();
         rank[k] = depth > 0.0 ? depth : -stream_for(Purpose::vacancy, problem.seed, run, k).uniform();
     }
     std::vector<std::size_t> order(sites.size());
@@ -308,11 +277,11 @@ BeadPositions flat_layer(const std::vector<Eigen::Vector2d>& sites, const std::v
 }
 
 BeadPositions on_lattice(const GranularProblem& problem, const Room& room, std::uint32_t run) {
-    const auto fitted = [&] {
-        return lattice_sites(fit_lattice(problem.box, sites_needed(problem, room), problem.orientation),
-                             problem.box);
-    };
-    const auto sites = room.container ? container_sites(problem, room) : fitted();
+    const auto sites =
+        room.container
+            ? container_sites(problem, room)
+            : lattice_sites(fit_lattice(problem.box, sites_needed(problem, room), problem.orientation),
+                            problem.box);
     BeadPositions places = flat_layer(sites, kept_sites(sites, {}, problem, room, run),
                                       bead_sizes(problem, run), problem, room, run);
     if (room.container && problem.bead_spread > 0.0) // sites are those of the smallest beads
@@ -329,17 +298,15 @@ BeadPositions at_random(const GranularProblem& problem, const Room& room, std::u
     BeadPositions places;
     const PeriodicBox& sides = bed_sides(problem);
     const BeadSizes sizes = bead_sizes(problem, run);
-    const auto is_free = [&](double x, double y, double bead) {
-        return (!room.container || nearest_wall(*room.container, {x, y}, bead).depth <= 0.0) &&
-               (room.rods.empty() || cover(x, y, bead, room) < 0.0);
-    };
+
     for (std::size_t i = 0; i < problem.beads; ++i) {
         auto random = stream_for(Purpose::place, problem.seed, run, i);
         double x = 0.0, y = 0.0;
         for (int attempt = 0; attempt < most_attempts; ++attempt) {
             x = random.uniform(0.0, sides.x);
             y = random.uniform(0.0, sides.y);
-            if (is_free(x, y, sizes.radius[i]))
+            if ((!room.container || nearest_wall(*room.container, {x, y}, sizes.radius[i]).depth <= 0.0) &&
+                (room.rods.empty() || overlap({{x, y, sizes.radius[i]}}, room.rods, room.box) < 0.0))
                 break;
         }
         const double height = free_height(room.gap, sizes.radius[i]);

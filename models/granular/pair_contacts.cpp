@@ -14,27 +14,6 @@ using Eigen::Matrix3d;
 
 constexpr int most_sweeps = 8; // while a pair is deeper than `deep`
 
-/// Of a point at distance `arm` from the centre along the normal.
-Matrix3d bead_inverse_mass(const Bodies& bodies, std::size_t bead, const Vector3& normal, double arm) {
-    const Matrix3d along = normal * normal.transpose();
-    return Matrix3d::Identity() / bodies.mass_of_bead(bead) +
-           (Matrix3d::Identity() - along) * (arm * arm / bodies.inertia_of_bead(bead));
-}
-
-void push(Bodies& bodies, std::size_t bead, const Vector3& impulse, const Vector3& arm) {
-    row(bodies.velocity, bead) += impulse / bodies.mass_of_bead(bead);
-    row(bodies.spin, bead) += arm.cross(impulse) / bodies.inertia_of_bead(bead);
-}
-
-/// A bead flies for a while, back too.
-void fly(Bodies& bodies, std::size_t bead, double time, double gravity) {
-    auto x = row(bodies.position, bead);
-    auto v = row(bodies.velocity, bead);
-    x += v * time;
-    x.z() -= gravity * time * time / 2.0;
-    v.z() -= gravity * time;
-}
-
 /// Where two spheres touch, in the middle of their overlap: normal, and arms from the centres of their
 /// bodies.
 struct Touch {
@@ -161,7 +140,10 @@ void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Counter
     const std::uint32_t index = bodies.rod_of[sphere - bodies.beads];
     MovingRod& rod = bodies.rods[index];
     const auto fly_both = [&, bead = bead](double time) {
-        fly(bodies, bead, time, setting_.gravity);
+        auto x = row(bodies.position, bead), v = row(bodies.velocity, bead);
+        x += v * time;
+        x.z() -= setting_.gravity * time * time / 2.0;
+        v.z() -= setting_.gravity * time;
         rod.move(time, setting_.gravity);
         bodies.place_rod_spheres(index);
     };
@@ -171,9 +153,14 @@ void PairContacts::bead_rod(Bodies& bodies, const TouchingPair& meeting, Counter
     const Vector3 spin = row(bodies.spin, bead);
     const Vector3 relative = row(bodies.velocity, bead) + spin.cross(arm1) - rod.velocity_at(arm2);
     if (relative.dot(n) < 0.0) {
-        const Matrix3d inverse_mass = bead_inverse_mass(bodies, bead, n, lever) + rod.inverse_mass_at(arm2);
+        const double mass = bodies.mass_of_bead(bead), inertia = bodies.inertia_of_bead(bead);
+        const Matrix3d along = n * n.transpose();
+        const Matrix3d of_bead =
+            Matrix3d::Identity() / mass + (Matrix3d::Identity() - along) * (lever * lever / inertia);
+        const Matrix3d inverse_mass = of_bead + rod.inverse_mass_at(arm2);
         const Vector3 impulse = impulse_along(n, inverse_mass, relative, setting_.table.bead_rod);
-        push(bodies, bead, impulse, arm1);
+        row(bodies.velocity, bead) += impulse / mass;
+        row(bodies.spin, bead) += arm1.cross(impulse) / inertia;
         rod.push(-impulse, arm2);
         tallies.impulse_on_beads[index] += impulse;
         add_virial(tallies.virial, arm2 - arm1, impulse);
@@ -207,18 +194,6 @@ void PairContacts::rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters
         ++tallies.rod_rod;
     }
     fly_both(meeting.back);
-}
-
-void PairContacts::keep_first(const Bodies& bodies, const TouchingPair& meeting) {
-    const std::uint32_t one = bodies.rod_of[meeting.pair.first - bodies.beads],
-                        two = bodies.rod_of[meeting.pair.second - bodies.beads];
-    const auto known = std::find_if(rod_contacts_.begin(), rod_contacts_.end(), [&](const RodContact& c) {
-        return c.first_rod == one && c.second_rod == two;
-    });
-    if (known == rod_contacts_.end())
-        rod_contacts_.push_back({one, two, meeting});
-    else if (first(meeting.back, meeting.length, known->meeting.back, known->meeting.length))
-        *known = {one, two, meeting};
 }
 
 /// Pairs with both beads below `end`, the first number after the block; the others are left.
@@ -258,8 +233,18 @@ void PairContacts::one_by_one(Bodies& bodies, std::span<const Pair> pairs, Worst
             continue;
         }
         if (!bodies.is_bead(pair.first)) {
-            if (found)
-                keep_first(bodies, *found);
+            if (!found)
+                continue;
+            // of the contacts of two rods the first is kept
+            const std::uint32_t one = bodies.rod_of[pair.first - bodies.beads],
+                                two = bodies.rod_of[pair.second - bodies.beads];
+            const auto known = std::ranges::find_if(rod_contacts_, [&](const RodContact& c) {
+                return c.first_rod == one && c.second_rod == two;
+            });
+            if (known == rod_contacts_.end())
+                rod_contacts_.push_back({one, two, *found});
+            else if (first(found->back, found->length, known->meeting.back, known->meeting.length))
+                known->meeting = *found;
             continue;
         }
         // the contacts of a bead with the spheres of one rod follow each other

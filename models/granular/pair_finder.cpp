@@ -28,29 +28,6 @@ PairFinder::PairFinder(const Bodies& bodies, const PeriodicBox& box)
                                     : *std::min_element(bodies.radius.begin(), bodies.radius.end())),
       skin_(first_skin * length_), allowance_(0.02 * length_) {}
 
-void PairFinder::rebuild(const Bodies& bodies, ThreadPool& team) {
-    outer_parts_ = near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
-    origin_ = bodies.position;
-    furthest_from_origin_ = 0.0;
-    outer_allowance_ = allowance_;
-    steps_since_rebuild_ = 0;
-    ++rebuilds_;
-}
-
-void PairFinder::adapt_skin() {
-    if (steps_since_rebuild_ < short_life)
-        skin_ = std::min(1.25 * skin_, most_skin * length_);
-    else if (steps_since_rebuild_ > long_life)
-        skin_ = std::max(0.9 * skin_, least_skin * length_);
-}
-
-/// Towards what two spheres that move as the furthest did approach within the window.
-void PairFinder::adapt_allowance(double furthest) {
-    const double steps = static_cast<double>(std::max<std::int64_t>(steps_since_draw_, 1));
-    const double wanted = 2.0 * furthest * window / steps;
-    allowance_ = (std::clamp(wanted, 1e-9 * length_, most_allowance * length_) + allowance_) / 2.0;
-}
-
 void PairFinder::draw(const Bodies& bodies, ThreadPool& team) {
     const std::size_t parts = outer_parts_.size() - 1;
     found_.resize(parts);
@@ -69,30 +46,25 @@ void PairFinder::draw(const Bodies& bodies, ThreadPool& team) {
     team.run(parts, [&](std::size_t c) {
         for (std::size_t k = 0; k < found_[c].count; ++k)
             inner_.copy(inner_parts_[c] + k, outer_, found_[c].index[k]);
-        note_blocks(c, bodies);
+        // The blocks of its beads: its own, and those of the second beads.
+        std::vector<std::uint32_t>& blocks = blocks_[c];
+        blocks.clear();
+        if (bodies.is_bead(c * beads_per_block))
+            blocks.push_back(static_cast<std::uint32_t>(c));
+        std::size_t last = c;
+        for (std::size_t k = inner_parts_[c]; k < inner_parts_[c + 1]; ++k) {
+            const std::size_t second = inner_.pairs[k].second, block = second / beads_per_block;
+            if (!bodies.is_bead(second) || block == last)
+                continue;
+            last = block;
+            if (std::ranges::find(blocks, block) == blocks.end())
+                blocks.push_back(static_cast<std::uint32_t>(block));
+        }
     });
     drawn_ = bodies.position;
     furthest_.assign(blocks_in(bodies), 0.0);
     steps_since_draw_ = 0;
     ++refreshes_;
-}
-
-void PairFinder::note_blocks(std::size_t part, const Bodies& bodies) {
-    std::vector<std::uint32_t>& blocks = blocks_[part];
-    blocks.clear();
-    const auto note = [&](std::size_t sphere) {
-        const auto block = static_cast<std::uint32_t>(sphere / beads_per_block);
-        if (bodies.is_bead(sphere) && std::ranges::find(blocks, block) == blocks.end())
-            blocks.push_back(block);
-    };
-    note(part * beads_per_block);
-    std::size_t last = part;
-    for (std::size_t k = inner_parts_[part]; k < inner_parts_[part + 1]; ++k)
-        if (const std::size_t second = inner_.pairs[k].second;
-            bodies.is_bead(second) && second / beads_per_block != last) {
-            last = second / beads_per_block;
-            note(second);
-        }
 }
 
 void PairFinder::refresh(const Bodies& bodies, ThreadPool& team) {
@@ -105,12 +77,21 @@ void PairFinder::refresh(const Bodies& bodies, ThreadPool& team) {
         measure(bodies, origin_, all, team);
         furthest_from_origin_ = furthest();
         if (2.0 * furthest_from_origin_ > skin_) {
-            adapt_skin();
+            if (steps_since_rebuild_ < short_life)
+                skin_ = std::min(1.25 * skin_, most_skin * length_);
+            else if (steps_since_rebuild_ > long_life)
+                skin_ = std::max(0.9 * skin_, least_skin * length_);
             origin_.clear();
         }
     }
-    if (origin_.empty())
-        rebuild(bodies, team);
+    if (origin_.empty()) {
+        outer_parts_ = near_pairs(bodies, box_, skin_ + allowance_, team, outer_);
+        origin_ = bodies.position;
+        furthest_from_origin_ = 0.0;
+        outer_allowance_ = allowance_;
+        steps_since_rebuild_ = 0;
+        ++rebuilds_;
+    }
     allowance_ = std::min(allowance_, outer_allowance_);
     draw(bodies, team);
 }
@@ -127,8 +108,14 @@ void PairFinder::measure(const Bodies& bodies, const Rows& before, std::span<con
     });
 }
 
-/// Of each block and those whose beads may push its own.
-std::vector<double> PairFinder::fastest_around(std::span<const double> fastest) const {
+/// Whether pairs outside the inner list may touch.
+bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step,
+                       ThreadPool& team) {
+    ++steps_since_draw_;
+    ++steps_since_rebuild_;
+    fastest_.resize(blocks_in(bodies), 0.0);
+    furthest_.resize(blocks_in(bodies), 0.0);
+    // The fastest of each block and of those whose beads may push its own.
     const auto of_block = [&](std::size_t b) { return fastest[std::min(b, fastest.size() - 1)]; };
     std::vector<double> around(furthest_.size());
     for (std::size_t b = 0; b < around.size(); ++b)
@@ -138,17 +125,6 @@ std::vector<double> PairFinder::fastest_around(std::span<const double> fastest) 
             around[b] = std::max(around[b], of_block(other));
             around[other] = std::max(around[other], of_block(b));
         }
-    return around;
-}
-
-/// Whether pairs outside the inner list may touch.
-bool PairFinder::stale(const Bodies& bodies, std::span<const double> fastest, double time_step,
-                       ThreadPool& team) {
-    ++steps_since_draw_;
-    ++steps_since_rebuild_;
-    fastest_.resize(blocks_in(bodies), 0.0);
-    furthest_.resize(blocks_in(bodies), 0.0);
-    const std::vector<double> around = fastest_around(fastest);
     std::vector<std::size_t> far;
     for (std::size_t b = 0; b < furthest_.size(); ++b) {
         furthest_[b] +=
@@ -178,7 +154,10 @@ void PairFinder::test(std::size_t part, const Bodies& bodies) {
 std::span<const Pair> PairFinder::find(const Bodies& bodies, std::span<const double> fastest,
                                        double time_step, ThreadPool& team, bool tested) {
     if (stale(bodies, fastest, time_step, team)) {
-        adapt_allowance(furthest());
+        // Towards what two spheres that move as the furthest did approach within the window.
+        const double steps = static_cast<double>(std::max<std::int64_t>(steps_since_draw_, 1));
+        const double wanted = 2.0 * furthest() * window / steps;
+        allowance_ = (std::clamp(wanted, 1e-9 * length_, most_allowance * length_) + allowance_) / 2.0;
         refresh(bodies, team);
         tested = false;
     }

@@ -11,6 +11,7 @@
 #include "bodies.hpp"
 #include "kernels.hpp"
 #include "rodwake/core/parallel.hpp"
+#include "rodwake/granular/simulation.hpp"
 
 #include <span>
 
@@ -38,24 +39,15 @@ public:
     std::span<const std::uint32_t> blocks_of(std::size_t part) const { return blocks_[part]; }
     void test(std::size_t part, const Bodies& bodies);
 
-    std::size_t rebuilds() const { return rebuilds_; }
-    std::size_t refreshes() const { return refreshes_; }
-    std::size_t inner_size() const { return inner_.size(); }
-    std::size_t outer_size() const { return outer_.size(); }
-    double skin() const { return skin_; }
+    SimulationCost cost() const { return {rebuilds_, refreshes_, outer_.size(), inner_.size(), skin_}; }
 
 private:
-    void rebuild(const Bodies& bodies, ThreadPool& team);
     void refresh(const Bodies& bodies, ThreadPool& team);
     void draw(const Bodies& bodies, ThreadPool& team);
-    void adapt_skin();
-    void adapt_allowance(double furthest);
     bool stale(const Bodies& bodies, std::span<const double> fastest, double time_step, ThreadPool& team);
-    std::vector<double> fastest_around(std::span<const double> fastest) const;
     void measure(const Bodies& bodies, const Rows& before, std::span<const std::size_t> blocks,
                  ThreadPool& team);
     double furthest() const;
-    void note_blocks(std::size_t part, const Bodies& bodies);
 
     PeriodicBox box_;
     double length_;    ///< scale for limits, a bead radius, m

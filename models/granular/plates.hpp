@@ -9,49 +9,35 @@ namespace rodwake::granular {
 
 /// Height of the floor near one instant as a Taylor polynomial in the time before it. Eight terms: at 50
 /// steps a period the rest over one step is below 2e-12 A, and that of the velocity below 1e-10 A omega.
-class PlatePath {
-public:
-    explicit PlatePath(const std::array<double, 8>& coefficients) : c_(coefficients) {}
+struct PlatePath {
+    std::array<double, 8> c; ///< of before^n
 
     /// z(t - before) and its time derivatives.
     double position(double before) const {
         double value = 0.0;
-        for (std::size_t n = c_.size(); n-- > 0;)
-            value = value * before + c_[n];
+        for (std::size_t n = c.size(); n-- > 0;)
+            value = value * before + c[n];
         return value;
     }
     double velocity(double before) const {
         double value = 0.0;
-        for (std::size_t n = c_.size(); n-- > 1;)
-            value = value * before + static_cast<double>(n) * c_[n];
+        for (std::size_t n = c.size(); n-- > 1;)
+            value = value * before + static_cast<double>(n) * c[n];
         return -value; // the polynomial runs backwards in time
     }
     double acceleration(double before) const {
         double value = 0.0;
-        for (std::size_t n = c_.size(); n-- > 2;)
-            value = value * before + static_cast<double>(n * (n - 1)) * c_[n];
+        for (std::size_t n = c.size(); n-- > 2;)
+            value = value * before + static_cast<double>(n * (n - 1)) * c[n];
         return value;
     }
     /// At t itself.
-    double position() const { return c_[0]; }
-    double acceleration() const { return 2.0 * c_[2]; }
-    const std::array<double, 8>& coefficients() const { return c_; }
-
-private:
-    std::array<double, 8> c_; ///< of before^n
+    double position() const { return c[0]; }
+    double acceleration() const { return 2.0 * c[2]; }
 };
 
-class PlateMotion {
-public:
-    PlateMotion(const Plates& plates, double gravity);
-
-    /// About time t, s.
-    PlatePath floor(double time) const;
-    double gap() const { return gap_; }
-
-private:
-    double amplitude_, omega_, gap_;
-};
+/// About time t, s.
+PlatePath floor_path(const Plates& plates, double gravity, double time);
 
 /// What plates did to some bodies during one step.
 struct PlateTally {

@@ -207,21 +207,6 @@ void check_body_force(const GranularProblem& problem, Checks& checks) {
                    fmt::format("body_force: position of {} numbers: must have 2", force.place.size()));
 }
 
-void check_gap(const GranularProblem& problem, Checks& checks) {
-    const BeadMix mix = bead_mix(problem);
-    const double gap = problem.plates.gap, bead = 2.0 * mix.largest();
-    checks.require(problem.beads == 0 || gap > bead,
-                   fmt::format("gap = {} m between the plates: must be larger than the {}bead diameter, {} m",
-                               gap, mix.equal() ? "" : "largest ", bead));
-    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
-        const double thickest = problem.rods[k].shape.thick_diameter;
-        checks.require(gap > thickest,
-                       fmt::format("rod {}: gap = {} m between the plates must be larger than the thickest "
-                                   "diameter of the rod, {} m",
-                                   k, gap, thickest));
-    }
-}
-
 void check_given(const GranularProblem& problem, Checks& checks) {
     checks.require((problem.start == Start::given) == problem.given.has_value(),
                    "start: given beads and no other start go together");
@@ -332,7 +317,16 @@ void validate(const GranularProblem& problem) {
     if (problem.container)
         check_container(problem, clumps, checks);
     check_body_force(problem, checks);
-    check_gap(problem, checks);
+    const BeadMix mix = bead_mix(problem);
+    const double gap = problem.plates.gap, bead = 2.0 * mix.largest();
+    checks.require(problem.beads == 0 || gap > bead,
+                   fmt::format("gap = {} m between the plates: must be larger than the {}bead diameter, {} m",
+                               gap, mix.equal() ? "" : "largest ", bead));
+    for (std::size_t k = 0; k < problem.rods.size(); ++k)
+        checks.require(gap > problem.rods[k].shape.thick_diameter,
+                       fmt::format("rod {}: gap = {} m between the plates must be larger than the thickest "
+                                   "diameter of the rod, {} m",
+                                   k, gap, problem.rods[k].shape.thick_diameter));
     check_given(problem, checks);
     checks.finish();
     const double beads = bead_area_fraction(problem);
@@ -342,13 +336,12 @@ void validate(const GranularProblem& problem) {
         rods += clump.projected_area() / bed_area(problem);
     checks.require(
         beads + rods <= closest_packing,
-        fmt::format(
-            "{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
-            "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
-            problem.beads, beads, room, rods, beads + rods, closest_packing,
-            std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
-                                           (M_PI * std::pow(bead_mix(problem).root_mean_square(), 2)))),
-            room));
+        fmt::format("{} beads cover {:.4f} of the {} and the rods {:.4f}, together {:.4f}: a layer of discs "
+                    "covers at most {:.4f}; use fewer beads (at most about {}) or a larger {}",
+                    problem.beads, beads, room, rods, beads + rods, closest_packing,
+                    std::max(0L, static_cast<long>((closest_packing - rods) * bed_area(problem) /
+                                                   (M_PI * std::pow(mix.root_mean_square(), 2)))),
+                    room));
     std::vector<std::vector<Disc>> rows;
     for (std::size_t k = 0; k < clumps.size(); ++k)
         rows.push_back(rod_discs(problem.rods[k], clumps[k]));

@@ -51,24 +51,6 @@ bool in_absorbing_state(const Temperatures& T, const GranularProblem& problem) {
     return problem.beads > 1 && T.xy < still * speed * speed;
 }
 
-void Record::begin(const Simulation& simulation) {
-    sums_.run = {};
-    kinds_.clear();
-    sums_.psi6 = 0.0;
-    sums_.rows = 0;
-    pressure_.run_flux = {};
-    pressure_.run_virial = simulation.tallies().virial;
-    for (std::size_t i = 0; i < rods_.size(); ++i) {
-        const RodBody& rod = simulation.rod(i);
-        const Eigen::Vector3d& impulse_on_beads = simulation.tallies().impulse_on_beads[i];
-        const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
-        rods_[i] = {x,   y,  heading, x, y, heading, 0.0, {impulse_on_beads.x(), impulse_on_beads.y()},
-                    0.0, 0.0};
-        const Eigen::Vector3d& from_plates = simulation.tallies().impulse_from_plates[i];
-        thrust_[i] = {{from_plates.x(), from_plates.y()}, 0.0};
-    }
-}
-
 void Record::follow_rods(const Simulation& simulation) {
     for (std::size_t i = 0; i < rods_.size(); ++i) {
         RodProgress& p = rods_[i];
@@ -109,8 +91,22 @@ void Record::follow_pair(const Simulation& simulation) {
 }
 
 void Record::sample(const Simulation& simulation) {
-    if (simulation.step() == simulation.problem().equilibration_steps)
-        begin(simulation);
+    if (simulation.step() == simulation.problem().equilibration_steps) { // the means start at t = 0
+        sums_.run = {};
+        kinds_.clear();
+        sums_.psi6 = 0.0;
+        sums_.rows = 0;
+        pressure_.run_flux = {};
+        pressure_.run_virial = simulation.tallies().virial;
+        for (std::size_t i = 0; i < rods_.size(); ++i) {
+            const RodBody& rod = simulation.rod(i);
+            const Eigen::Vector3d &on_beads = simulation.tallies().impulse_on_beads[i],
+                                  &from_plates = simulation.tallies().impulse_from_plates[i];
+            const double x = rod.position.x(), y = rod.position.y(), heading = rod.heading();
+            rods_[i] = {x, y, heading, x, y, heading, 0.0, {on_beads.x(), on_beads.y()}, 0.0, 0.0};
+            thrust_[i] = {{from_plates.x(), from_plates.y()}, 0.0};
+        }
+    }
     const auto [T, flux, of_kinds] = simulation.agitation();
     for (SampleSums* sums : {&sums_.run, &sums_.row}) {
         sums->T_xy += T.xy;

@@ -9,28 +9,24 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Upper convex hull of (offset, radius); spheres on a straight line between two others are left out.
-std::vector<std::size_t> corners(const Clump& clump) {
-    std::vector<std::size_t> hull;
-    for (std::size_t k = 0; k < clump.radius.size(); ++k) {
-        const auto below = [&](std::size_t first, std::size_t middle) {
-            const double along =
-                (clump.offset[middle] - clump.offset[first]) / (clump.offset[k] - clump.offset[first]);
-            const double chord = clump.radius[first] + along * (clump.radius[k] - clump.radius[first]);
-            return clump.radius[middle] <= chord + 1e-9 * chord;
-        };
-        while (hull.size() > 1 && below(hull[hull.size() - 2], hull.back()))
-            hull.pop_back();
-        hull.push_back(k);
-    }
-    return hull;
-}
-
 } // namespace
 
 MovingRod::MovingRod(const RodSpec& spec, const RodBody& body)
-    : clump_(make_clump(spec.shape)), outline_(corners(clump_)), body_(body), ahead_(direction(spec.heading)),
+    : clump_(make_clump(spec.shape)), body_(body), ahead_(direction(spec.heading)),
       across_(-ahead_.y(), ahead_.x(), 0.0) {
+    // The upper convex hull of (offset, radius); spheres on a straight line between two others are left out.
+    for (std::size_t k = 0; k < clump_.radius.size(); ++k) {
+        while (outline_.size() > 1) {
+            const std::size_t first = outline_[outline_.size() - 2], middle = outline_.back();
+            const double along =
+                (clump_.offset[middle] - clump_.offset[first]) / (clump_.offset[k] - clump_.offset[first]);
+            const double chord = clump_.radius[first] + along * (clump_.radius[k] - clump_.radius[first]);
+            if (!(clump_.radius[middle] <= chord + 1e-9 * chord))
+                break;
+            outline_.pop_back();
+        }
+        outline_.push_back(k);
+    }
     update();
 }
 
@@ -72,27 +68,21 @@ void MovingRod::turn_by(const Eigen::Quaterniond& turned, double roll) {
         normalized(product(product(turned, body_.orientation), turn(roll, Vector3d::UnitX())));
 }
 
-void MovingRod::turn_freely(double time) {
-    const Vector3d& L = body_.angular_momentum;
-    const double size = L.norm();
-    if (size == 0.0)
-        return;
-    const double roll = L.dot(axis_) * (1.0 / clump_.axial_inertia - 1.0 / clump_.transverse_inertia) * time;
-    turn_by(turn(size * time / clump_.transverse_inertia, L / size), roll);
-}
-
-void MovingRod::turn_held(double time) {
-    const double roll_rate = spin_.dot(axis_), pitch_rate = spin_.dot(across_);
-    turn_by(turn(pitch_rate * time, across_), roll_rate * time);
-    body_.angular_momentum =
-        clump_.axial_inertia * roll_rate * body_.axis() + clump_.transverse_inertia * pitch_rate * across_;
-}
-
 void MovingRod::move(double time, double gravity) {
     body_.position += body_.velocity * time;
     body_.position.z() -= gravity * time * time / 2.0;
     body_.velocity.z() -= gravity * time;
-    held_ ? turn_held(time) : turn_freely(time);
+    Vector3d& L = body_.angular_momentum;
+    if (held_) {
+        const double roll_rate = spin_.dot(axis_), pitch_rate = spin_.dot(across_);
+        turn_by(turn(pitch_rate * time, across_), roll_rate * time);
+        L = clump_.axial_inertia * roll_rate * body_.axis() +
+            clump_.transverse_inertia * pitch_rate * across_;
+    } else if (const double size = L.norm(); size != 0.0) {
+        const double roll =
+            L.dot(axis_) * (1.0 / clump_.axial_inertia - 1.0 / clump_.transverse_inertia) * time;
+        turn_by(turn(size * time / clump_.transverse_inertia, L / size), roll);
+    }
     update();
 }
 

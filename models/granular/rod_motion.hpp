@@ -50,8 +50,6 @@ public:
 private:
     /// By `turned` in the world, and about its own axis.
     void turn_by(const Eigen::Quaterniond& turned, double roll);
-    void turn_freely(double time);
-    void turn_held(double time);
     void update(); ///< axis, inverse inertia and spin from the body
 
     Clump clump_;

@@ -85,30 +85,42 @@ OutlineIntegrals integrate(const std::vector<OutlinePiece>& pieces) {
 constexpr std::size_t most_spheres = 10000;
 constexpr double length_rounding = 1e-9; // of the length: two ways to write the same number
 
-/// 0 where the rod is thick, 1 where it is thin.
-double taper_at(const RodShape& shape, std::size_t k) {
-    const std::size_t middle = (shape.spheres - 1) / 2;
+void check_shape(const RodShape& shape) {
+    Checks checks;
+    checks.positive("length", shape.length);
+    checks.positive("thick_diameter", shape.thick_diameter);
+    checks.positive("thin_diameter", shape.thin_diameter);
+    checks.positive("density", shape.density);
+    checks.require(shape.spheres >= 1 && shape.spheres <= most_spheres,
+                   fmt::format("spheres = {}: must be 1 to {}", shape.spheres, most_spheres));
+    checks.finish();
     const bool apolar = shape.kind == RodKind::apolar;
-    const std::size_t place = !apolar ? k : k > middle ? k - middle : middle - k;
-    const std::size_t places = apolar ? middle + 1 : shape.spheres;
-    if (shape.taper == Taper::linear)
-        return places > 1 ? static_cast<double>(place) / static_cast<double>(places - 1) : 0.0;
-    const std::size_t segment = place * shape.segments / places;
-    return shape.segments > 1 ? static_cast<double>(segment) / static_cast<double>(shape.segments - 1) : 0.0;
-}
-
-void check_segments(const RodShape& shape, Checks& checks) {
-    if (shape.taper != Taper::stepwise)
-        return;
-    const bool apolar = shape.kind == RodKind::apolar;
-    const std::size_t places = apolar ? (shape.spheres + 1) / 2 : shape.spheres;
-    checks.require(shape.segments >= 1 && shape.segments <= places,
+    checks.require(shape.thin_diameter <= shape.thick_diameter,
+                   fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
+                               shape.thin_diameter, shape.thick_diameter));
+    checks.require(shape.length >= shape.thick_diameter * (1.0 - length_rounding),
+                   fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
+                               shape.thick_diameter));
+    checks.require(!apolar || shape.spheres % 2 == 1,
+                   fmt::format("spheres = {}: an apolar rod needs an odd number (an even row has no middle "
+                               "sphere and starts to move by itself); use {}",
+                               shape.spheres, shape.spheres + 1));
+    const double longest = std::max(shape.length, shape.thick_diameter);
+    checks.require(
+        shape.spheres > 1 || longest - shape.thin_diameter <= length_rounding * longest,
+        fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
+                    "are {}, {} and {} m; make them equal or spheres >= 2",
+                    shape.length, shape.thick_diameter, shape.thin_diameter));
+    const bool stepwise = shape.taper == Taper::stepwise;
+    const std::size_t most_segments = apolar ? (shape.spheres + 1) / 2 : shape.spheres;
+    checks.require(!stepwise || (shape.segments >= 1 && shape.segments <= most_segments),
                    fmt::format("segments = {}: must be 1 to {}, the number of spheres{}", shape.segments,
-                               places, apolar ? " from the middle to one end" : ""));
-    checks.require(shape.segments != 1 || shape.thick_diameter == shape.thin_diameter,
+                               most_segments, apolar ? " from the middle to one end" : ""));
+    checks.require(!stepwise || shape.segments != 1 || shape.thick_diameter == shape.thin_diameter,
                    fmt::format("segments = 1: one piece has one diameter, but thick_diameter = {} m and "
                                "thin_diameter = {} m; make them equal or segments >= 2",
                                shape.thick_diameter, shape.thin_diameter));
+    checks.finish();
 }
 
 void check_row(const RodShape& shape, const Clump& row) {
@@ -136,17 +148,6 @@ void check_row(const RodShape& shape, const Clump& row) {
     checks.finish();
 }
 
-/// An apolar row becomes symmetric to the bit, so that no rounding gives it a direction.
-void about_the_middle(const RodShape& shape, std::vector<double>& offset) {
-    for (double& place : offset)
-        place -= 0.5 * shape.length;
-    if (shape.kind != RodKind::apolar)
-        return;
-    for (std::size_t k = 0, end = offset.size() - 1; k < end - k; ++k)
-        offset[end - k] = -offset[k];
-    offset[offset.size() / 2] = 0.0;
-}
-
 } // namespace
 
 double Clump::reach() const {
@@ -159,49 +160,40 @@ double Clump::reach() const {
 double Clump::projected_area() const { return 2.0 * integrate(outline(offset, radius)).r1; }
 
 Clump make_clump(const RodShape& shape) {
-    Checks checks;
-    checks.positive("length", shape.length);
-    checks.positive("thick_diameter", shape.thick_diameter);
-    checks.positive("thin_diameter", shape.thin_diameter);
-    checks.positive("density", shape.density);
-    checks.require(shape.spheres >= 1 && shape.spheres <= most_spheres,
-                   fmt::format("spheres = {}: must be 1 to {}", shape.spheres, most_spheres));
-    checks.finish();
-    checks.require(shape.thin_diameter <= shape.thick_diameter,
-                   fmt::format("thin_diameter = {} m: must be at most thick_diameter = {} m",
-                               shape.thin_diameter, shape.thick_diameter));
-    checks.require(shape.length >= shape.thick_diameter * (1.0 - length_rounding),
-                   fmt::format("length = {} m: must be at least thick_diameter = {} m", shape.length,
-                               shape.thick_diameter));
-    checks.require(shape.kind != RodKind::apolar || shape.spheres % 2 == 1,
-                   fmt::format("spheres = {}: an apolar rod needs an odd number (an even row has no middle "
-                               "sphere and starts to move by itself); use {}",
-                               shape.spheres, shape.spheres + 1));
-    const double longest = std::max(shape.length, shape.thick_diameter);
-    checks.require(
-        shape.spheres > 1 || longest - shape.thin_diameter <= length_rounding * longest,
-        fmt::format("spheres = 1: one sphere needs length = thick_diameter = thin_diameter, but they "
-                    "are {}, {} and {} m; make them equal or spheres >= 2",
-                    shape.length, shape.thick_diameter, shape.thin_diameter));
-    check_segments(shape, checks);
-    checks.finish();
+    check_shape(shape);
+    const bool apolar = shape.kind == RodKind::apolar;
+    const std::size_t middle = (shape.spheres - 1) / 2, steps = apolar ? middle + 1 : shape.spheres;
+    // Share i of n in equal steps from 0 to 1.
+    const auto share = [](std::size_t i, std::size_t n, double alone) {
+        return n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : alone;
+    };
     // Centres from the thick end at 0 on (apolar: from either end).
     Clump clump;
-    const double first = 0.5 * (shape.kind == RodKind::apolar ? shape.thin_diameter : shape.thick_diameter);
+    const double first = 0.5 * (apolar ? shape.thin_diameter : shape.thick_diameter);
     const double last = shape.length - 0.5 * shape.thin_diameter;
     for (std::size_t k = 0; k < shape.spheres; ++k) {
-        const double u =
-            shape.spheres > 1 ? static_cast<double>(k) / static_cast<double>(shape.spheres - 1) : 0.5;
+        const double u = share(k, shape.spheres, 0.5);
         clump.offset.push_back(first * (1.0 - u) + last * u);
-        const double taper = taper_at(shape, k);
+        // The taper is 0 where the rod is thick, 1 where it is thin.
+        const std::size_t step = !apolar ? k : k > middle ? k - middle : middle - k;
+        const double taper = shape.taper == Taper::linear
+                                 ? share(step, steps, 0.0)
+                                 : share(step * shape.segments / steps, shape.segments, 0.0);
         clump.radius.push_back(0.5 * (shape.thick_diameter * (1.0 - taper) + shape.thin_diameter * taper));
     }
     check_row(shape, clump);
-    about_the_middle(shape, clump.offset); // the centre of mass is near it, so nothing cancels
+    // About the middle: the centre of mass is near it, so nothing cancels. An apolar row becomes symmetric to
+    // the bit, so that no rounding gives it a direction.
+    for (double& offset : clump.offset)
+        offset -= 0.5 * shape.length;
+    for (std::size_t k = 0, end = clump.offset.size() - 1; apolar && k < end - k; ++k)
+        clump.offset[end - k] = -clump.offset[k];
+    if (apolar)
+        clump.offset[clump.offset.size() / 2] = 0.0;
     const auto solid = integrate(outline(clump.offset, clump.radius));
-    const double centre = shape.kind == RodKind::apolar ? 0.0 : solid.x_r2 / solid.r2;
-    for (double& place : clump.offset)
-        place -= centre;
+    const double centre = apolar ? 0.0 : solid.x_r2 / solid.r2;
+    for (double& offset : clump.offset)
+        offset -= centre;
     const double line_density = M_PI * shape.density;
     clump.mass = line_density * solid.r2;
     clump.axial_inertia = line_density * 0.5 * solid.r4;

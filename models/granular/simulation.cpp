@@ -53,7 +53,7 @@ bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin
 struct Simulation::Impl {
     GranularProblem problem;
     Bodies bodies;
-    PlateMotion plates;
+
     PairFinder finder;
     PairContacts contacts;
     std::optional<Wall> wall;
@@ -67,7 +67,7 @@ struct Simulation::Impl {
     double shifted = 0.0;                           ///< how far the step before moved spheres apart, m
 
     Impl(const GranularProblem& p, const State& state, const Counters& t, std::size_t threads)
-        : problem(p), bodies(make_bodies(p, state)), plates(p.plates, p.gravity), finder(bodies, p.box),
+        : problem(p), bodies(make_bodies(p, state)), finder(bodies, p.box),
           contacts({p.contacts, p.box, p.time_step, p.gravity}), team(threads), tallies(t), step(state.step),
           blocks((bodies.beads + beads_per_block - 1) / beads_per_block), flights(blocks.size()) {
         for (auto* sums : {&tallies.impulse_on_beads, &tallies.impulse_from_plates})
@@ -83,12 +83,6 @@ struct Simulation::Impl {
     void hold_rods() {
         for (std::size_t i = 0; i < bodies.rods.size(); ++i)
             bodies.rods[i].hold(equilibrating() ? std::optional(0.0) : problem.rods[i].imposed_speed);
-    }
-
-    PlateStep plate_step() const {
-        // counted from t = 0, so that the phase of a run does not depend on its equilibration
-        const double time = static_cast<double>(step + 1 - problem.equilibration_steps) * problem.time_step;
-        return {plates.floor(time), plates.gap(), problem.time_step, problem.gravity};
     }
 
     void fly_block(std::size_t b, const PlateStep& plate) {
@@ -158,15 +152,6 @@ struct Simulation::Impl {
         }
     }
 
-    void fly_rods(const PlateStep& plate, BodyRange& velocities, PlateTally& tally) {
-        const auto include = [&](const MovingRod& rod) { include_ends(rod, velocities); };
-        std::ranges::for_each(bodies.rods, include);
-        granular::fly_rods(bodies.rods, plate, problem.contacts.rod_plate, tally, tallies.impulse_from_plates,
-                           include);
-        std::ranges::for_each(bodies.rods, include);
-        bodies.place_rod_spheres();
-    }
-
     /// In the plane; others: what may be faster than a block's own beads.
     std::span<const double> fastest_of_blocks(const BodyRange& others) {
         fastest.resize(std::max<std::size_t>(blocks.size(), 1));
@@ -228,13 +213,24 @@ struct Simulation::Impl {
 
     /// Before anything is compared with it: NaN would hide.
     void guard_speeds(const BodyRange& velocities) {
-        const bool still = bodies.beads == 0 && bodies.rods.empty();
-        bool sane = rods_finite();
+        bool sane = std::ranges::all_of(bodies.rods, [](const MovingRod& rod) {
+            return rod.body().position.allFinite() && rod.body().velocity.allFinite() &&
+                   rod.axis().allFinite();
+        });
         for (std::size_t axis = 0; axis < 3; ++axis)
             sane = sane && velocities.low[axis] > -top_speed && velocities.high[axis] < top_speed;
-        if (!sane && !still)
-            fail(fmt::format("{} moves at a speed that is not a number or above {:g} m/s", runaway(),
-                             top_speed));
+        if (sane || (bodies.beads == 0 && bodies.rods.empty()))
+            return;
+        std::string runaway; // the first body that explains it
+        for (std::size_t i = 0; i < bodies.beads && runaway.empty(); ++i)
+            if (!(row(bodies.position, i).allFinite() && row(bodies.velocity, i).allFinite() &&
+                  row(bodies.velocity, i).cwiseAbs().maxCoeff() < top_speed))
+                runaway = name(i);
+        for (std::size_t i = 0; i < bodies.rods.size() && runaway.empty(); ++i)
+            if (!(bodies.rods[i].body().velocity.norm() < top_speed))
+                runaway = fmt::format("rod {}", i);
+        fail(fmt::format("{} moves at a speed that is not a number or above {:g} m/s",
+                         runaway.empty() ? "a rod" : runaway, top_speed));
     }
 
     void guard_depths(const WorstOverlap& worst, const PlateTally& rods, const PlateTally& beads,
@@ -256,48 +252,26 @@ struct Simulation::Impl {
                                     flight_limit * problem.overlap_limit));
     }
 
-    bool rods_finite() const {
-        return std::all_of(bodies.rods.begin(), bodies.rods.end(), [](const MovingRod& rod) {
-            return rod.body().position.allFinite() && rod.body().velocity.allFinite() &&
-                   rod.axis().allFinite();
-        });
-    }
-
-    std::string runaway() const {
-        for (std::size_t i = 0; i < bodies.beads; ++i)
-            if (!(row(bodies.position, i).allFinite() && row(bodies.velocity, i).allFinite() &&
-                  row(bodies.velocity, i).cwiseAbs().maxCoeff() < top_speed))
-                return name(i);
-        for (std::size_t i = 0; i < bodies.rods.size(); ++i)
-            if (!(bodies.rods[i].body().velocity.norm() < top_speed))
-                return fmt::format("rod {}", i);
-        return "a rod";
-    }
-
-    /// Adds up what the blocks of beads found; returns the tally of the deepest flight, which the guard looks
-    /// at.
-    PlateTally gather_blocks(BodyRange& velocities) {
-        PlateTally deepest;
-        for (const BlockResult& c : blocks) {
-            velocities.include(c.velocities);
-            add(c.tally, tallies.bead_plate);
-            if (c.tally.deepest_flight > deepest.deepest_flight)
-                deepest = c.tally;
-        }
-        return deepest;
-    }
-
     /// Calls mark with each of StepTimes when it is done. Flight and search go together if the parts may, on
     /// which nothing depends but the time they take.
     template<class Mark>
     void one_step(bool apart, const Mark& mark) {
-        const PlateStep plate = plate_step();
+        // Counted from t = 0, so that the phase of a run does not depend on its equilibration.
+        const double step_end =
+            static_cast<double>(step + 1 - problem.equilibration_steps) * problem.time_step;
+        const PlateStep plate{floor_path(problem.plates, problem.gravity, step_end), problem.plates.gap,
+                              problem.time_step, problem.gravity};
         const bool pushed = problem.body_force && !equilibrating();
         if (pushed)
             half_kick(time());
+        // Rods, with the largest velocities of their ends at the start, after each impulse and at the end.
         PlateTally rods;
         BodyRange of_rods = BodyRange::empty();
-        fly_rods(plate, of_rods, rods);
+        const auto include = [&](const MovingRod& rod) { include_ends(rod, of_rods); };
+        std::ranges::for_each(bodies.rods, include);
+        fly_rods(bodies.rods, plate, problem.contacts.rod_plate, rods, tallies.impulse_from_plates, include);
+        std::ranges::for_each(bodies.rods, include);
+        bodies.place_rod_spheres();
         mark(&StepTimes::rods);
         const bool together = !apart && !wall && finder.likely_to_hold(problem.time_step);
         if (together)
@@ -305,7 +279,13 @@ struct Simulation::Impl {
         else
             team.run(blocks.size(), [&](std::size_t b) { fly_block(b, plate); });
         BodyRange velocities = of_rods;
-        const PlateTally beads = gather_blocks(velocities);
+        PlateTally beads; // of the deepest flight, which the guard looks at
+        for (const BlockResult& block : blocks) {
+            velocities.include(block.velocities);
+            add(block.tally, tallies.bead_plate);
+            if (block.tally.deepest_flight > beads.deepest_flight)
+                beads = block.tally;
+        }
         add(rods, tallies.rod_plate);
         mark(&StepTimes::flight);
         const WallTally at_wall = wall ? hit_wall(velocities) : WallTally{};
@@ -472,9 +452,6 @@ double Simulation::psi6(double cutoff) const {
 
 State Simulation::state() const { return to_state(impl_->bodies, impl_->step); }
 
-SimulationCost Simulation::cost() const {
-    const PairFinder& f = impl_->finder;
-    return {f.rebuilds(), f.refreshes(), f.outer_size(), f.inner_size(), f.skin()};
-}
+SimulationCost Simulation::cost() const { return impl_->finder.cost(); }
 
 } // namespace rodwake::granular

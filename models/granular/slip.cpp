@@ -17,18 +17,6 @@ namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 
-double impulse_to_turn(const NormalMotion& motion, double rate) {
-    if (motion.velocity >= 0.0)
-        return 0.0;
-    return rate > 0.0 ? -motion.velocity / rate : endless;
-}
-
-/// Smallest p >= 0 with velocity p + rate p^2/2 = wanted, without cancellation for either sign of rate.
-double impulse_to_regain(const NormalMotion& motion, double rate, double wanted) {
-    const double square = motion.velocity * motion.velocity + 2.0 * rate * wanted;
-    return square < 0.0 ? endless : 2.0 * wanted / (motion.velocity + std::sqrt(square));
-}
-
 void advance(NormalMotion& motion, double rate, double impulse) {
     motion.regained += impulse * (motion.velocity + 0.5 * rate * impulse);
     motion.velocity += rate * impulse;
@@ -43,7 +31,7 @@ void NormalMotion::turn() {
 }
 
 SlipPiece follow_straight(NormalMotion& motion, double rate, double length, double restitution) {
-    const double compressing = impulse_to_turn(motion, rate);
+    const double compressing = motion.velocity >= 0.0 ? 0.0 : rate > 0.0 ? -motion.velocity / rate : endless;
     if (compressing > length) {
         advance(motion, rate, length);
         return {length, false};
@@ -53,7 +41,13 @@ SlipPiece follow_straight(NormalMotion& motion, double rate, double length, doub
         motion.turn();
     }
     const double wanted = motion.wanted(restitution);
-    const double restoring = wanted > 0.0 ? impulse_to_regain(motion, rate, wanted) : 0.0;
+    double restoring = 0.0;
+    if (wanted > 0.0) {
+        // The smallest p >= 0 with velocity p + rate p^2/2 = wanted, without cancellation for either sign of
+        // the rate.
+        const double square = motion.velocity * motion.velocity + 2.0 * rate * wanted;
+        restoring = square < 0.0 ? endless : 2.0 * wanted / (motion.velocity + std::sqrt(square));
+    }
     if (compressing + restoring <= length)
         return {compressing + restoring, true};
     advance(motion, rate, length - compressing);
@@ -116,38 +110,11 @@ DirectionRates turning(const ContactTerms& contact, const Eigen::Vector2d& s) {
     return {growth, t.dot(rate), -growth - contact.friction * t.dot(product(contact.tangential, t))};
 }
 
-/// Onto the root of h next to the direction.
-void settle(const ContactTerms& contact, Eigen::Vector2d& s) {
-    for (int k = 0; k < 3; ++k) { // Newton, from a distance of 1e-3 at most
-        const DirectionRates at = turning(contact, s);
-        s = (s - at.turn / at.slope * Eigen::Vector2d(-s.y(), s.x())).normalized();
-    }
-}
-
-/// Whether the direction has settled: h is rounding; or in what is left of a dying slip, p = r/(-g), it turns
-/// v_t by no more than counts; or the root that attracts it is so near that v_t may be moved there. Without
-/// the last, a path that has settled but neither grows nor dies would be followed in steps of its fast time
-/// scale.
-bool is_straight(const ContactTerms& contact, ImpactProgress& at) {
-    const DirectionRates now = turning(contact, at.direction);
-    const double turn = std::abs(now.turn);
-    if (turn <= rounding * contact.scale || turn * at.speed <= -now.growth * contact.tolerance)
-        return true;
-    if (!(turn * std::max(at.speed, 1e3 * contact.tolerance) <= -now.slope * contact.tolerance))
-        return false;
-    settle(contact, at.direction);
-    return true;
-}
-
-[[noreturn]] void refuse_singular() {
-    throw RunError("impact: friction holds the bodies together without end; the inverse mass is not positive "
-                   "definite to rounding (see Impact in rodwake/granular/impact.hpp)");
-}
-
 void add_piece(const ContactTerms& contact, ImpactProgress& at, const Eigen::Vector2d& pull, double rate,
                double length) {
     if (!(length < endless || rate > 0.0))
-        refuse_singular();
+        throw RunError("impact: friction holds the bodies together without end; the inverse mass is not "
+                       "positive definite to rounding (see Impact in rodwake/granular/impact.hpp)");
     const SlipPiece piece = follow_straight(at.normal, rate, length, contact.restitution);
     at.tangential_impulse += piece.impulse * pull;
     at.normal_impulse += piece.impulse;
@@ -163,35 +130,32 @@ ContactTerms::ContactTerms(const Eigen::Matrix2d& a, const Eigen::Vector2d& q, c
 
 namespace {
 
-/// Slip along a root of h, until it stops or the impact ends. Throws RunError if K is not positive definite.
-void slide_straight(const ContactTerms& contact, ImpactProgress& at) {
-    const double growth = at.direction.dot(contact.slip_rate(at.direction));
-    const double to_stop = growth < 0.0 ? -at.speed / growth : endless;
-    add_piece(contact, at, -contact.friction * at.direction, contact.normal_rate(at.direction), to_stop);
-    at.speed = 0.0;
-}
-
-/// From zero slip to the end: stick, or slip in the one direction in which it grows.
-void go_on_from_rest(const ContactTerms& contact, ImpactProgress& at) {
-    const Eigen::Vector2d hold = solve(contact.tangential, contact.coupling);
-    if (hold.norm() <= contact.friction) {
-        add_piece(contact, at, -hold, 1.0 - contact.coupling.dot(hold), endless);
-        return;
-    }
-    const Eigen::Vector2d s = resumed_direction(contact);
-    add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), endless);
-}
-
 using slip::SlipPath, slip::SlipSeries;
 
-/// Whether the path turns on from here.
+/// Whether the path turns on from here: it slips, and its direction has not settled. A direction has settled
+/// if h is rounding; or if in what is left of a dying slip, p = r/(-g), it turns v_t by no more than counts;
+/// or if the root that attracts it is so near that v_t may be moved there. Without the last, a path that has
+/// settled but neither grows nor dies would be followed in steps of its fast time scale.
 bool turns_on(const SlipPath& path) {
+    const ContactTerms& contact = *path.contact;
     ImpactProgress& at = *path.at;
-    const bool slips = at.speed > path.contact->tolerance;
+    const bool slips = at.speed > contact.tolerance;
     if (!slips)
         at.speed = 0.0;
-    if (at.ended || !slips || is_straight(*path.contact, at))
+    if (at.ended || !slips)
         return false;
+    const DirectionRates now = turning(contact, at.direction);
+    const double turn = std::abs(now.turn);
+    if (turn <= rounding * contact.scale || turn * at.speed <= -now.growth * contact.tolerance)
+        return false;
+    if (turn * std::max(at.speed, 1e3 * contact.tolerance) <= -now.slope * contact.tolerance) {
+        Eigen::Vector2d& s = at.direction; // onto the root of h next to it
+        for (int k = 0; k < 3; ++k) {      // Newton, from a distance of 1e-3 at most
+            const DirectionRates here = turning(contact, s);
+            s = (s - here.turn / here.slope * Eigen::Vector2d(-s.y(), s.x())).normalized();
+        }
+        return false;
+    }
     if (++at.steps > most_slip_steps)
         throw RunError("impact: the slip was not followed to its end in " + std::to_string(most_slip_steps) +
                        " steps; the inverse mass is not positive definite or not finite");
@@ -234,12 +198,25 @@ void slide_curved(std::span<SlipPath> paths) {
     }
 }
 
-/// What is left of an impact once its slip does not turn.
+/// What is left of an impact once its slip does not turn. Throws RunError if K is not positive definite.
 void go_on_straight(const ContactTerms& contact, ImpactProgress& at) {
-    if (!at.ended && at.speed > 0.0)
-        slide_straight(contact, at);
-    if (!at.ended)
-        go_on_from_rest(contact, at);
+    if (!at.ended && at.speed > 0.0) {
+        // Slip along a root of h, until it stops or the impact ends.
+        const double growth = at.direction.dot(contact.slip_rate(at.direction));
+        const double to_stop = growth < 0.0 ? -at.speed / growth : endless;
+        add_piece(contact, at, -contact.friction * at.direction, contact.normal_rate(at.direction), to_stop);
+        at.speed = 0.0;
+    }
+    if (at.ended)
+        return;
+    // From zero slip to the end: stick, or slip in the one direction in which it grows.
+    const Eigen::Vector2d hold = solve(contact.tangential, contact.coupling);
+    if (hold.norm() <= contact.friction) {
+        add_piece(contact, at, -hold, 1.0 - contact.coupling.dot(hold), endless);
+        return;
+    }
+    const Eigen::Vector2d s = resumed_direction(contact);
+    add_piece(contact, at, -contact.friction * s, contact.normal_rate(s), endless);
 }
 
 } // namespace

@@ -17,16 +17,9 @@
 
 namespace rodwake::granular {
 
-// Numbers that say where beads are: what is near in the plane is near in memory.
-
-/// The same places in the order of tiles, square or nearly so, of about 64 beads, tiles along a Z curve
-/// (Morton 1966), so that any 2048 successive beads fill one or two compact patches. Beads of a tile keep
-/// their order; as few as one tile's change nothing. Impulses are given in the order of numbers
-/// (pair_contacts.hpp), so numbers belong to the start.
-BeadPositions numbered_by_place(const BeadPositions& places, const PeriodicBox& box);
-
 namespace {
 
+constexpr double beads_per_tile = 64.0;
 constexpr double rod_offset = 0.01; // of a rod's free height, up or down
 
 /// Two independent normal numbers (Box and Muller).
@@ -72,18 +65,6 @@ double middle_height(const GranularProblem& problem) {
     return problem.plates.amplitude(problem.gravity) * repeatable::cos(phase) + 0.5 * problem.plates.gap;
 }
 
-/// Takes away the velocity of the centre of mass; masses go as the cubes of the radii, no radii: equal beads.
-void remove_mean(std::vector<double>& velocity, const std::vector<double>& radius) {
-    double sum = 0.0, weights = 0.0;
-    for (std::size_t i = 0; i < velocity.size(); ++i) {
-        const double weight = radius.empty() ? 1.0 : radius[i] * radius[i] * radius[i];
-        sum += weight * velocity[i];
-        weights += weight;
-    }
-    for (double& v : velocity)
-        v -= sum / weights;
-}
-
 void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t run) {
     for (std::size_t i = 0; i < beads.size(); ++i) {
         auto random = stream_for(Purpose::velocity, problem.seed, run, i);
@@ -94,8 +75,17 @@ void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t 
     }
     const bool alike =
         std::ranges::adjacent_find(beads.radius, std::ranges::not_equal_to()) == beads.radius.end();
-    for (auto* velocity : {&beads.vx, &beads.vy, &beads.vz})
-        remove_mean(*velocity, alike ? std::vector<double>() : beads.radius);
+    // Takes away the velocity of the centre of mass; masses go as the cubes of the radii.
+    for (auto* velocity : {&beads.vx, &beads.vy, &beads.vz}) {
+        double sum = 0.0, weights = 0.0;
+        for (std::size_t i = 0; i < velocity->size(); ++i) {
+            const double weight = alike ? 1.0 : beads.radius[i] * beads.radius[i] * beads.radius[i];
+            sum += weight * (*velocity)[i];
+            weights += weight;
+        }
+        for (double& v : *velocity)
+            v -= sum / weights;
+    }
 }
 
 void add_rods(State& state, const GranularProblem& problem, std::uint32_t run) {
@@ -218,55 +208,35 @@ void place_given(State& state, const GranularProblem& problem, const Room& room,
             *to = *from;
 }
 
-void check_stored(const GranularProblem& problem, const Beads& stored) {
-    if (stored.size() < problem.beads)
-        throw InputError(
-            fmt::format("the stored bed has {} beads and this scene {}: beads can be taken out but not "
-                        "added; lower beads or phi_b, or restart from a denser bed",
-                        stored.size(), problem.beads));
-    for (std::size_t i = 0; i < stored.size(); ++i)
-        for (const auto* column :
-             {&stored.x, &stored.y, &stored.vx, &stored.vy, &stored.vz, &stored.wx, &stored.wy, &stored.wz})
-            if (!std::isfinite((*column)[i]))
-                throw InputError(
-                    fmt::format("the stored bed is damaged: position or velocity of bead {} is {}; restart "
-                                "from another one",
-                                i, (*column)[i]));
+/// The low 16 bits with a zero after each.
+std::uint32_t spread(std::uint32_t bits) {
+    bits = (bits | bits << 8) & 0x00ff00ffu;
+    bits = (bits | bits << 4) & 0x0f0f0f0fu;
+    bits = (bits | bits << 2) & 0x33333333u;
+    return (bits | bits << 1) & 0x55555555u;
 }
 
-/// Sizes of the stored beads, which they keep. Throws InputError if the problem has others.
-BeadSizes stored_sizes(const GranularProblem& problem, const Beads& stored) {
-    BeadSizes sizes{stored.radius, stored.kind};
-    if (stored.radius.empty())
-        sizes.radius.assign(stored.size(), problem.bead_radius);
-    if (stored.kind.empty())
-        sizes.kind.assign(stored.size(), 0);
-    require_sizes(bead_mix(problem), sizes, "the stored bed:");
-    return sizes;
-}
-
-/// Of the kept beads.
-BeadSizes chosen(const BeadSizes& sizes, const std::vector<std::size_t>& kept) {
-    BeadSizes out;
-    for (const std::size_t i : kept) {
-        out.radius.push_back(sizes.radius[i]);
-        out.kind.push_back(sizes.kind[i]);
-    }
-    return out;
-}
-
-std::vector<Eigen::Vector2d> places_in_box(const Beads& beads, const PeriodicBox& box) {
-    std::vector<Eigen::Vector2d> places;
-    for (std::size_t i = 0; i < beads.size(); ++i)
-        places.emplace_back(into_box(beads.x[i], box.x), into_box(beads.y[i], box.y));
-    return places;
-}
-
-void copy_velocities(const Beads& from, const std::vector<std::size_t>& kept, Beads& to) {
-    using Column = std::vector<double> Beads::*;
-    for (const Column column : {&Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wy, &Beads::wz})
-        for (std::size_t i = 0; i < kept.size(); ++i)
-            (to.*column)[i] = (from.*column)[kept[i]];
+/// The same beads in the order of tiles, square or nearly so, of about 64 beads, tiles along a Z curve
+/// (Morton 1966), so that any 2048 successive beads fill one or two compact patches: what is near in the
+/// plane is near in memory. Beads of a tile keep their order; as few as one tile's change nothing. Impulses
+/// are given in the order of numbers (pair_contacts.hpp), so numbers belong to the start.
+BeadPositions numbered_by_place(const BeadPositions& places, const PeriodicBox& box) {
+    const double tiles = static_cast<double>(places.size()) / beads_per_tile,
+                 columns = std::max(1.0, std::floor(std::sqrt(tiles * (box.x / box.y)))),
+                 rows = std::max(1.0, std::floor(std::sqrt(tiles * (box.y / box.x))));
+    const auto number = [](double coordinate, double side, double count) {
+        return static_cast<std::uint32_t>(std::min(into_box(coordinate, side) / side * count, count - 1.0));
+    };
+    std::vector<std::uint32_t> tile(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i)
+        tile[i] = spread(number(places.x[i], box.x, columns)) | spread(number(places.y[i], box.y, rows)) << 1;
+    std::vector<std::size_t> order(places.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return tile[i]; });
+    BeadPositions sorted;
+    for (const std::size_t i : order)
+        sorted.add(places.x[i], places.y[i], places.z[i], places.radius[i], places.kind[i]);
+    return sorted;
 }
 
 } // namespace
@@ -317,62 +287,49 @@ State make_start(const GranularProblem& problem, std::uint32_t run) {
 
 State restart_from(const GranularProblem& problem, const State& stored, std::uint32_t run) {
     validate(problem);
-    check_stored(problem, stored.beads);
+    const Beads& old = stored.beads;
+    if (old.size() < problem.beads)
+        throw InputError(
+            fmt::format("the stored bed has {} beads and this scene {}: beads can be taken out but not "
+                        "added; lower beads or phi_b, or restart from a denser bed",
+                        old.size(), problem.beads));
+    for (std::size_t i = 0; i < old.size(); ++i)
+        for (const auto* column : {&old.x, &old.y, &old.vx, &old.vy, &old.vz, &old.wx, &old.wy, &old.wz})
+            if (!std::isfinite((*column)[i]))
+                throw InputError(
+                    fmt::format("the stored bed is damaged: position or velocity of bead {} is {}; restart "
+                                "from another one",
+                                i, (*column)[i]));
     State state;
     if (problem.beads > 0) {
         const Room room = room_of(problem, run);
-        const auto sites = places_in_box(stored.beads, problem.box);
-        const BeadSizes sizes = stored_sizes(problem, stored.beads);
+        std::vector<Eigen::Vector2d> sites;
+        for (std::size_t i = 0; i < old.size(); ++i)
+            sites.emplace_back(into_box(old.x[i], problem.box.x), into_box(old.y[i], problem.box.y));
+        // The beads keep their sizes.
+        BeadSizes sizes{old.radius, old.kind}, kept_sizes;
+        if (old.radius.empty())
+            sizes.radius.assign(old.size(), problem.bead_radius);
+        if (old.kind.empty())
+            sizes.kind.assign(old.size(), 0);
+        require_sizes(bead_mix(problem), sizes, "the stored bed:");
         const auto kept = kept_sites(sites, sizes.radius, problem, room, run);
-        const double left = set_places(
-            state, flat_layer(sites, kept, chosen(sizes, kept), problem, room, run), problem, room, run);
+        for (const std::size_t i : kept) {
+            kept_sizes.radius.push_back(sizes.radius[i]);
+            kept_sizes.kind.push_back(sizes.kind[i]);
+        }
+        const double left =
+            set_places(state, flat_layer(sites, kept, kept_sizes, problem, room, run), problem, room, run);
         if (left > 0.0)
             throw RunError(no_packing(problem, "packing from the stored bed",
                                       "restart from a bed in a box of the same size, ", left));
-        copy_velocities(stored.beads, kept, state.beads);
+        using Column = std::vector<double> Beads::*;
+        for (const Column column : {&Beads::vx, &Beads::vy, &Beads::vz, &Beads::wx, &Beads::wy, &Beads::wz})
+            for (std::size_t i = 0; i < kept.size(); ++i)
+                (state.beads.*column)[i] = (old.*column)[kept[i]];
     }
     add_rods(state, problem, run);
     return state;
-}
-
-namespace {
-
-constexpr double beads_per_tile = 64.0;
-
-/// The low 16 bits with a zero after each.
-std::uint32_t spread(std::uint32_t bits) {
-    bits = (bits | bits << 8) & 0x00ff00ffu;
-    bits = (bits | bits << 4) & 0x0f0f0f0fu;
-    bits = (bits | bits << 2) & 0x33333333u;
-    return (bits | bits << 1) & 0x55555555u;
-}
-
-std::vector<std::uint32_t> tiles(const BeadPositions& places, const PeriodicBox& box) {
-    const double tiles = static_cast<double>(places.size()) / beads_per_tile;
-    const auto along = [&](double side, double other) {
-        return std::max(1.0, std::floor(std::sqrt(tiles * (side / other))));
-    };
-    const double columns = along(box.x, box.y), rows = along(box.y, box.x);
-    const auto number = [](double coordinate, double side, double count) {
-        return static_cast<std::uint32_t>(std::min(into_box(coordinate, side) / side * count, count - 1.0));
-    };
-    std::vector<std::uint32_t> tile(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i)
-        tile[i] = spread(number(places.x[i], box.x, columns)) | spread(number(places.y[i], box.y, rows)) << 1;
-    return tile;
-}
-
-} // namespace
-
-BeadPositions numbered_by_place(const BeadPositions& places, const PeriodicBox& box) {
-    const std::vector<std::uint32_t> tile = tiles(places, box);
-    std::vector<std::size_t> order(places.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return tile[i]; });
-    BeadPositions sorted;
-    for (const std::size_t i : order)
-        sorted.add(places.x[i], places.y[i], places.z[i], places.radius[i], places.kind[i]);
-    return sorted;
 }
 
 } // namespace rodwake::granular

@@ -43,7 +43,7 @@ struct PlateApproach {
 HWY_INLINE PlateApproach ApproachOf(const PlateStep& step, V radius, V side, M floor, V z, V vz) {
     PlateApproach approach;
     for (std::size_t n = 0; n < 8; ++n)
-        approach.c[n] = hn::Mul(hn::Neg(side), All(step.floor.coefficients()[n]));
+        approach.c[n] = hn::Mul(hn::Neg(side), All(step.floor.c[n]));
     V* c = approach.c;
     const V height = hn::Sub(z, hn::IfThenElse(floor, hn::Zero(Lanes()), All(step.gap)));
     c[0] = hn::Add(c[0], hn::Sub(hn::Mul(side, height), radius));
@@ -58,8 +58,7 @@ HWY_INLINE PlateApproach ApproachOf(const PlateStep& step, V radius, V side, M f
 HWY_INLINE V Pressing(const PlateStep& step, V side, V before) {
     V floor = hn::Zero(Lanes());
     for (std::size_t n = 8; n-- > 2;)
-        floor = hn::Add(hn::Mul(floor, before),
-                        All(static_cast<double>(n * (n - 1)) * step.floor.coefficients()[n]));
+        floor = hn::Add(hn::Mul(floor, before), All(static_cast<double>(n * (n - 1)) * step.floor.c[n]));
     return hn::Mul(side, hn::Add(All(step.gravity), floor));
 }
 

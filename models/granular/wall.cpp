@@ -32,13 +32,6 @@ struct WallTouch {
     double allowed; ///< how deep it was at the start, m: from there on the wall acts
 };
 
-double since_circle(const Container& c, const Vector2d& centre, const Vector2d& v, double reach) {
-    const Vector2d r = centre - middle(c);
-    const double distance = r.norm(), excess = (distance - reach) * (distance + reach), along = r.dot(v),
-                 square = along * along - v.squaredNorm() * excess;
-    return square >= 0.0 ? excess / (along + std::sqrt(square)) : std::numeric_limits<double>::infinity();
-}
-
 /// The first wall that it passed.
 std::optional<WallTouch> touch_of(const Container& c, const Vector2d& start, const Vector2d& centre,
                                   const Vector2d& v, double radius) {
@@ -48,9 +41,15 @@ std::optional<WallTouch> touch_of(const Container& c, const Vector2d& start, con
         if (!(now.depth > 0.0 && leaving > 0.0))
             return;
         const double allowed = std::clamp(point_of(c, now.normal, start, radius).depth, 0.0, now.depth);
-        const double back = c.kind == ContainerKind::circle
-                                ? since_circle(c, centre, v, c.radius() - radius + allowed)
-                                : (now.depth - allowed) / leaving;
+        double back = (now.depth - allowed) / leaving;
+        if (c.kind == ContainerKind::circle) {
+            const Vector2d r = centre - middle(c);
+            const double reach = c.radius() - radius + allowed, distance = r.norm(),
+                         excess = (distance - reach) * (distance + reach), along = r.dot(v),
+                         square = along * along - v.squaredNorm() * excess;
+            back = square >= 0.0 ? excess / (along + std::sqrt(square))
+                                 : std::numeric_limits<double>::infinity();
+        }
         if (!first || back > first->back)
             first = {back, now, allowed};
     };
@@ -90,28 +89,6 @@ void note_wall_depth(WallTally& tally, double radii, std::size_t sphere) {
     }
 }
 
-/// Of the spheres of a rod that are through the wall and go on, the first to touch it.
-struct RodTouch {
-    std::size_t sphere;
-    WallTouch touch;
-};
-
-std::optional<RodTouch> first_touch_of_wall(const Container& container, const MovingRod& rod, double left) {
-    std::optional<RodTouch> first;
-    const Clump& clump = rod.clump();
-    for (const std::size_t k : rod.outline()) {
-        const Vector2d v = rod.velocity_at(clump.offset[k] * rod.axis()).head<2>();
-        auto touch = touch_of(container, middle(container), rod.centre(k).head<2>(), v, clump.radius[k]);
-        if (!touch)
-            continue;
-        touch->back = std::min(touch->back, left);
-        if (!first || touch->back > first->touch.back ||
-            (touch->back == first->touch.back && touch->now.depth > first->touch.now.depth))
-            first = {k, *touch};
-    }
-    return first;
-}
-
 } // namespace
 
 double Container::area() const {
@@ -139,39 +116,32 @@ Vector2d put_inside(const Container& container, const Vector2d& centre, double r
     return inside;
 }
 
-void Wall::find_near(const Bodies& bodies) {
-    near_.clear();
-    largest_bead_ = bodies.bead_radius;
-    for (std::size_t i = 0; i < bodies.beads && !bodies.equal_beads; ++i)
-        largest_bead_ = std::max(largest_bead_, bodies.radius[i]);
-    const double limit = -skin * bodies.bead_radius;
-    for (std::size_t i = 0; i < bodies.beads; ++i)
-        if (!(nearest_wall(container_, row(bodies.position, i).head<2>(), bodies.radius_of_bead(i)).depth <
-              limit))
-            near_.push_back(static_cast<std::uint32_t>(i));
-    moved_ = 0.0;
-}
-
-void Wall::move_out(Bodies& bodies) const {
-    for (const std::uint32_t bead : near_) {
-        const double a = bodies.radius_of_bead(bead);
-        auto centre = row(bodies.position, bead).head<2>();
-        const WallPoint at = nearest_wall(container_, centre, a);
-        if (at.depth > deep * a)
-            centre -= std::min(at.depth - deep * a, most_moved * a) * at.normal;
-    }
-}
-
 WallTally Wall::act(Bodies& bodies, double fastest, BodyRange& velocities, double shifted, bool settles) {
     moved_ += (2.0 * fastest + fastest_) * time_step_ + shifted; // by its flight, and by the impulse before
     fastest_ = fastest;
-    if (!(moved_ < skin * bodies.bead_radius))
-        find_near(bodies);
+    if (!(moved_ < skin * bodies.bead_radius)) {
+        near_.clear();
+        largest_bead_ = bodies.bead_radius;
+        for (std::size_t i = 0; i < bodies.beads && !bodies.equal_beads; ++i)
+            largest_bead_ = std::max(largest_bead_, bodies.radius[i]);
+        const double limit = -skin * bodies.bead_radius;
+        for (std::size_t i = 0; i < bodies.beads; ++i)
+            if (!(nearest_wall(container_, row(bodies.position, i).head<2>(), bodies.radius_of_bead(i))
+                      .depth < limit))
+                near_.push_back(static_cast<std::uint32_t>(i));
+        moved_ = 0.0;
+    }
     WallTally tally;
     for (const std::uint32_t i : near_)
         bead(bodies, i, velocities, tally);
     if (tally.worst > deep && !settles) {
-        move_out(bodies);
+        for (const std::uint32_t i : near_) {
+            const double a = bodies.radius_of_bead(i);
+            auto centre = row(bodies.position, i).head<2>();
+            const WallPoint at = nearest_wall(container_, centre, a);
+            if (at.depth > deep * a)
+                centre -= std::min(at.depth - deep * a, most_moved * a) * at.normal;
+        }
         tally.shift = most_moved * largest_bead_;
     }
     for (std::size_t i = 0; i < bodies.rods.size(); ++i)
@@ -227,15 +197,28 @@ void Wall::rod(Bodies& bodies, std::size_t index, WallTally& tally) const {
         return;
     double left = time_step_;
     for (int impulses = 0; impulses < most_of_rod; ++impulses) {
-        const auto found = first_touch_of_wall(container_, rod, left);
-        if (!found)
+        // Of the spheres that are through the wall and go on, the first to touch it.
+        std::optional<WallTouch> first;
+        std::size_t sphere = 0;
+        for (const std::size_t k : rod.outline()) {
+            const Vector2d v = rod.velocity_at(clump.offset[k] * rod.axis()).head<2>();
+            auto touch =
+                touch_of(container_, middle(container_), rod.centre(k).head<2>(), v, clump.radius[k]);
+            if (!touch)
+                continue;
+            touch->back = std::min(touch->back, left);
+            if (!first || touch->back > first->back ||
+                (touch->back == first->back && touch->now.depth > first->now.depth)) {
+                first = touch;
+                sphere = k;
+            }
+        }
+        if (!first)
             break;
-        const std::size_t sphere = found->sphere;
-        left = found->touch.back;
+        left = first->back;
         rod.move(-left, gravity_);
         const double radius = clump.radius[sphere];
-        const WallPoint at =
-            point_of(container_, found->touch.now.normal, rod.centre(sphere).head<2>(), radius);
+        const WallPoint at = point_of(container_, first->now.normal, rod.centre(sphere).head<2>(), radius);
         const Vector3 inwards(-at.normal.x(), -at.normal.y(), 0.0),
             arm = clump.offset[sphere] * rod.axis() - (radius - at.depth) * inwards;
         const Vector3 relative = rod.velocity_at(arm);

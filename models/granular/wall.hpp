@@ -48,8 +48,6 @@ public:
                   bool settles = false);
 
 private:
-    void find_near(const Bodies& bodies);
-    void move_out(Bodies& bodies) const;
     void bead(Bodies& bodies, std::size_t bead, BodyRange& velocities, WallTally& tally) const;
     void rod(Bodies& bodies, std::size_t index, WallTally& tally) const;
 

@@ -32,12 +32,6 @@ std::uint32_t round_of(std::uint32_t gate) { return gate / one_round; }
 /// another program the processor may be wanted.
 constexpr auto watch = std::chrono::microseconds(50);
 
-void pause() {
-#if defined(__x86_64__)
-    __builtin_ia32_pause();
-#endif
-}
-
 template<class Done>
 void wait_until(const Done& done, const std::atomic<std::uint32_t>& changes) {
     using Clock = std::chrono::steady_clock;
@@ -45,7 +39,9 @@ void wait_until(const Done& done, const std::atomic<std::uint32_t>& changes) {
         for (int k = 0; k < 16; ++k) {
             if (done())
                 return;
-            pause();
+#if defined(__x86_64__)
+            __builtin_ia32_pause();
+#endif
         }
     for (std::uint32_t seen = changes; !done(); seen = changes)
         changes.wait(seen);

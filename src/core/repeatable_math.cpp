@@ -42,25 +42,7 @@ Sum exact_sum(double a, double b) { // Knuth's
     return {value, (a - (value - part)) + (b - part)};
 }
 
-/// value + rest, at most pi/4, and the quarter turns taken off.
-struct ReducedAngle {
-    double value, rest;
-    std::int64_t quarters;
-};
-
 constexpr double widest = 0x1p30; // more quarter turns than 2^30 have no exact products with 22 digits
-
-/// |x| < widest. Parts of pi/2 of 22 binary digits, whose multiples are exact, and a rest: 145 digits.
-ReducedAngle reduce(double x) {
-    if (std::abs(x) <= 0.25 * std::numbers::pi)
-        return {x, 0.0, 0};
-    const double n = nearest_whole(x * (2.0 / std::numbers::pi));
-    const double near = (x - n * 0x1.921fb00000000p+0) - n * 0x1.5110b00000000p-22; // exact
-    const Sum third = exact_sum(near, -n * 0x1.1846980000000p-44);
-    const Sum fourth = exact_sum(third.value, -n * 0x1.3198a00000000p-69);
-    const Sum all = exact_sum(fourth.value, third.rest + (fourth.rest - n * 0x1.701b839a25205p-92));
-    return {all.value, all.rest, static_cast<std::int64_t>(n)};
-}
 
 constexpr std::array sin_series{-0x1.5555555555555p-3, 0x1.1111111110bb1p-7,   -0x1.a01a019e8357dp-13,
                                 0x1.71de37961e4c6p-19, -0x1.ae600a926c89ap-26, 0x1.5e0af186af739p-33};
@@ -75,7 +57,20 @@ SinCos sin_cos(double x) {
     const double y = std::abs(x) < widest ? x : std::remainder(x, 2.0 * std::numbers::pi);
     if (!(std::abs(y) < widest))
         return {nan, nan};
-    const auto [r, rest, quarters] = reduce(y);
+    // The angle is r + rest, at most pi/4, and quarter turns: parts of pi/2 of 22 binary digits, whose
+    // multiples are exact, and a rest: 145 digits.
+    double r = y, rest = 0.0;
+    std::int64_t quarters = 0;
+    if (std::abs(y) > 0.25 * std::numbers::pi) {
+        const double n = nearest_whole(y * (2.0 / std::numbers::pi));
+        const double near = (y - n * 0x1.921fb00000000p+0) - n * 0x1.5110b00000000p-22; // exact
+        const Sum third = exact_sum(near, -n * 0x1.1846980000000p-44);
+        const Sum fourth = exact_sum(third.value, -n * 0x1.3198a00000000p-69);
+        const Sum all = exact_sum(fourth.value, third.rest + (fourth.rest - n * 0x1.701b839a25205p-92));
+        r = all.value;
+        rest = all.rest;
+        quarters = static_cast<std::int64_t>(n);
+    }
     const double square = r * r, half = 0.5 * square, w = 1.0 - half;
     const double sine = r + (r * square * polynomial(sin_series, square) + rest * w),
                  cosine =
@@ -127,27 +122,21 @@ constexpr std::array log_series{0x1.5555555555555p-1, 0x1.9999999999a3ap-2, 0x1.
                                 0x1.c71c7201f207cp-3, 0x1.745cf8c4c7bcap-3, 0x1.3b1c42e3df02cp-3,
                                 0x1.0fbd2bafa02d6p-3, 0x1.0c1263e1bac13p-3};
 
-/// x = mantissa 2^exponent with a mantissa in [sqrt(1/2), sqrt(2)).
-std::pair<double, int> split(double x) {
-    int extra = 0;
-    if (x < std::numeric_limits<double>::min()) {
-        x *= 0x1p54;
-        extra = 54;
-    }
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    constexpr std::uint64_t fraction = (std::uint64_t{1} << 52) - 1, one = std::uint64_t{1023} << 52;
-    const double mantissa = std::bit_cast<double>((bits & fraction) | one);
-    const int exponent = static_cast<int>(bits >> 52) - 1023 - extra;
-    return mantissa < std::numbers::sqrt2 ? std::pair(mantissa, exponent)
-                                          : std::pair(0.5 * mantissa, exponent + 1);
-}
-
 } // namespace
 
 double log(double x) {
     if (!(x > 0.0 && x < inf))
         return x == 0.0 ? -inf : x > 0.0 ? inf : nan;
-    const auto [mantissa, twos] = split(x);
+    // x = mantissa 2^twos with a mantissa in [sqrt(1/2), sqrt(2)).
+    const bool subnormal = x < std::numeric_limits<double>::min();
+    const auto bits = std::bit_cast<std::uint64_t>(subnormal ? x * 0x1p54 : x);
+    constexpr std::uint64_t fraction = (std::uint64_t{1} << 52) - 1, one = std::uint64_t{1023} << 52;
+    double mantissa = std::bit_cast<double>((bits & fraction) | one);
+    int twos = static_cast<int>(bits >> 52) - 1023 - (subnormal ? 54 : 0);
+    if (!(mantissa < std::numbers::sqrt2)) {
+        mantissa *= 0.5;
+        ++twos;
+    }
     const double f = mantissa - 1.0, s = f / (2.0 + f), square = s * s, half = 0.5 * f * f;
     const double tail = s * (half + square * polynomial(log_series, square)) + twos * ln2_low;
     return twos * ln2_high - ((half - tail) - f); // 2 s = f - half + s half

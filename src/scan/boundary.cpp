@@ -78,84 +78,49 @@ BoundaryPoint point_of(const Lattice& lattice, const OutcomeChange& crossing) {
     return {lattice.point_on(edge.low, edge.axis, middle).at, 0.5 * (crossing.u_high - crossing.u_low)};
 }
 
-/// The points between two outcomes, as they come.
-std::vector<Curve> unordered(const Lattice& lattice, std::span<const OutcomeChange> crossings) {
-    std::map<Pair, Curve> sets;
-    for (const OutcomeChange& crossing : crossings)
-        if (const Pair pair = pair_of(crossing); pair.first >= 0) {
-            Curve& curve = sets.try_emplace(pair, Curve{pair.first, pair.second, {}}).first->second;
-            curve.points.push_back(point_of(lattice, crossing));
+/// Joins the crossings of two axes from cell to cell.
+std::vector<Curve> joined(const Refinement& refinement, std::span<const OutcomeChange> crossings) {
+    const Lattice& lattice = refinement.lattice();
+    std::map<Pair, Links> all_links;
+    for (const Leaf& cell : finest_mixed(refinement))
+        for (const auto& [pair, inside] : crossings_in(lattice, cell, crossings)) {
+            if (pair.first < 0)
+                continue;
+            // Two crossings between the same outcomes are joined; one alone may be joined in the next cell.
+            // Four (a saddle): lower with left and upper with right, which for the shortest curves is as good
+            // as the other way.
+            Links& links = all_links[pair];
+            for (const std::size_t crossing : inside)
+                links.try_emplace(crossing);
+            for (std::size_t i = 0; i + 1 < inside.size(); i += 2) {
+                links[inside[i]].push_back(inside[i + 1]);
+                links[inside[i + 1]].push_back(inside[i]);
+            }
         }
     std::vector<Curve> curves;
-    curves.reserve(sets.size());
-    for (auto& [pair, curve] : sets)
-        curves.push_back(std::move(curve));
+    for (const auto& [pair, links] : all_links) {
+        std::set<std::size_t> seen;
+        for (const bool open : {true, false}) // open ones first, from their ends
+            for (const auto& [start, others] : links) {
+                if (seen.contains(start) || (open && others.size() != 1))
+                    continue;
+                Curve curve{pair.first, pair.second, {}};
+                const std::vector<std::size_t>* neighbours = nullptr;
+                for (std::optional<std::size_t> at = start; at;) {
+                    curve.points.push_back(point_of(lattice, crossings[*at]));
+                    seen.insert(*at);
+                    neighbours = &links.at(*at);
+                    const auto next =
+                        std::ranges::find_if(*neighbours, [&](std::size_t k) { return !seen.contains(k); });
+                    at = next == neighbours->end() ? std::nullopt : std::optional(*next);
+                }
+                if (curve.points.size() > 2 && std::ranges::count(*neighbours, start) > 0)
+                    curve.points.push_back(point_of(lattice, crossings[start])); // closed
+                curves.push_back(std::move(curve));
+            }
+    }
     return curves;
 }
-
-/// Joins the crossings of two axes from cell to cell.
-class Tracer {
-public:
-    Tracer(const Refinement& refinement, std::span<const OutcomeChange> crossings)
-        : lattice_(refinement.lattice()), crossings_(crossings) {
-        for (const Leaf& cell : finest_mixed(refinement))
-            for (const auto& [pair, inside] : crossings_in(lattice_, cell, crossings))
-                if (pair.first >= 0) {
-                    // Two crossings between the same outcomes are joined; one alone may be joined in the next
-                    // cell. Four (a saddle): lower with left and upper with right, which for the shortest
-                    // curves is as good as the other way.
-                    Links& links = links_[pair];
-                    for (const std::size_t crossing : inside)
-                        links.try_emplace(crossing);
-                    for (std::size_t i = 0; i + 1 < inside.size(); i += 2) {
-                        links[inside[i]].push_back(inside[i + 1]);
-                        links[inside[i + 1]].push_back(inside[i]);
-                    }
-                }
-    }
-
-    std::vector<Curve> curves() {
-        std::vector<Curve> found;
-        for (auto& [pair, links] : links_) {
-            for (const auto& [start, others] : links) // open ones from their ends
-                if (others.size() == 1)
-                    trace(found, pair, links, start);
-            for (const auto& [start, others] : links)
-                trace(found, pair, links, start);
-        }
-        return found;
-    }
-
-private:
-    BoundaryPoint point(std::size_t which) const { return point_of(lattice_, crossings_[which]); }
-
-    void trace(std::vector<Curve>& found, Pair pair, const Links& links, std::size_t start) {
-        if (seen_.contains({pair, start}))
-            return;
-        Curve curve{pair.first, pair.second, {}};
-        const std::vector<std::size_t>* neighbours = nullptr;
-        for (std::optional<std::size_t> at = start; at; at = unseen(pair, *neighbours)) {
-            curve.points.push_back(point(*at));
-            seen_.insert({pair, *at});
-            neighbours = &links.at(*at);
-        }
-        if (curve.points.size() > 2 && std::ranges::count(*neighbours, start) > 0)
-            curve.points.push_back(point(start)); // closed
-        found.push_back(std::move(curve));
-    }
-
-    std::optional<std::size_t> unseen(Pair pair, const std::vector<std::size_t>& neighbours) const {
-        for (const std::size_t next : neighbours)
-            if (!seen_.contains({pair, next}))
-                return next;
-        return std::nullopt;
-    }
-
-    const Lattice& lattice_;
-    std::span<const OutcomeChange> crossings_;
-    std::map<Pair, Links> links_;
-    std::set<std::pair<Pair, std::size_t>> seen_;
-};
 
 } // namespace
 
@@ -201,8 +166,19 @@ void bisect(OutcomeChange& crossing, const Result& at_middle) {
 
 std::vector<Curve> boundary_curves(const Refinement& refinement, std::span<const OutcomeChange> crossings) {
     if (refinement.lattice().axes() == 2)
-        return Tracer(refinement, crossings).curves();
-    return unordered(refinement.lattice(), crossings);
+        return joined(refinement, crossings);
+    // The points between two outcomes, as they come.
+    std::map<Pair, Curve> sets;
+    for (const OutcomeChange& crossing : crossings)
+        if (const Pair pair = pair_of(crossing); pair.first >= 0) {
+            Curve& curve = sets.try_emplace(pair, Curve{pair.first, pair.second, {}}).first->second;
+            curve.points.push_back(point_of(refinement.lattice(), crossing));
+        }
+    std::vector<Curve> curves;
+    curves.reserve(sets.size());
+    for (auto& [pair, curve] : sets)
+        curves.push_back(std::move(curve));
+    return curves;
 }
 
 } // namespace rodwake::scan

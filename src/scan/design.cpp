@@ -12,34 +12,6 @@
 
 namespace rodwake::scan {
 
-namespace {
-
-/// One point in each of `points` slices of every axis, the slices in random order.
-std::vector<double> lhs_fractions(std::size_t points, std::size_t axes, std::uint64_t seed) {
-    std::vector<double> fractions(points * axes);
-    std::vector<std::size_t> slice(points);
-    for (std::size_t axis = 0; axis < axes; ++axis) {
-        RandomStream random(seed, static_cast<std::uint32_t>(axis));
-        std::iota(slice.begin(), slice.end(), std::size_t{0});
-        for (std::size_t i = points; i > 1; --i) // Fisher and Yates
-            std::swap(slice[i - 1],
-                      slice[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
-        for (std::size_t i = 0; i < points; ++i)
-            fractions[i * axes + axis] =
-                (static_cast<double>(slice[i]) + random.uniform()) / static_cast<double>(points);
-    }
-    return fractions;
-}
-
-double log_at(const Axis& axis, double u) {
-    const double sign = axis.from < 0.0 ? -1.0 : 1.0;
-    const double low = std::log(std::abs(axis.from)), high = std::log(std::abs(axis.to));
-    const auto [least, most] = std::minmax(axis.from, axis.to); // rounding must not leave the axis
-    return std::clamp(sign * std::exp(low + (high - low) * u), least, most);
-}
-
-} // namespace
-
 void Result::set_cause(std::string_view text) {
     const std::size_t length = std::min(text.size(), cause.size() - 1);
     std::ranges::copy(text.substr(0, length), cause.begin());
@@ -73,7 +45,13 @@ double Axis::at(double u) const {
     }
     if (u <= 0.0 || u >= 1.0)
         return u <= 0.0 ? from : to;
-    const double value = spacing == Spacing::log ? log_at(*this, u) : std::lerp(from, to, u);
+    double value = std::lerp(from, to, u);
+    if (spacing == Spacing::log) {
+        const double sign = from < 0.0 ? -1.0 : 1.0;
+        const double low = std::log(std::abs(from)), high = std::log(std::abs(to));
+        const auto [least, most] = std::minmax(from, to); // rounding must not leave the axis
+        value = std::clamp(sign * std::exp(low + (high - low) * u), least, most);
+    }
     return whole ? std::round(value) : value;
 }
 
@@ -110,8 +88,21 @@ std::int64_t size(const Design& design) {
 
 PointList::PointList(const Design& design) : design_(design), size_(scan::size(design)) {
     const std::size_t axes = design.axes.size(), count = static_cast<std::size_t>(places(design));
-    if (design.kind == Kind::lhs)
-        fractions_ = lhs_fractions(count, axes, design.seed);
+    if (design.kind == Kind::lhs) {
+        // One point in each of `count` slices of every axis, the slices in random order.
+        fractions_.resize(count * axes);
+        std::vector<std::size_t> slice(count);
+        for (std::size_t axis = 0; axis < axes; ++axis) {
+            RandomStream random(design.seed, static_cast<std::uint32_t>(axis));
+            std::iota(slice.begin(), slice.end(), std::size_t{0});
+            for (std::size_t i = count; i > 1; --i) // Fisher and Yates
+                std::swap(slice[i - 1],
+                          slice[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
+            for (std::size_t i = 0; i < count; ++i)
+                fractions_[i * axes + axis] =
+                    (static_cast<double>(slice[i]) + random.uniform()) / static_cast<double>(count);
+        }
+    }
     if (design.kind == Kind::sobol) {
         // Sobol' points in base 2 (direction numbers of Joe and Kuo, from Boost, which leaves out the
         // corner).

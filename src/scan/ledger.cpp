@@ -110,16 +110,16 @@ void require_ledger(const fs::path& file, const LedgerHead& head) {
 /// The journal, and where in it each point stands.
 class Ledger::Book {
 public:
-    Book(const fs::path& file, const LedgerHead& head) : head_(head) {
+    Book(const fs::path& file, LedgerHead of) : head(std::move(of)) {
         require_ledger(file, head);
-        journal_.emplace(file, key_of(head), store::Journal::OfAnother::refuse);
+        journal.emplace(file, key_of(head), store::Journal::OfAnother::refuse);
         replay();
     }
 
     /// Reads what another process may go on writing.
     explicit Book(const fs::path& file) {
-        journal_.emplace(file);
-        head_ = head_of(journal_->key(), file);
+        journal.emplace(file);
+        head = head_of(journal->key(), file);
         replay();
     }
 
@@ -134,34 +134,34 @@ public:
         };
         for (const Result& result : results) {
             if (result.ok() && result.cause.front() == '\0') {
-                pack(packed, head_, result);
+                pack(packed, head, result);
                 ids.push_back(result.point.id);
                 continue;
             }
             append_packed();
             store::ByteWriter out;
-            pack(out, head_, result);
+            pack(out, head, result);
             out.put(result.status);
             out.put_text(result.cause_text());
             append(cause_record, out.take());
         }
         append_packed();
-        journal_->flush();
+        journal->flush();
     }
 
     void write(LedgerRecord kind, const Bytes& content) {
         append(kind, content);
-        journal_->flush();
+        journal->flush();
     }
     void append(LedgerRecord kind, const Bytes& content) {
-        journal_->append(kind, content);
-        take(journal_->size() - 1, kind, content);
+        journal->append(kind, content);
+        take(journal->size() - 1, kind, content);
     }
 
     /// Applies a record: points are found by record and number within it.
     void take(std::size_t record, std::uint32_t kind, const Bytes& content) {
         store::ByteReader in(content, "ledger");
-        const std::size_t size = packed_size(head_);
+        const std::size_t size = packed_size(head);
         if (kind == points_record) {
             for (std::size_t at = 0; at + size <= content.size(); at += size) {
                 std::int64_t id = 0;
@@ -170,7 +170,7 @@ public:
                 failed.erase(id);
             }
         } else if (kind == cause_record) {
-            const Result r = unpack(in, head_, kind);
+            const Result r = unpack(in, head, kind);
             places[r.point.id] = {static_cast<std::uint32_t>(record), 0};
             if (r.ok())
                 failed.erase(r.point.id);
@@ -213,41 +213,39 @@ public:
             if (found == records.end()) {
                 if (bytes > most_bytes)
                     records.clear(), bytes = 0;
-                found = records.emplace(position.record, journal_->read(position.record)).first;
+                found = records.emplace(position.record, journal->read(position.record)).first;
                 bytes += found->second.size();
             }
-            const std::size_t size = packed_size(head_);
+            const std::size_t size = packed_size(head);
             store::ByteReader in(std::span(found->second).subspan(position.number * size), "ledger");
-            each(unpack(in, head_, journal_->layout(position.record)));
+            each(unpack(in, head, journal->layout(position.record)));
         }
     }
 
     /// All results that count, in the order in which they were written: record by record, which is faster
     /// than by id.
     void read_as_written(const std::function<void(const Result&)>& each) {
-        const std::size_t size = packed_size(head_);
-        for (std::uint32_t record = 0; record < journal_->size(); ++record) {
-            const std::uint32_t kind = journal_->layout(record);
+        const std::size_t size = packed_size(head);
+        for (std::uint32_t record = 0; record < journal->size(); ++record) {
+            const std::uint32_t kind = journal->layout(record);
             if (kind != points_record && kind != cause_record)
                 continue;
             Bytes content;
             try {
-                content = journal_->read(record);
+                content = journal->read(record);
             } catch (const InputError&) { // none of its points is in places
                 continue;
             }
             store::ByteReader in(content, "ledger");
             const std::size_t points = kind == cause_record ? 1 : content.size() / size;
             for (std::uint32_t number = 0; number < points; ++number) {
-                const Result r = unpack(in, head_, kind);
+                const Result r = unpack(in, head, kind);
                 const auto place = places.find(r.point.id);
                 if (place != places.end() && place->second.record == record && place->second.number == number)
                     each(r);
             }
         }
     }
-
-    void sync() { journal_->sync(); }
 
     struct RecordNumber {
         std::uint32_t record = 0, number = 0;
@@ -257,21 +255,19 @@ public:
     std::map<std::int64_t, OutcomeChange> brackets;
     std::int64_t damaged = 0;
 
-    const LedgerHead& head() const { return head_; }
+    LedgerHead head;
+    std::optional<store::Journal> journal;
 
 private:
     /// Points of a damaged record are evaluated again.
     void replay() {
-        for (std::size_t i = 0; i < journal_->size(); ++i)
+        for (std::size_t i = 0; i < journal->size(); ++i)
             try {
-                take(i, journal_->layout(i), journal_->read(i));
+                take(i, journal->layout(i), journal->read(i));
             } catch (const InputError&) {
                 ++damaged;
             }
     }
-
-    LedgerHead head_;
-    std::optional<store::Journal> journal_;
 };
 
 static_assert(sizeof(OutcomeChange) == 32, "brackets are copied as they are, and have no padding");
@@ -390,7 +386,7 @@ Counts Ledger::counts() const {
     return counts;
 }
 
-void Ledger::sync() { book_->sync(); }
+void Ledger::sync() { book_->journal->sync(); }
 
 Counts counts_of(const fs::path& file) {
     if (!fs::exists(file))
@@ -398,6 +394,6 @@ Counts counts_of(const fs::path& file) {
     return fs::is_empty(file) ? Counts{} : Ledger(file).counts();
 }
 
-Ledger::Ledger(const fs::path& file) : book_(std::make_unique<Book>(file)) { head_ = book_->head(); }
+Ledger::Ledger(const fs::path& file) : book_(std::make_unique<Book>(file)) { head_ = book_->head; }
 
 } // namespace rodwake::scan

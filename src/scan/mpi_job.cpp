@@ -43,18 +43,6 @@ struct MpiJob::Workers {
     int busy = 0;
     std::string failure; ///< of the first rank that reported one
 
-    /// Gives every idle rank a chunk, as long as there are any.
-    void hand_out(WorkQueue& queue) {
-        while (!idle.empty()) {
-            const auto chunk = queue.next();
-            if (chunk.empty())
-                return;
-            send(chunk, idle.back(), points_tag);
-            idle.pop_back();
-            ++busy;
-        }
-    }
-
     /// Results that have arrived; false: none.
     bool collect(std::vector<Result>& results) {
         MPI_Status status;
@@ -63,21 +51,18 @@ struct MpiJob::Workers {
         if (there == 0)
             return false;
         if (status.MPI_TAG == failure_tag) {
-            take_failure(status);
+            // The rank is gone, with a chunk or without.
+            const std::vector<char> text = receive<char>(status);
+            if (failure.empty())
+                failure =
+                    fmt::format("rank {}: {}", status.MPI_SOURCE, std::string(text.begin(), text.end()));
+            busy -= std::erase(idle, status.MPI_SOURCE) == 0;
             return false;
         }
         results = receive<Result>(status);
         idle.push_back(status.MPI_SOURCE);
         --busy;
         return true;
-    }
-
-    /// The rank is gone, with a chunk or without.
-    void take_failure(const MPI_Status& status) {
-        const std::vector<char> text = receive<char>(status);
-        if (failure.empty())
-            failure = fmt::format("rank {}: {}", status.MPI_SOURCE, std::string(text.begin(), text.end()));
-        busy -= std::erase(idle, status.MPI_SOURCE) == 0;
     }
 };
 
@@ -127,7 +112,14 @@ Execute MpiJob::executor(Evaluate evaluate, std::function<bool()> stop) {
         try {
             std::vector<Result> results;
             do {
-                workers_->hand_out(queue);
+                while (!workers_->idle.empty()) { // each gets a chunk, as long as there are any
+                    const auto chunk = queue.next();
+                    if (chunk.empty())
+                        break;
+                    send(chunk, workers_->idle.back(), points_tag);
+                    workers_->idle.pop_back();
+                    ++workers_->busy;
+                }
                 if (workers_->collect(results))
                     queue.take(results);
                 else if (!workers_->failure.empty())

@@ -49,9 +49,14 @@ std::vector<Point> Refinement::next() {
             break;
         const auto seen = std::move(fresh_);
         fresh_.clear();
-        for (const auto& [low, level] : seen)
-            if (is_mixed(low, lattice_.stride(level)))
+        for (const auto& [low, level] : seen) {
+            const Known& first = known_.at(lattice_.id(low));
+            bool mixed = false;
+            for (std::size_t c = 1; c < corners() && !mixed; ++c)
+                mixed = differ(first, known_.at(lattice_.id(corner(low, lattice_.stride(level), c))));
+            if (mixed)
                 follow(low, level);
+        }
     }
     std::ranges::sort(wanted, {}, &Point::id);
     return wanted;
@@ -119,14 +124,6 @@ bool Refinement::differ(const Known& a, const Known& b) const {
     for (std::size_t d = 0; d < drivers_.size(); ++d)
         if (std::abs(rows_[a.row * drivers_.size() + d] - rows_[b.row * drivers_.size() + d]) >
             drivers_[d].step)
-            return true;
-    return false;
-}
-
-bool Refinement::is_mixed(const LatticePoint& low, std::int64_t side) const {
-    const Known& first = known_.at(lattice_.id(low));
-    for (std::size_t c = 1; c < corners(); ++c)
-        if (differ(first, known_.at(lattice_.id(corner(low, side, c)))))
             return true;
     return false;
 }

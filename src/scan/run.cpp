@@ -111,15 +111,6 @@ bool audit(Refinement& refinement, const Design& design, ChunkEvaluation& evalua
     return true;
 }
 
-/// Points that brackets cost: each halved one.
-std::int64_t traced(std::span<const OutcomeChange> whole, std::span<const OutcomeChange> brackets) {
-    double halvings = 0.0;
-    for (std::size_t i = 0; i < whole.size(); ++i)
-        halvings += std::round(
-            std::log2((whole[i].u_high - whole[i].u_low) / (brackets[i].u_high - brackets[i].u_low)));
-    return static_cast<std::int64_t>(halvings);
-}
-
 bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, const Execute& execute,
            ChunkEvaluation& evaluate, Summary& summary) {
     std::vector<OutcomeChange> edges = crossed_edges(refinement);
@@ -159,7 +150,12 @@ bool trace(const Refinement& refinement, const Design& design, Ledger& ledger, c
         }
     }
     summary.curves = boundary_curves(refinement, edges);
-    summary.traced = traced(crossed_edges(refinement), edges);
+    const std::vector<OutcomeChange> whole = crossed_edges(refinement);
+    double halvings = 0.0; // a point each
+    for (std::size_t i = 0; i < whole.size(); ++i)
+        halvings +=
+            std::round(std::log2((whole[i].u_high - whole[i].u_low) / (edges[i].u_high - edges[i].u_low)));
+    summary.traced = static_cast<std::int64_t>(halvings);
     summary.lost_crossings = std::ranges::count_if(
         edges, [](const OutcomeChange& edge) { return edge.outcome_low < 0 || edge.outcome_high < 0; });
     return true;

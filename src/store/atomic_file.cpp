@@ -13,6 +13,16 @@
 
 namespace rodwake::store {
 
+namespace {
+
+void sync_path(const std::filesystem::path& path, int flags) {
+    const Descriptor file(path, flags | O_RDONLY | O_CLOEXEC);
+    if (file.get() < 0 || ::fsync(file.get()) != 0)
+        system_failure(path, "sync");
+}
+
+} // namespace
+
 PendingFile::PendingFile(std::filesystem::path target) : target_(std::move(target)), temporary_(target_) {
     temporary_ += ".tmp" + std::to_string(::getpid());
     ::unlink(temporary_.c_str()); // of a process that had our number, or a link that somebody put there
@@ -33,7 +43,7 @@ void PendingFile::write(std::string_view content) {
     write_all(file.get(), content, target_);
 }
 
-void PendingFile::sync() { sync_file(temporary_); }
+void PendingFile::sync() { sync_path(temporary_, 0); }
 
 void PendingFile::commit() {
     sync();
@@ -54,12 +64,6 @@ void write_atomically(const std::filesystem::path& target, std::string_view cont
 }
 
 namespace {
-
-void sync(const std::filesystem::path& path, int flags) {
-    const Descriptor file(path, flags | O_RDONLY | O_CLOEXEC);
-    if (file.get() < 0 || ::fsync(file.get()) != 0)
-        system_failure(path, "sync");
-}
 
 [[noreturn]] void unreadable(const std::filesystem::path& path) {
     throw InputError(path.string() + ": cannot read the file: " + std::strerror(errno));
@@ -88,10 +92,8 @@ void write_all(int file, std::string_view content, const std::filesystem::path& 
     }
 }
 
-void sync_file(const std::filesystem::path& path) { sync(path, 0); }
-
 void sync_folder_of(const std::filesystem::path& path) {
-    sync(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), O_DIRECTORY);
+    sync_path(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."), O_DIRECTORY);
 }
 
 std::uint64_t xxh3(std::string_view bytes, std::uint64_t seed) {

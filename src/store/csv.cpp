@@ -43,13 +43,6 @@ bool is_number(std::string_view text) {
     return error == std::errc{} && end == text.data() + text.size();
 }
 
-/// For decimal commas and the exponents of Fortran.
-std::string better(std::string text) {
-    for (char& c : text)
-        c = c == ',' ? '.' : c == 'd' || c == 'D' ? 'e' : c;
-    return is_number(text) ? "; write it as " + text : "";
-}
-
 double parse_number(std::string_view field, const std::string& name, bool required, const CsvPosition& at) {
     if (!required && is_missing(field))
         return std::numeric_limits<double>::quiet_NaN();
@@ -59,9 +52,13 @@ double parse_number(std::string_view field, const std::string& name, bool requir
     const auto [end, error] = parse(field, value);
     if (error == std::errc::result_out_of_range)
         at.fail(fmt::format("{} = \"{}\": too large or too small for a double", shown(name), shown(field)));
-    if (error != std::errc{} || end != field.data() + field.size())
+    if (error != std::errc{} || end != field.data() + field.size()) {
+        std::string better(field); // for decimal commas and the exponents of Fortran
+        for (char& c : better)
+            c = c == ',' ? '.' : c == 'd' || c == 'D' ? 'e' : c;
         at.fail(fmt::format("{}: expected a number, found \"{}\"{}", shown(name), shown(field),
-                            better(std::string(field))));
+                            is_number(better) ? "; write it as " + better : ""));
+    }
     if (!std::isfinite(value))
         at.fail(fmt::format("{} = {}: must be finite", shown(name), shown(field)));
     return value;
@@ -132,33 +129,6 @@ Header read_header(std::string_view line, const LinesOfBlocks& lines, CsvPositio
     return header;
 }
 
-Table empty_table(const Header& header) {
-    Table table;
-    for (const FileColumn& column : header.columns)
-        if (column.wanted)
-            table.names.push_back(column.name);
-    table.columns.resize(table.names.size());
-    return table;
-}
-
-void read_row(std::string_view line, const LinesOfBlocks& lines, CsvPosition& at, const Header& header,
-              Table& table) {
-    std::size_t fields = 0, next = 0;
-    lines.for_each_cell(line, line.npos, [&](std::size_t index, std::string_view cell, std::size_t column) {
-        at.column = column;
-        const std::string_view field = bare(cell);
-        if (index >= header.columns.size() && field.empty()) // behind the last one
-            return;
-        fields = index + 1;
-        if (index < header.columns.size() && header.columns[index].wanted)
-            table.columns[next++].push_back(
-                parse_number(field, header.columns[index].name, header.columns[index].required, at));
-    });
-    if (fields < header.named || fields > header.columns.size())
-        at.fail(fmt::format("{} fields, but the header has {}", fields, header.columns.size()));
-    table.lines.push_back(at.line);
-}
-
 /// The header and the rows in turn, as long as `use` wants more.
 template<class Use>
 void for_each_line(const std::filesystem::path& path, std::span<const std::string> required, Use use) {
@@ -219,14 +189,30 @@ Table read_csv(const std::filesystem::path& path, std::span<const std::string> r
     for_each_line(path, required, [&](std::string_view line, const LinesOfBlocks& lines, CsvPosition& at) {
         if (header.columns.empty()) {
             header = read_header(line, lines, at, required, optional);
-            table = empty_table(header);
-        } else {
-            read_row(line, lines, at, header, table);
-            if (table.rows() * table.columns.size() >
-                most_numbers) // gzip's files are small until they are read
-                at.fail(fmt::format("more than {} numbers, {} GB of memory: take fewer rows", most_numbers,
-                                    most_numbers / 125'000'000));
+            for (const FileColumn& column : header.columns)
+                if (column.wanted)
+                    table.names.push_back(column.name);
+            table.columns.resize(table.names.size());
+            return true;
         }
+        std::size_t fields = 0, next = 0;
+        lines.for_each_cell(
+            line, line.npos, [&](std::size_t index, std::string_view cell, std::size_t column) {
+                at.column = column;
+                const std::string_view field = bare(cell);
+                if (index >= header.columns.size() && field.empty()) // behind the last one
+                    return;
+                fields = index + 1;
+                if (index < header.columns.size() && header.columns[index].wanted)
+                    table.columns[next++].push_back(
+                        parse_number(field, header.columns[index].name, header.columns[index].required, at));
+            });
+        if (fields < header.named || fields > header.columns.size())
+            at.fail(fmt::format("{} fields, but the header has {}", fields, header.columns.size()));
+        table.lines.push_back(at.line);
+        if (table.rows() * table.columns.size() > most_numbers) // gzip's files are small until they are read
+            at.fail(fmt::format("more than {} numbers, {} GB of memory: take fewer rows", most_numbers,
+                                most_numbers / 125'000'000));
         return true;
     });
     return table;

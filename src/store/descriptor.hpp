@@ -32,9 +32,6 @@ private:
 /// All of it at the descriptor's place. Throws RunError naming `path`.
 void write_all(int file, std::string_view content, const std::filesystem::path& path);
 
-/// fsync. Throws RunError.
-void sync_file(const std::filesystem::path& path);
-
 inline std::string_view as_text(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

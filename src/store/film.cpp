@@ -17,22 +17,6 @@ namespace {
 constexpr std::int64_t empty_row = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t in_no_track = empty_row + 1;
 
-/// What the converter noticed while it read the source.
-void read_facts(const Hdf5Input& file, TrackRows& rows) {
-    const auto count = [&](const char* name) {
-        return static_cast<std::size_t>(integer_attribute(file, "rodwake", name));
-    };
-    rows.without_place = count("without_place");
-    rows.hidden = count("hidden");
-    rows.branches = count("branches");
-    rows.dangling = count("dangling");
-    rows.certain_ids = count("certain_ids") != 0;
-    rows.first_without_place = text_attribute(file, "rodwake", "first_without_place").front();
-    rows.length_unit = text_attribute(file, "rodwake", "length_unit").front();
-    if (H5Aexists_by_name(file.get(), "rodwake", "warnings", H5P_DEFAULT) > 0)
-        rows.warnings = text_attribute(file, "rodwake", "warnings");
-}
-
 /// The box of all frames. One that changes or is tilted is none here, and the row says why.
 void read_box(const Hdf5Input& file, const std::vector<std::int64_t>& step, TrackRows& rows) {
     const auto boundary = text_attribute(file, spheres + "box", "boundary");
@@ -81,11 +65,6 @@ struct FilmBodies {
     }
 };
 
-/// Of the x axis of a body that a quaternion turns, its real part first; NaN where it is not known.
-double heading_of(const double* q) {
-    return std::atan2(2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]));
-}
-
 /// Appends the rows of all frames, some at a time; false after a stop.
 bool append_bodies(const FilmBodies& of, bool are_rods, bool with_radii,
                    const std::vector<std::int64_t>& step, const std::vector<double>& time, TrackRows& rows,
@@ -124,7 +103,11 @@ bool append_bodies(const FilmBodies& of, bool are_rods, bool with_radii,
             if (with_radii)
                 rows.radius.push_back(radius[i]);
             rows.is_rod.push_back(are_rods);
-            rows.heading.push_back(of.orientation ? heading_of(&turned[4 * i]) : std::nan(""));
+            // The heading of the x axis that the quaternion turns, its real part first; NaN: not known.
+            const double* q = of.orientation ? &turned[4 * i] : nullptr;
+            rows.heading.push_back(
+                q ? std::atan2(2.0 * (q[0] * q[3] + q[1] * q[2]), 1.0 - 2.0 * (q[2] * q[2] + q[3] * q[3]))
+                  : std::nan(""));
         }
         if (!on_progress(static_cast<double>(from + count) / static_cast<double>(frames)))
             return false;
@@ -147,7 +130,19 @@ TrackRows read_film(const std::filesystem::path& film, const std::string& source
     const Hdf5Guard guard;
     const Hdf5Input file(film, "remove it, and the same command makes it again from " + source);
     TrackRows rows;
-    read_facts(file, rows);
+    // What the converter noticed while it read the source.
+    const auto count = [&](const char* name) {
+        return static_cast<std::size_t>(integer_attribute(file, "rodwake", name));
+    };
+    rows.without_place = count("without_place");
+    rows.hidden = count("hidden");
+    rows.branches = count("branches");
+    rows.dangling = count("dangling");
+    rows.certain_ids = count("certain_ids") != 0;
+    rows.first_without_place = text_attribute(file, "rodwake", "first_without_place").front();
+    rows.length_unit = text_attribute(file, "rodwake", "length_unit").front();
+    if (H5Aexists_by_name(file.get(), "rodwake", "warnings", H5P_DEFAULT) > 0)
+        rows.warnings = text_attribute(file, "rodwake", "warnings");
     const auto step = column<std::int64_t>(file, spheres + "position/step", H5T_NATIVE_INT64);
     std::vector<double> time;
     if (own_times) {

@@ -22,8 +22,14 @@ std::optional<double> prefixed(std::string_view text, std::string_view base) {
     return at == prefixes.end() ? std::nullopt : std::optional(at->second);
 }
 
-/// "mm/s", or "mm s-1" as H5MD has it.
-std::optional<double> speed(std::string_view text) {
+std::optional<double> factor(std::string_view text, H5mdUnit kind) {
+    if (kind == H5mdUnit::mass) {
+        const auto grams = prefixed(text, "g");
+        return text == "kg" ? 1.0 : grams ? std::optional(1e-3 * *grams) : std::nullopt;
+    }
+    if (kind != H5mdUnit::speed)
+        return prefixed(text, kind == H5mdUnit::time ? "s" : "m");
+    // "mm/s", or "mm s-1" as H5MD has it.
     const auto gap = std::min(text.find_first_of("/ "), text.size());
     std::string_view time = text.substr(gap);
     if (!time.starts_with('/') && !(time.starts_with(' ') && time.ends_with("-1")))
@@ -31,14 +37,6 @@ std::optional<double> speed(std::string_view text) {
     time = time.substr(1, time.size() - (time.starts_with('/') ? 1 : 3));
     const auto up = prefixed(text.substr(0, gap), "m"), down = prefixed(time, "s");
     return up && down ? std::optional(*up / *down) : std::nullopt;
-}
-
-std::optional<double> factor(std::string_view text, H5mdUnit kind) {
-    if (kind == H5mdUnit::mass) {
-        const auto grams = prefixed(text, "g");
-        return text == "kg" ? 1.0 : grams ? std::optional(1e-3 * *grams) : std::nullopt;
-    }
-    return kind == H5mdUnit::speed ? speed(text) : prefixed(text, kind == H5mdUnit::time ? "s" : "m");
 }
 
 } // namespace

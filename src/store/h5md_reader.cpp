@@ -33,15 +33,6 @@ std::vector<Number> read_column(const Hdf5Input& file, const std::string& path, 
     return values;
 }
 
-std::array<double, 3> sides(const Hdf5Input& file, const Edges& edges) {
-    const std::array<double, 3> box = {edges[0], edges[4], edges[8]};
-    const Edges upright = {box[0], 0, 0, 0, box[1], 0, 0, 0, box[2]};
-    const bool good = std::ranges::all_of(box, [](double side) { return side > 0.0 && std::isfinite(side); });
-    if (!good || edges != upright)
-        file.refuse("the edges of the box are not three positive sides along x, y and z");
-    return box;
-}
-
 void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
     // The box is periodic in x and y, or has a wall in both.
     const auto boundary = text_attribute(file, spheres + "box", "boundary");
@@ -57,8 +48,14 @@ void read_box(const Hdf5Input& file, TrajectoryInfo& info) {
     for (std::size_t from = 0; from < info.frames(); from += edges.size()) {
         const std::size_t count = std::min(edges.size(), info.frames() - from);
         table.read_rows(from, count, edges.data());
-        if (from == 0)
-            info.box = sides(file, first = edges[0]);
+        if (from == 0) {
+            first = edges[0];
+            info.box = {first[0], first[4], first[8]};
+            const Edges upright = {info.box[0], 0, 0, 0, info.box[1], 0, 0, 0, info.box[2]};
+            if (first != upright ||
+                !std::ranges::all_of(info.box, [](double side) { return side > 0.0 && std::isfinite(side); }))
+                file.refuse("the edges of the box are not three positive sides along x, y and z");
+        }
         for (std::size_t k = 0; k < count; ++k)
             if (edges[k] != first)
                 file.refuse(fmt::format("the box changes in frame {}", from + k));
@@ -275,12 +272,6 @@ struct Rods {
 bool finite(const std::vector<double>& values) {
     return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
-
-bool is_orientation(const std::array<double, 4>& q) {
-    const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-    return norm > 0.0 && std::isfinite(norm);
-}
-
 } // namespace
 
 struct H5mdReader::Impl {
@@ -304,44 +295,23 @@ struct H5mdReader::Impl {
         file.refuse(fmt::format("frame {}: {}", frame, what));
     }
 
-    /// Places in the box are finite; what is not looked at otherwise must be, too.
-    void check(std::size_t frame, const char* kind, std::size_t count,
-               const std::vector<double>& position) const {
+    /// Positions in the box are finite; what is not looked at otherwise must be, too. Images of the box so
+    /// large that nothing walks there would cost positions their digits.
+    void check(std::size_t frame, const char* kind, std::size_t count, const BodyPositions& bodies) const {
         for (std::size_t i = 0; i < count; ++i) {
-            const double x = position[3 * i], y = position[3 * i + 1];
+            const double x = bodies.place[3 * i], y = bodies.place[3 * i + 1];
             if (!(x >= 0.0 && x < info.box[0] && y >= 0.0 && y < info.box[1]))
                 refuse(frame, fmt::format("{} {} is at ({}, {}) m, outside the box of {} x {} m", kind, i, x,
                                           y, info.box[0], info.box[1]));
         }
-        if (!finite(position))
+        if (!finite(bodies.place))
             refuse(frame, "positions that are not finite");
-    }
-
-    /// Numbers of the box so large that nothing walks there, and that places would lose their digits.
-    void check_images(std::size_t frame, const char* kind, const std::vector<std::int32_t>& box) const {
         constexpr std::int32_t most = 1'000'000;
-        const auto far = std::ranges::find_if(box, [](std::int32_t n) { return n > most || n < -most; });
-        if (far != box.end())
+        const auto far =
+            std::ranges::find_if(bodies.box, [](std::int32_t n) { return n > most || n < -most; });
+        if (far != bodies.box.end())
             refuse(frame, fmt::format("{} {} is in image {} of the box, farther than {}", kind,
-                                      (far - box.begin()) / 3, *far, most));
-    }
-
-    void read_beads(std::size_t frame, StoredFrame& out) {
-        places.read(frame, info.box);
-        velocity.read(frame);
-        scale(velocity.value, speed);
-        check(frame, "bead", info.beads, places.place);
-        check_images(frame, "bead", places.box);
-        if (!finite(velocity.value))
-            refuse(frame, "velocities that are not finite");
-        take(places.place, 0, out.x);
-        take(places.place, 1, out.y);
-        take(places.place, 2, out.z);
-        take(places.box, 0, out.image_x);
-        take(places.box, 1, out.image_y);
-        take(velocity.value, 0, out.vx);
-        take(velocity.value, 1, out.vy);
-        take(velocity.value, 2, out.vz);
+                                      (far - bodies.box.begin()) / 3, *far, most));
     }
 
     /// One component of the beads.
@@ -352,25 +322,37 @@ struct H5mdReader::Impl {
             out[i] = rows[3 * places.row[i] + component];
     }
 
-    void read_rods(std::size_t frame, StoredFrame& out) {
+    void read(std::size_t frame, StoredFrame& out) {
+        places.read(frame, info.box);
+        velocity.read(frame);
+        scale(velocity.value, speed);
+        check(frame, "bead", info.beads, places);
+        if (!finite(velocity.value))
+            refuse(frame, "velocities that are not finite");
+        take(places.place, 0, out.x);
+        take(places.place, 1, out.y);
+        take(places.place, 2, out.z);
+        take(places.box, 0, out.image_x);
+        take(places.box, 1, out.image_y);
+        take(velocity.value, 0, out.vx);
+        take(velocity.value, 1, out.vy);
+        take(velocity.value, 2, out.vz);
         out.rods.resize(info.rods);
         if (!rods)
             return;
         rods->places.read(frame, info.box);
         rods->orientation.read(frame);
-        check(frame, "rod", info.rods, rods->places.place);
-        check_images(frame, "rod", rods->places.box);
-        for (std::size_t i = 0; i < info.rods; ++i)
-            if (!is_orientation((out.rods[i] = rod(i)).orientation))
+        check(frame, "rod", info.rods, rods->places);
+        for (std::size_t i = 0; i < info.rods; ++i) {
+            const std::size_t row = rods->places.row[i];
+            const double* place = &rods->places.place[3 * row];
+            const std::int32_t* box = &rods->places.box[3 * row];
+            const double* q = &rods->orientation.value[4 * row];
+            out.rods[i] = {place[0], place[1], box[0], box[1], {q[0], q[1], q[2], q[3]}};
+            const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+            if (!(norm > 0.0 && std::isfinite(norm)))
                 refuse(frame, fmt::format("the orientation of rod {} is 0 or not finite", i));
-    }
-
-    StoredRod rod(std::size_t i) const {
-        const std::size_t row = rods->places.row[i];
-        const double* place = &rods->places.place[3 * row];
-        const std::int32_t* box = &rods->places.box[3 * row];
-        const double* q = &rods->orientation.value[4 * row];
-        return {place[0], place[1], box[0], box[1], {q[0], q[1], q[2], q[3]}};
+        }
     }
 };
 
@@ -393,8 +375,7 @@ void H5mdReader::read(std::size_t frame, StoredFrame& out) {
     set_up_hdf5(); // this may be another thread than the one that opened the file
     out.step = info().step[frame];
     out.time = info().time[frame];
-    impl_->read_beads(frame, out);
-    impl_->read_rods(frame, out);
+    impl_->read(frame, out);
 }
 
 } // namespace rodwake::store

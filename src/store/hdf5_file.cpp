@@ -117,18 +117,13 @@ Hdf5Handle link_with_parents() {
     return Hdf5Handle(properties, H5Pclose, "set up links");
 }
 
-/// Without the time of writing: the same numbers make the same bytes.
-Hdf5Handle without_times() {
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_obj_track_times(properties, false);
-    return Hdf5Handle(properties, H5Pclose, "set up a dataset");
-}
-
 Hdf5Handle create_dataset(hid_t file, const std::string& path, hid_t type,
                           const std::vector<hsize_t>& extent) {
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr),
                            H5Sclose, "shape " + path);
-    const Hdf5Handle links = link_with_parents(), properties = without_times();
+    const Hdf5Handle links = link_with_parents(),
+                     properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "set up a dataset");
+    H5Pset_obj_track_times(properties.get(), false); // the same numbers make the same bytes
     return Hdf5Handle(
         H5Dcreate2(file, path.c_str(), type, space.get(), links.get(), properties.get(), H5P_DEFAULT),
         H5Dclose, "create " + path);
@@ -140,11 +135,6 @@ std::uint64_t checksum_of(hid_t data, hid_t type, hsize_t first, hsize_t count) 
     if (!bytes.empty() && !read_rows(data, type, first, count, bytes.data()))
         throw RunError("HDF5: cannot read back" + hdf5_reason());
     return xxh3(bytes);
-}
-
-bool is_as_written(hid_t file, const WrittenRows& rows) {
-    const Hdf5Handle data(H5Dopen2(file, rows.path.c_str(), H5P_DEFAULT), H5Dclose, "read back " + rows.path);
-    return checksum_of(data.get(), rows.type, rows.first, rows.count) == rows.checksum;
 }
 
 /// Datasets with a checksum: those that were copied, too. An exception must not cross HDF5's C code.
@@ -231,34 +221,31 @@ void Hdf5File::expect(const std::vector<WrittenRows>& rows) {
     expected_.insert(expected_.end(), rows.begin(), rows.end());
 }
 
-void Hdf5File::close() {
+void Hdf5File::commit() {
     const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
     const std::string reason = flushed ? "" : hdf5_reason();
     const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
     if (!flushed || !closed)
         throw RunError(target_.string() + ": HDF5 cannot write the file" +
                        (flushed ? hdf5_reason() : reason));
-}
-
-/// What is read here is what whoever opens the file will read.
-void Hdf5File::read_back() const {
-    const Hdf5Handle access = without_locks();
-    const Hdf5Handle file(H5Fopen(pending_.temporary().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose,
-                          "read back " + target_.string());
-    const auto lost = [&](const std::string& what) {
-        throw RunError(fmt::format("{}: {} is not in the file as it was written: the system lost it",
-                                   target_.string(), what));
-    };
-    for (const WrittenRows& rows : expected_)
-        if (!is_as_written(file.get(), rows))
-            lost(rows.path);
-    if (H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, require_checksum, nullptr, H5O_INFO_BASIC) < 0)
-        lost("a dataset");
-}
-
-void Hdf5File::commit() {
-    close();
-    read_back();
+    {
+        // Read back through the library to verify what was written.
+        const Hdf5Handle access = without_locks();
+        const Hdf5Handle file(H5Fopen(pending_.temporary().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose,
+                              "read back " + target_.string());
+        const auto lost = [&](const std::string& what) {
+            throw RunError(fmt::format("{}: {} is not in the file as it was written: the system lost it",
+                                       target_.string(), what));
+        };
+        for (const WrittenRows& rows : expected_) {
+            const Hdf5Handle data(H5Dopen2(file.get(), rows.path.c_str(), H5P_DEFAULT), H5Dclose,
+                                  "read back " + rows.path);
+            if (checksum_of(data.get(), rows.type, rows.first, rows.count) != rows.checksum)
+                lost(rows.path);
+        }
+        if (H5Ovisit2(file.get(), H5_INDEX_NAME, H5_ITER_INC, require_checksum, nullptr, H5O_INFO_BASIC) < 0)
+            lost("a dataset");
+    }
     pending_.commit();
 }
 
@@ -306,22 +293,18 @@ std::vector<hsize_t> with_rows(hsize_t rows, const std::vector<hsize_t>& item) {
     return extent;
 }
 
-Hdf5Handle storage(const Hdf5Series::ElementLayout& layout) {
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-    const std::vector<hsize_t> chunk = with_rows(layout.chunk_rows, layout.item);
-    H5Pset_chunk(properties, static_cast<int>(chunk.size()), chunk.data());
-    if (layout.deflate) {
-        H5Pset_shuffle(properties);
-        H5Pset_deflate(properties, 6);
-    }
-    return Hdf5Handle(properties, H5Pclose, "set up chunks");
-}
-
 hid_t create(hid_t file, const std::string& path, const Hdf5Series::ElementLayout& layout) {
     const std::vector<hsize_t> none = with_rows(0, layout.item), any = with_rows(H5S_UNLIMITED, layout.item);
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(none.size()), none.data(), any.data()), H5Sclose,
                            "shape " + path);
-    const Hdf5Handle links = link_with_parents(), properties = storage(layout);
+    const Hdf5Handle links = link_with_parents(),
+                     properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "set up chunks");
+    const std::vector<hsize_t> chunk = with_rows(layout.chunk_rows, layout.item);
+    H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data());
+    if (layout.deflate) {
+        H5Pset_shuffle(properties.get());
+        H5Pset_deflate(properties.get(), 6);
+    }
     return H5Dcreate2(file, path.c_str(), layout.type, space.get(), links.get(), properties.get(),
                       H5P_DEFAULT);
 }

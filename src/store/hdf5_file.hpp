@@ -53,9 +53,6 @@ public:
     void commit();
 
 private:
-    void close();
-    void read_back() const;
-
     PendingFile pending_;
     std::filesystem::path target_;
     hid_t file_;

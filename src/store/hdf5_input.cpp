@@ -80,10 +80,6 @@ Hdf5Table::Hdf5Table(const Hdf5Input& file, std::string path, hid_t type)
     : file_(&file), path_(std::move(path)), type_(type), data_(open_dataset(file, path_)),
       space_(file.handle(H5Dget_space(data_.get()), H5Sclose, "read the shape of " + path_)),
       shape_(extent_of(data_.get())) {
-    check_storage(check_type());
-}
-
-std::size_t Hdf5Table::check_type() const {
     const Hdf5Handle found = file_->handle(H5Dget_type(get()), H5Tclose, "read the type of " + path_);
     const H5T_class_t kind = H5Tget_class(found.get());
     const bool whole = type_ == H5T_NATIVE_INT64 && (kind == H5T_INTEGER || kind == H5T_ENUM),
@@ -92,33 +88,30 @@ std::size_t Hdf5Table::check_type() const {
         file_->refuse(path_ + " holds values of another type");
     if (H5Sget_simple_extent_type(space_.get()) == H5S_NULL)
         file_->refuse(path_ + " holds no values");
-    return H5Tget_size(found.get());
-}
-
-/// What was never written would be read as zeros, and a damaged shape would ask for any amount of memory.
-void Hdf5Table::check_storage(std::size_t bytes) const {
+    // Values that were never written would be read as zeros, and a damaged shape would ask for any amount of
+    // memory.
     const Hdf5Handle made = file_->handle(H5Dget_create_plist(get()), H5Pclose, "read about " + path_);
     if (H5Pget_external_count(made.get()) > 0 || H5Pget_layout(made.get()) == H5D_VIRTUAL)
         file_->refuse(
             path_ +
             " has its values in another file, which is not read; copy them into this one (h5repack does)");
     const double most = H5Pget_nfilters(made.get()) > 0 ? 1100.0 : 1.0; // deflate's best is 1032
-    const double needed = product(shape_) * static_cast<double>(bytes);
+    const double needed = product(shape_) * static_cast<double>(H5Tget_size(found.get()));
     if (H5Pget_layout(made.get()) == H5D_CHUNKED) {
         std::vector<hsize_t> sides(shape_.size());
-        hsize_t found = 0;
+        hsize_t chunks = 0;
         H5Pget_chunk(made.get(), static_cast<int>(sides.size()), sides.data());
         double wanted = 1.0;
         for (std::size_t k = 0; k < sides.size(); ++k)
             wanted *= std::ceil(static_cast<double>(shape_[k]) / static_cast<double>(sides[k]));
         if (wanted > 0.0 &&
-            (H5Dget_num_chunks(get(), space_.get(), &found) < 0 || static_cast<double>(found) < wanted))
+            (H5Dget_num_chunks(get(), space_.get(), &chunks) < 0 || static_cast<double>(chunks) < wanted))
             file_->refuse(path_ + " is not complete");
     }
     // A dataset takes no more than the file.
-    hsize_t whole = 0;
-    H5Fget_filesize(file_->get(), &whole);
-    if (needed > most * static_cast<double>(std::min(whole, H5Dget_storage_size(get()))))
+    hsize_t bytes = 0;
+    H5Fget_filesize(file_->get(), &bytes);
+    if (needed > most * static_cast<double>(std::min(bytes, H5Dget_storage_size(get()))))
         file_->refuse(path_ + " is not complete");
 }
 
@@ -185,28 +178,6 @@ Number number_attribute(const Hdf5Input& file, const std::string& owner, const s
     return value;
 }
 
-/// False if they cannot be read.
-bool read_fixed(hid_t attribute, hid_t type, std::vector<std::string>& texts) {
-    const std::size_t size = H5Tget_size(type);
-    std::string table(size * texts.size(), '\0');
-    if (H5Aread(attribute, type, table.data()) < 0)
-        return false;
-    for (std::size_t i = 0; i < texts.size(); ++i)
-        texts[i] = table.substr(i * size, size).c_str();
-    return true;
-}
-
-bool read_variable(hid_t attribute, hid_t type, std::vector<std::string>& texts) {
-    std::vector<char*> rows(texts.size(), nullptr);
-    if (H5Aread(attribute, type, rows.data()) < 0)
-        return false;
-    for (std::size_t i = 0; i < texts.size(); ++i)
-        texts[i] = rows[i] ? rows[i] : "";
-    const Hdf5Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute's shape");
-    H5Dvlen_reclaim(type, space.get(), H5P_DEFAULT, rows.data());
-    return true;
-}
-
 herr_t add_name(hid_t, const char* name, const H5A_info_t*, void* names) {
     static_cast<std::vector<std::string>*>(names)->emplace_back(name);
     return 0;
@@ -236,8 +207,19 @@ std::vector<std::string> text_attribute(const Hdf5Input& file, const std::string
     if (H5Tget_class(type.get()) != H5T_STRING || texts.empty())
         file.refuse(fmt::format("attribute {} of {} is not a text", name, owner));
     const bool variable = H5Tis_variable_str(type.get()) > 0;
-    if (!(variable ? read_variable : read_fixed)(attribute.get(), type.get(), texts))
+    const std::size_t size = variable ? 0 : H5Tget_size(type.get());
+    std::vector<char*> rows(variable ? texts.size() : 0, nullptr);
+    std::string table(size * texts.size(), '\0');
+    if (H5Aread(attribute.get(), type.get(), variable ? static_cast<void*>(rows.data()) : table.data()) < 0)
         file.refuse(fmt::format("attribute {} of {} cannot be read", name, owner));
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+        const char* text = variable ? rows[i] : nullptr;
+        texts[i] = variable ? (text ? text : "") : table.substr(i * size, size).c_str();
+    }
+    if (variable) {
+        const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, "read an attribute's shape");
+        H5Dvlen_reclaim(type.get(), space.get(), H5P_DEFAULT, rows.data());
+    }
     return texts;
 }
 

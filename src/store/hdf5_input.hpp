@@ -56,10 +56,6 @@ private:
     hid_t type_;
     Hdf5Handle data_, space_;
     std::vector<hsize_t> shape_;
-
-    /// Bytes of a value in the file.
-    std::size_t check_type() const;
-    void check_storage(std::size_t bytes) const;
 };
 
 /// Numbers of all elements; InputError if one is not finite, but for NaN where that may stand for unknown.

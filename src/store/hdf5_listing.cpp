@@ -36,30 +36,28 @@ void die_without_memory() {
         ::_exit(1);
 }
 
-/// One string, or several as a list.
-std::string string_attribute(hid_t attribute, hid_t type, std::size_t count) {
-    if (H5Tis_variable_str(type) > 0) {
-        std::vector<char*> rows(is_child ? count : 0, nullptr); // the reader will follow its pointers, too
-        if (!rows.empty() && H5Aread(attribute, type, rows.data()) < 0)
-            die_without_memory();
-        return "(variable-length string)";
-    }
-    const std::size_t size = H5Tget_size(type);
-    std::string table(size * count, '\0');
-    if (H5Aread(attribute, type, table.data()) < 0)
-        throw RunError("HDF5: cannot read an attribute");
-    std::vector<std::string> values;
-    for (std::size_t i = 0; i < count; ++i)
-        values.push_back(fmt::format("\"{}\"", std::string(table.substr(i * size, size).c_str())));
-    return fmt::format("{}", fmt::join(values, ", "));
-}
-
 std::string attribute_value(hid_t attribute) {
     const Hdf5Handle type(H5Aget_type(attribute), H5Tclose, "read an attribute's type");
     const Hdf5Handle space(H5Aget_space(attribute), H5Sclose, "read an attribute's shape");
     const hssize_t count = H5Sget_simple_extent_npoints(space.get());
-    if (H5Tget_class(type.get()) == H5T_STRING && count >= 0)
-        return string_attribute(attribute, type.get(), static_cast<std::size_t>(count));
+    if (H5Tget_class(type.get()) == H5T_STRING && count >= 0) {
+        // One string, or several as a list.
+        const auto strings = static_cast<std::size_t>(count);
+        if (H5Tis_variable_str(type.get()) > 0) {
+            std::vector<char*> rows(is_child ? strings : 0, nullptr); // the reader will follow its pointers
+            if (!rows.empty() && H5Aread(attribute, type.get(), rows.data()) < 0)
+                die_without_memory();
+            return "(variable-length string)";
+        }
+        const std::size_t size = H5Tget_size(type.get());
+        std::string table(size * strings, '\0');
+        if (H5Aread(attribute, type.get(), table.data()) < 0)
+            throw RunError("HDF5: cannot read an attribute");
+        std::vector<std::string> values;
+        for (std::size_t i = 0; i < strings; ++i)
+            values.push_back(fmt::format("\"{}\"", std::string(table.substr(i * size, size).c_str())));
+        return fmt::format("{}", fmt::join(values, ", "));
+    }
     if (count != 1)
         return "(array)";
     double value = 0.0;
@@ -185,17 +183,6 @@ constexpr char let_in = '!', listed = '+', refused = '-', whole = '.';
     ::_exit(0);
 }
 
-std::string heard(int from) {
-    std::string text;
-    std::array<char, 4096> some{};
-    for (ssize_t got = 0; (got = ::read(from, some.data(), some.size())) != 0;)
-        if (got > 0)
-            text.append(some.data(), static_cast<std::size_t>(got));
-        else if (errno != EINTR)
-            break;
-    return text;
-}
-
 /// What a child process says of the file: it may crash there. Empty if it did; none if there can be no child,
 /// or it is not let in.
 std::optional<std::string> asked_of_child(const std::filesystem::path& path) {
@@ -215,7 +202,13 @@ std::optional<std::string> asked_of_child(const std::filesystem::path& path) {
     }
     const bool asked =
         child > 0 && (waiting.revents & POLLIN) != 0 && ::read(ends[0], &said, 1) == 1 && said == let_in;
-    std::string text = asked ? heard(ends[0]) : "";
+    std::string text;
+    std::array<char, 4096> some{};
+    for (ssize_t got = 0; asked && (got = ::read(ends[0], some.data(), some.size())) != 0;) {
+        if (got < 0 && errno != EINTR)
+            break;
+        text.append(some.data(), got < 0 ? 0 : static_cast<std::size_t>(got));
+    }
     ::close(ends[0]);
     if (child > 0 && !asked)
         ::kill(child, SIGKILL);

@@ -42,19 +42,6 @@ inline std::string text_in(std::string_view cell) {
     return text;
 }
 
-/// The comma, semicolon or tab that stands most often outside quotes.
-inline char separator_in(std::string_view header) {
-    constexpr std::string_view known = ",;\t";
-    std::size_t count[known.size()] = {};
-    bool quoted = false;
-    for (const char c : header) {
-        quoted ^= c == '"';
-        if (const std::size_t which = known.find(c); which != std::string_view::npos && !quoted)
-            ++count[which];
-    }
-    return known[static_cast<std::size_t>(std::ranges::max_element(count) - count)];
-}
-
 /// Where the cell that begins at `start` ends: at a separator or the end of the text, npos if a quote is
 /// opened and not closed. A quote opens a cell only as its first character, and is doubled within. `searched`
 /// is how far the end of an open quote was looked for before.
@@ -86,33 +73,46 @@ public:
         size_ = error ? 0.0 : static_cast<double>(size); // a pipe has none
         ::gzbuffer(file_.get(), 1U << 17);
         fill();
-        refuse_wide_text();
+        const std::string_view head = std::string_view(text_).substr(0, text_.find_first_of("\r\n"));
+        const auto nuls = static_cast<std::size_t>(std::ranges::count(head, '\0'));
+        if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF") || 3 * nuls > head.size())
+            throw InputError(name_ +
+                             ": this is UTF-16, text of two bytes a character: save it as CSV in UTF-8, "
+                             "or convert it by iconv -f UTF-16 -t UTF-8");
+        if (nuls > 0)
+            throw InputError(name_ + ": this is binary, no text: save the table as CSV in UTF-8");
         if (text_.starts_with("\xEF\xBB\xBF"))
             at_ = 3;
         if (text_.find('\n') == std::string::npos && text_.find('\r') != std::string::npos)
             end_of_line_ = '\r';
     }
 
-    bool next(std::string_view& line) {
-        begin_ = at_;
-        const bool any = extend(line);
-        number_ = lines_;
-        return any;
-    }
-
     /// A row of a table, whose quoted cells may hold ends of lines; comments and rows of nothing are passed
     /// over. The first row decides the separator.
     bool next_record(std::string_view& record) {
         for (std::size_t first = std::string_view::npos; first == std::string_view::npos;) {
-            if (!next(record))
+            begin_ = at_;
+            const bool any = extend(record);
+            number_ = lines_;
+            if (!any)
                 return false;
             first = record.find_first_not_of(",; \t");
             if (first < record.size() && (record[first] == '#' || record[first] == '%') &&
                 record.find_first_not_of(" \t") == first)
                 first = std::string_view::npos;
         }
-        if (separator_ == '\0')
-            separator_ = separator_in(record);
+        if (separator_ == '\0') {
+            // The comma, semicolon or tab that stands most often outside quotes.
+            constexpr std::string_view known = ",;\t";
+            std::size_t count[known.size()] = {};
+            bool quoted = false;
+            for (const char c : record) {
+                quoted ^= c == '"';
+                if (const std::size_t which = known.find(c); which != std::string_view::npos && !quoted)
+                    ++count[which];
+            }
+            separator_ = known[static_cast<std::size_t>(std::ranges::max_element(count) - count)];
+        }
         quotes_ = record.find('"') != std::string_view::npos;
         for (std::size_t start = 0, searched = 0; quotes_ && start <= record.size();) {
             const std::size_t end = end_of_cell(record, separator_, start, searched);
@@ -204,17 +204,6 @@ private:
         return found > 0;
     }
 
-    void refuse_wide_text() const {
-        const std::string_view head = std::string_view(text_).substr(0, text_.find_first_of("\r\n"));
-        const auto nuls = static_cast<std::size_t>(std::ranges::count(head, '\0'));
-        if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF") || 3 * nuls > head.size())
-            throw InputError(name_ +
-                             ": this is UTF-16, text of two bytes a character: save it as CSV in UTF-8, "
-                             "or convert it by iconv -f UTF-16 -t UTF-8");
-        if (nuls > 0)
-            throw InputError(name_ + ": this is binary, no text: save the table as CSV in UTF-8");
-    }
-
     std::string name_;
     std::unique_ptr<gzFile_s, decltype(&::gzclose)> file_;
     std::string text_;
@@ -249,29 +238,6 @@ inline std::optional<double> number_in(std::string_view cell) {
     if (error != std::errc{} || end != cell.data() + cell.size())
         return std::nullopt;
     return value;
-}
-
-/// Takes the first word, behind blanks, off a line; empty at its end.
-inline std::string_view next_word(std::string_view& line) {
-    while (!line.empty() && (line.front() == ' ' || line.front() == '\t'))
-        line.remove_prefix(1);
-    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
-    const std::string_view word = line.substr(0, end);
-    line.remove_prefix(end);
-    return word;
-}
-
-/// A whole number below 2^53, perhaps written as 12.0.
-inline std::optional<std::int64_t> whole_in(std::string_view text) {
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    constexpr std::int64_t most = std::int64_t{1} << 53;
-    if (error == std::errc{} && end == text.data() + text.size() && value > -most && value < most)
-        return value;
-    const auto number = number_in(text);
-    if (!number || !(std::abs(*number) < 0x1p53) || *number != std::floor(*number))
-        return std::nullopt;
-    return static_cast<std::int64_t>(*number);
 }
 
 } // namespace rodwake::store

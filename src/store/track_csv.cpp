@@ -237,16 +237,32 @@ private:
     void add() {
         double at_x = 0.0, at_y = 0.0;
         std::array<double, 4> end{};
-        const bool has_ends = ends(end);
-        const bool has_x = place(x, at_x) || middle(has_ends, end[0], end[2], at_x),
-                   has_y = place(y, at_y) || middle(has_ends, end[1], end[3], at_y);
-        if (!has_x || !has_y) {
+        bool has_ends = columns_.at[thin_x] != no_column;
+        for (std::size_t k = 0; k < end.size(); ++k)
+            has_ends = has_ends && place(static_cast<ColumnRole>(thin_x + k), end[k]);
+        const bool has_x = place(x, at_x), has_y = place(y, at_y);
+        if (has_ends && !has_x) // a rod without a position of its own is in the middle of its ends
+            at_x = 0.5 * (end[0] + end[2]);
+        if (has_ends && !has_y)
+            at_y = 0.5 * (end[1] + end[3]);
+        if (!has_ends && !(has_x && has_y)) {
             if (rows_.without_place++ == 0)
                 rows_.first_without_place = fmt::format("{}:{}", path_, lines_.number());
             return;
         }
-        if (rows_.size() == 0)
-            reserve();
+        if (rows_.size() == 0) {
+            // Room for as many rows as the file seems to have.
+            std::size_t bytes = 0;
+            for (const std::string_view cell : cells_)
+                bytes += cell.size() + 1;
+            const double most = lines_.bytes() / static_cast<double>(std::max<std::size_t>(bytes, 8));
+            const auto count =
+                static_cast<std::size_t>(std::min(most, static_cast<double>(given_.most_rows)));
+            (given_.time.empty() ? (rows_.frame.reserve(count)) : (rows_.time.reserve(count)));
+            rows_.id.reserve(count);
+            rows_.x.reserve(count);
+            rows_.y.reserve(count);
+        }
         if (rows_.size() == given_.most_rows)
             fail(fmt::format(
                 "more than {} rows, and {:.3g} GB of memory for them: take fewer frames, or a part "
@@ -292,33 +308,6 @@ private:
         return of->radius;
     }
 
-    bool ends(std::array<double, 4>& end) const {
-        bool all = columns_.at[thin_x] != no_column;
-        for (std::size_t k = 0; k < end.size(); ++k)
-            all = all && place(static_cast<ColumnRole>(thin_x + k), end[k]);
-        return all;
-    }
-
-    /// Of both ends, for a rod that has no place of its own.
-    static bool middle(bool known, double thin, double thick, double& value) {
-        if (known)
-            value = 0.5 * (thin + thick);
-        return known;
-    }
-
-    /// Room for as many rows as the file seems to have.
-    void reserve() {
-        std::size_t bytes = 0;
-        for (const std::string_view cell : cells_)
-            bytes += cell.size() + 1;
-        const double most = lines_.bytes() / static_cast<double>(std::max<std::size_t>(bytes, 8));
-        const auto count = static_cast<std::size_t>(std::min(most, static_cast<double>(given_.most_rows)));
-        (given_.time.empty() ? (rows_.frame.reserve(count)) : (rows_.time.reserve(count)));
-        rows_.id.reserve(count);
-        rows_.x.reserve(count);
-        rows_.y.reserve(count);
-    }
-
     /// False for a place that is none.
     bool place(ColumnRole role, double& value) const {
         const std::string_view cell = cells_[role];
@@ -340,15 +329,21 @@ private:
         return *value;
     }
 
-    /// A whole number, perhaps written as 12.0.
+    /// A whole number below 2^53, perhaps written as 12.0.
     std::int64_t whole(ColumnRole role) const {
-        const auto value = whole_in(cells_[role]);
-        if (!value)
+        const std::string_view cell = cells_[role];
+        std::int64_t value = 0;
+        constexpr std::int64_t most = std::int64_t{1} << 53;
+        const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+        if (error == std::errc{} && end == cell.data() + cell.size() && value > -most && value < most)
+            return value;
+        const auto number = number_in(cell);
+        if (!number || !(std::abs(*number) < 0x1p53) || *number != std::floor(*number))
             wrong(role, role == frame
                             ? "expected a whole number; name a column of times in tracks.time_column"
                             : "expected a whole number; number the particles, or leave the cell empty for a "
                               "spot of no track");
-        return *value;
+        return static_cast<std::int64_t>(*number);
     }
 
     std::uint8_t rod(std::string_view cell) const {

@@ -11,17 +11,6 @@ namespace rodwake::store {
 
 namespace {
 
-/// Whether the first line is the number of particles of a frame, and nothing else.
-bool begins_with_a_count(std::string_view text) {
-    const std::size_t end = text.find_first_of("\r\n");
-    if (end == std::string_view::npos)
-        return false;
-    text = text.substr(0, end);
-    const std::size_t from = text.find_first_not_of(" \t"), to = text.find_last_not_of(" \t");
-    return from != std::string_view::npos &&
-           text.substr(from, to - from + 1).find_first_not_of("0123456789") == std::string_view::npos;
-}
-
 TrackFormat format_by_content(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string start(256, '\0');
@@ -37,10 +26,24 @@ TrackFormat format_by_content(const std::filesystem::path& file) {
         return TrackFormat::trackmate;
     if (text.starts_with("ITEM:"))
         return TrackFormat::lammps;
-    return begins_with_a_count(text) ? TrackFormat::xyz : TrackFormat::automatic;
+    // XYZ: the first line is the number of particles of a frame, and nothing else.
+    const std::size_t end = text.find_first_of("\r\n");
+    const std::string_view line = text.substr(0, end);
+    const std::size_t from = line.find_first_not_of(" \t"), to = line.find_last_not_of(" \t");
+    const bool counts =
+        end != std::string_view::npos && from != std::string_view::npos &&
+        line.substr(from, to - from + 1).find_first_not_of("0123456789") == std::string_view::npos;
+    return counts ? TrackFormat::xyz : TrackFormat::automatic;
 }
 
-TrackFormat format_by_name(const std::filesystem::path& file) {
+} // namespace
+
+TrackFormat track_format(const std::filesystem::path& file) {
+    if (!std::filesystem::is_regular_file(file))
+        throw InputError(file.string() + ": no such file of tracks");
+    const TrackFormat format = format_by_content(file);
+    if (format != TrackFormat::automatic)
+        return format;
     constexpr std::pair<std::string_view, TrackFormat> endings[] = {
         {".xyz", TrackFormat::xyz},           {".extxyz", TrackFormat::xyz},
         {".gsd", TrackFormat::gsd},           {".h5md", TrackFormat::h5md},
@@ -51,15 +54,6 @@ TrackFormat format_by_name(const std::filesystem::path& file) {
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
     const auto found = std::ranges::find(endings, ending, &std::pair<std::string_view, TrackFormat>::first);
     return found == std::end(endings) ? TrackFormat::csv : found->second;
-}
-
-} // namespace
-
-TrackFormat track_format(const std::filesystem::path& file) {
-    if (!std::filesystem::is_regular_file(file))
-        throw InputError(file.string() + ": no such file of tracks");
-    const TrackFormat format = format_by_content(file);
-    return format == TrackFormat::automatic ? format_by_name(file) : format;
 }
 
 } // namespace rodwake::store

@@ -34,10 +34,6 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-void append_bytes(std::string& out, const void* data, std::size_t size) {
-    out.append(static_cast<const char*>(data), size);
-}
-
 std::string base64(const std::string& bytes) {
     static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string out;
@@ -93,10 +89,9 @@ void write_vti(const std::filesystem::path& target, const VtiGrid& grid, std::sp
                            extent, grid.origin[0], grid.origin[1], grid.spacing[0], grid.spacing[1]));
     for (const VtiArray& array : arrays) {
         // The count of bytes and the values are one run of bytes; VTK wants no gap between them.
-        std::string bytes;
         const std::uint64_t count = array.values.size_bytes();
-        append_bytes(bytes, &count, sizeof count);
-        append_bytes(bytes, array.values.data(), array.values.size_bytes());
+        std::string bytes(reinterpret_cast<const char*>(&count), sizeof count);
+        bytes.append(reinterpret_cast<const char*>(array.values.data()), count);
         file.write(fmt::format("        <DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" "
                                "format=\"binary\">\n{}\n        </DataArray>\n",
                                escaped(array.name), array.components, base64(bytes)));

@@ -363,7 +363,7 @@ TEST_CASE("a part of the list names the blocks of all its beads, also behind a r
     PairFinder finder(bodies, problem.box);
     ThreadPool team(1);
     finder.find(bodies, still, problem.time_step, team);
-    REQUIRE(finder.inner_size() >= 2);
+    REQUIRE(finder.cost().inner_pairs >= 2);
     CHECK(std::ranges::count(finder.blocks_of(0), 1U) == 1);
 }
 

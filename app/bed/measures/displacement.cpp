@@ -148,25 +148,19 @@ struct DisplacementValues : DisplacementField {
     }
 };
 
-/// That of all runs, and of each by itself if it is wanted.
-std::vector<MeasureGrid> grids_of(const DisplacementField& all, std::span<const DisplacementAccumulator> runs,
-                                  bool each, double a) {
-    std::vector<MeasureGrid> grids = {grid_of(all, a)};
-    for (std::size_t run = 0; each && run < runs.size(); ++run)
-        grids.push_back(
-            grid_of(measure::reduce(runs.subspan(run, 1)), a, fmt::format("/runs/{:04}", run + 1)));
-    return grids;
-}
-
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius(), to_a = 1.0 / a;
     const double offset = data.scene.measure->profile_offset.value_or(4.0 * a);
     const auto runs = measure::take<DisplacementAccumulator>(data.sums, "displacement");
     const DisplacementField u = measure::reduce(runs);
+    std::vector<MeasureGrid> grids = {grid_of(u, a)}; // of all runs, and of each by itself if it is wanted
+    for (std::size_t run = 0; data.scene.measure->run_maps && run < runs.size(); ++run)
+        grids.push_back(grid_of(measure::reduce(std::span(runs).subspan(run, 1)), a,
+                                fmt::format("/runs/{:04}", run + 1)));
     return {.values = record_json(DisplacementValues{u, a}),
             .tables = {profile_table(u, "Ux", "x", 0.0, a), profile_table(u, "Ux", "y", 0.0, a),
                        profile_table(u, "Uy", "x", offset, a), profile_table(u, "Uy", "y", 0.0, a)},
-            .grids = grids_of(u, runs, data.scene.measure->run_maps, a),
+            .grids = std::move(grids),
             .images = {MeasureImage{"displacement.vti",
                                     u.grid,
                                     {{"U", 3, vectors(u.Ux, u.Uy, to_a)},

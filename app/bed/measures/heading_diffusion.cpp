@@ -30,10 +30,6 @@ measure::HeadingOptions options_of(const Scene& scene, std::optional<double> fil
     return {m.block, m.heading_lag_low.value_or(0.1 * high), high};
 }
 
-double f_over_mu(const Scene& scene, double a) {
-    return scene.scales ? scene.scales->f_over_mu / a : papers_f_over_mu;
-}
-
 /// What the scene of the theory takes; nothing for a rod that does not walk, and where no diffusion is seen.
 std::string noise_of(const HeadingDiffusion& r, double a, double unit) {
     constexpr double rounding = 1e-10; // rad; a lone rod on its limit cycle turns by some 1e-16
@@ -50,17 +46,6 @@ std::string noise_of(const HeadingDiffusion& r, double a, double unit) {
         return "";
     const std::string error = reduced.known() ? fmt::format(" +- {:.2g}", reduced.error) : "";
     return fmt::format("rotational_diffusion = {:.4g}{}, with f/mu = {:.4g} a", reduced.value, error, unit);
-}
-
-std::string line_of(const HeadingDiffusion& r, double a, double unit) {
-    constexpr double rounding = 1e-24; // rad^2; of headings near 1 it is 1e-32
-    if (!r.square.empty() && std::ranges::all_of(r.square, [](double square) { return square < rounding; }))
-        return fmt::format("the rod never turns: no heading diffusion; speed {} a/s",
-                           text(r.speed.scaled(1.0 / a)));
-    const std::string noise = noise_of(r, a, unit);
-    return fmt::format("heading diffusion {} rad^2/s over {:.3g} to {:.3g} s, speed {} a/s{}",
-                       text(r.diffusion), r.lag_low, r.lag_high, text(r.speed.scaled(1.0 / a)),
-                       noise.empty() ? "" : "; [noise] " + noise);
 }
 
 struct HeadingDiffusionValues : HeadingDiffusion {
@@ -117,19 +102,27 @@ struct HeadingColumns : HeadingDiffusion {
 };
 
 MeasureReport report(const MeasuredCase& data) {
-    const double a = data.bead_radius(), unit = f_over_mu(data.scene, a);
+    const double a = data.bead_radius(),
+                 unit = data.scene.scales ? data.scene.scales->f_over_mu / a : papers_f_over_mu;
     std::vector<HeadingTrack> tracks;
     for (const RunTables& run : data.tables)
         tracks.push_back(track_of(*data.scene.measure, run));
     const HeadingDiffusion r = measure::heading_diffusion(tracks, options_of(data.scene, data.film));
     const HeadingDiffusionValues f = {r, a, unit};
+    const std::string speed = text(r.speed.scaled(1.0 / a)), noise = noise_of(r, a, unit);
+    std::string line =
+        fmt::format("heading diffusion {} rad^2/s over {:.3g} to {:.3g} s, speed {} a/s{}", text(r.diffusion),
+                    r.lag_low, r.lag_high, speed, noise.empty() ? "" : "; [noise] " + noise);
+    constexpr double rounding = 1e-24; // rad^2; of headings near 1 it is 1e-32
+    if (!r.square.empty() && std::ranges::all_of(r.square, [](double square) { return square < rounding; }))
+        line = fmt::format("the rod never turns: no heading diffusion; speed {} a/s", speed);
     data.row.D_r = r.diffusion;
     data.row.diffusion_per_length = f.per_length;
     return {.values = record_json(f),
             .tables = {{"heading.csv",
                         "mean-square heading change in rad^2 and mean cosine of it against the lag in s",
                         csv_of(HeadingColumns{r})}},
-            .line = line_of(r, a, unit)};
+            .line = std::move(line)};
 }
 
 std::string describe(const Scene& scene) {

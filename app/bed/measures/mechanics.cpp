@@ -54,41 +54,29 @@ void add_rod(RodPushes& pushes, const RunTables& run, std::size_t k, bool measur
     }
 }
 
-/// Of the uniform body force, from t = 0 on.
-void add_body_force(RodPushes& pushes, const Scene& scene, double mass) {
-    if (!scene.granular->body_force)
-        return;
-    const granular::BodyForce& force = *scene.granular->body_force;
-    for (std::size_t i = 0; i < pushes.time.size(); ++i) {
-        const double impulse = mass * force.acceleration * pushes.time[i];
-        pushes.impulse_x[i] += impulse * std::cos(force.direction);
-        pushes.impulse_y[i] += impulse * std::sin(force.direction);
-    }
-}
-
-/// Of one run; without rods a steady push through all of it.
-RodPushes pushes_of(const Scene& scene, const RunTables* run, double mass) {
-    RodPushes pushes;
-    const std::size_t rods = scene.granular->rods.size();
-    for (std::size_t k = 0; k < rods; ++k)
-        add_rod(pushes, *run, k, k == static_cast<std::size_t>(scene.measure->rod));
-    if (rods == 0) {
-        pushes.time = {0.0, scene.granular->duration};
-        pushes.impulse_x = pushes.impulse_y = {0.0, 0.0};
-    }
-    add_body_force(pushes, scene, mass);
-    return pushes;
-}
-
 std::vector<RodPushes> pushes_of(const MeasuredCase& data, const measure::Layout& layout) {
     const double mass = static_cast<double>(layout.beads) * layout.bead_mass;
-    const bool rods = !data.scene.granular->rods.empty();
+    const scene::Granular& bed = *data.scene.granular;
+    const bool rods = !bed.rods.empty();
     if (rods && data.tables.empty())
         throw InputError("measure: mechanics needs tracks.csv of the granular run: it cannot be had of "
                          "measure.trajectory alone");
     std::vector<RodPushes> runs;
-    for (std::size_t r = 0; r < data.sums.size(); ++r)
-        runs.push_back(pushes_of(data.scene, rods ? &data.tables[r] : nullptr, mass));
+    for (std::size_t r = 0; r < data.sums.size(); ++r) {
+        RodPushes& pushes = runs.emplace_back();
+        for (std::size_t k = 0; k < bed.rods.size(); ++k)
+            add_rod(pushes, data.tables[r], k, k == static_cast<std::size_t>(data.scene.measure->rod));
+        if (!rods) { // a steady push through all of it
+            pushes.time = {0.0, bed.duration};
+            pushes.impulse_x = pushes.impulse_y = {0.0, 0.0};
+        }
+        // The uniform body force acts from t = 0 on.
+        for (std::size_t i = 0; bed.body_force && i < pushes.time.size(); ++i) {
+            const double impulse = mass * bed.body_force->acceleration * pushes.time[i];
+            pushes.impulse_x[i] += impulse * std::cos(bed.body_force->direction);
+            pushes.impulse_y[i] += impulse * std::sin(bed.body_force->direction);
+        }
+    }
     return runs;
 }
 
@@ -97,23 +85,6 @@ std::optional<Estimate> given_inertia(const Measure& m) {
     if (!m.inertia_factor)
         return std::nullopt;
     return Estimate{*m.inertia_factor, m.inertia_error.value_or(0.0), 1}; // without an error: as if exact
-}
-
-Inertia inertia_by(const measure::DriftDecay& decay) {
-    if (measure::usable_inertia(decay.inertia))
-        return {decay.inertia, "measured by mechanics"};
-    const std::string why = !decay.absence.empty() ? decay.absence
-                            : decay.inertia.count == 0
-                                ? "no drag rate by a push"
-                                : "measured as " + text(decay.inertia) + ", which is not known to 20 %";
-    return {{}, "none, so the bare mass of the beads: " + why};
-}
-
-/// m/s; count 0 where nothing tells it.
-Estimate shear_speed_of(const MeasuredCase& data) {
-    if (data.scene.measure->shear_speed)
-        return {*data.scene.measure->shear_speed, 0.0, 1};
-    return data.row.c_T.scaled(data.bead_radius());
 }
 
 /// What makes a run too short; nothing if it is long enough.
@@ -212,7 +183,8 @@ MeasureReport report(const MeasuredCase& data) {
     const Inertia used = inertia_of(data); // before the sums are taken
     const auto runs = measure::take<MechanicsAccumulator>(data.sums, "mechanics");
     const double a = data.bead_radius(), box = runs.front().layout().box.shorter();
-    const Estimate shear_speed = shear_speed_of(data);
+    const auto& given_speed = data.scene.measure->shear_speed; // else that of phonons; count 0: unknown
+    const Estimate shear_speed = given_speed ? Estimate{*given_speed, 0.0, 1} : data.row.c_T.scaled(a);
     const MechanicsResult r = measure::reduce(runs, pushes_of(data, runs.front().layout()), shear_speed,
                                               given_inertia(*data.scene.measure));
     const std::string inertia = r.decay.inertia.count > 0 ? ", m* " + text(r.decay.inertia) : "";
@@ -258,8 +230,15 @@ Inertia inertia_of(const MeasuredCase& data) {
     for (measure::Measures& run : data.sums)
         runs.push_back(run.find("mechanics")->as<MechanicsAccumulator>());
     try {
-        return measures::inertia_by(
-            measure::measured_decay(runs, measures::pushes_of(data, runs.front().layout())));
+        const measure::DriftDecay decay =
+            measure::measured_decay(runs, measures::pushes_of(data, runs.front().layout()));
+        if (measure::usable_inertia(decay.inertia))
+            return {decay.inertia, "measured by mechanics"};
+        const std::string why = !decay.absence.empty() ? decay.absence
+                                : decay.inertia.count == 0
+                                    ? "no drag rate by a push"
+                                    : "measured as " + text(decay.inertia) + ", which is not known to 20 %";
+        return {{}, "none, so the bare mass of the beads: " + why};
     } catch (const std::runtime_error& error) { // phonons go on without it
         return {{}, fmt::format("none, so the bare mass of the beads: {}", error.what())};
     }

@@ -39,37 +39,6 @@ void include(const Scene& scene, MeasurePlan& plan) {
     }
 }
 
-std::optional<Estimate> drag_of(const Measure& m) {
-    if (!m.bead_drag)
-        return std::nullopt;
-    return Estimate{*m.bead_drag, m.bead_drag_error.value_or(unknown_error), 1};
-}
-
-/// Of all that resists at the upper end of the range, how much is the inertia that is taken off.
-double inertia_share(const StiffnessSpectrum& spectrum, const MemoryKernel& kernel) {
-    if (!spectrum.high || kernel.s.empty())
-        return std::nan("");
-    const auto at = std::ranges::find(kernel.s, *spectrum.high) - kernel.s.begin();
-    return 1.0 - kernel.with_drag[at] / kernel.total[at];
-}
-
-std::string line_of(const MicrorheologyResult& r, const Estimate& stiffness, bool drag) {
-    const std::string range = r.spectrum.low ? fmt::format("{} from s = {:.3g} to {:.3g} 1/s",
-                                                           drag ? "memory kernel" : "kernel with drag",
-                                                           *r.spectrum.low, *r.spectrum.high)
-                                             : "memory kernel at no s within 2 %";
-    if (r.spring.count == 0)
-        return fmt::format("stiffness {} /a^2", text(stiffness));
-    return fmt::format("stiffness {} /a^2, spring {} N/m, {}", text(stiffness), text(r.spring), range);
-}
-
-MicrorheologyResult reduced(const MeasuredCase& data, std::span<const MicrorheologyAccumulator> runs) {
-    MicrorheologyResult r = measure::reduce(runs);
-    if (!data.tables.empty() && r.spring.count > 0)
-        r.use_temperature(mean_of(of_summaries(data, "T_xy", "T_xy")).value);
-    return r;
-}
-
 struct ScaledMicrorheology : MicrorheologyResult {
     MemoryKernel memory;
     std::optional<Estimate> drag;
@@ -105,7 +74,13 @@ struct MicrorheologyValues : ScaledMicrorheology {
                   [](const R& r) { return r.spectrum.high.value_or(std::nan("")); }),
             field("inertia_share", {"Inertia at that $s$"},
                   {"1", "$ms^2$ over $4mT_{xy}/(s\\tilde{\\Delta})$"},
-                  [](const R& r) { return inertia_share(r.spectrum, r.memory); }),
+                  [](const R& r) {
+                      // Of all that resists at the upper end of the range, how much is the inertia taken off.
+                      if (!r.spectrum.high || r.memory.s.empty())
+                          return std::nan("");
+                      const auto at = std::ranges::find(r.memory.s, *r.spectrum.high) - r.memory.s.begin();
+                      return 1.0 - r.memory.with_drag[at] / r.memory.total[at];
+                  }),
             field("bead_drag", {"Drag on a bead"},
                   {"1/s", "$\\Gamma/m$ as given, which the kernel is without"},
                   [](const R& r) -> std::variant<std::monostate, Estimate> {
@@ -240,14 +215,26 @@ void add_kinds(const MeasuredCase& data, const std::vector<double>& radii, doubl
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     const auto runs = measure::take<MicrorheologyAccumulator>(data.sums, "microrheology");
-    const MicrorheologyResult r = reduced(data, runs);
+    MicrorheologyResult r = measure::reduce(runs);
+    if (!data.tables.empty() && r.spring.count > 0)
+        r.use_temperature(mean_of(of_summaries(data, "T_xy", "T_xy")).value);
     const Estimate stiffness = r.stiffness_zero.scaled(a * a);
-    const std::optional<Estimate> drag = drag_of(*data.scene.measure);
+    const Measure& m = *data.scene.measure;
+    std::optional<Estimate> drag;
+    if (m.bead_drag)
+        drag = Estimate{*m.bead_drag, m.bead_drag_error.value_or(unknown_error), 1};
     const measure::Layout& layout = runs[0].layout();
     const bool warm = layout.velocities && layout.kind_radii.empty(); // else nothing is known of forces
     const MemoryKernel kernel =
         warm ? measure::memory_kernel(r.spectrum, layout.bead_mass, r.temperature, drag) : MemoryKernel{};
     const ScaledMicrorheology f = {r, kernel, drag, a};
+    std::string line = fmt::format("stiffness {} /a^2", text(stiffness));
+    if (r.spring.count > 0)
+        line += fmt::format(", spring {} N/m, ", text(r.spring)) +
+                (r.spectrum.low ? fmt::format("{} from s = {:.3g} to {:.3g} 1/s",
+                                              drag ? "memory kernel" : "kernel with drag", *r.spectrum.low,
+                                              *r.spectrum.high)
+                                : "memory kernel at no s within 2 %");
     data.row.stiffness = stiffness;
     MeasureReport report = {
         .values = record_json(MicrorheologyValues{f}),
@@ -256,7 +243,7 @@ MeasureReport report(const MeasuredCase& data) {
                    {"stiffness.csv", "1/(s MSD~(s)) in 1/a^2; s in 1/s", csv_of(StiffnessColumns{f})},
                    {"memory_kernel.csv", "memory kernel of what holds a bead in N/m against s in 1/s",
                     csv_of(kernel)}},
-        .line = line_of(r, stiffness, drag.has_value())};
+        .line = std::move(line)};
     if (!warm)
         report.tables.pop_back();
     if (!layout.velocities)

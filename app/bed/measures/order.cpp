@@ -18,8 +18,15 @@ using measure::OrderAccumulator, measure::OrderResult;
 using nlohmann::ordered_json;
 using scene::Measure, scene::Scene;
 
-measure::OrderOptions options_of(const Scene& scene, double a) {
+/// Every so many of the measured frames.
+std::size_t stride(const Measure& m, double interval) {
+    const double wanted = m.order_interval.value_or(std::max(interval, 0.5));
+    return static_cast<std::size_t>(std::max(1.0, std::ceil(wanted / interval * (1.0 - 1e-9))));
+}
+
+void include(const Scene& scene, MeasurePlan& plan) {
     const Measure& m = *scene.measure;
+    const double a = scene::measured_radius(scene);
     measure::OrderOptions options;
     options.neighbours = m.order_neighbours;
     options.cutoff = m.order_cutoff;
@@ -28,18 +35,8 @@ measure::OrderOptions options_of(const Scene& scene, double a) {
     options.block = m.block;
     if (scene.tracks)
         options.localisation = scene.tracks->localisation.given;
-    return options;
-}
-
-/// Every so many of the measured frames.
-std::size_t stride(const Measure& m, double interval) {
-    const double wanted = m.order_interval.value_or(std::max(interval, 0.5));
-    return static_cast<std::size_t>(std::max(1.0, std::ceil(wanted / interval * (1.0 - 1e-9))));
-}
-
-void include(const Scene& scene, MeasurePlan& plan) {
-    include_sums<OrderAccumulator>(plan, "order", options_of(scene, scene::measured_radius(scene)),
-                                   stride(*scene.measure, plan.interval * static_cast<double>(plan.stride)));
+    include_sums<OrderAccumulator>(plan, "order", options,
+                                   stride(m, plan.interval * static_cast<double>(plan.stride)));
 }
 
 std::string describe(const Scene& scene) {

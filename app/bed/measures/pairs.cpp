@@ -24,14 +24,6 @@ void reset_postprocessing_keys(Measure& m) {
     m.contact_distance = std::nullopt;
 }
 
-double contact_distance(const Scene& scene) {
-    double longest = 0.0;
-    for (const scene::GranularRod& rod : scene.granular->rods)
-        longest = std::max(longest, rod.shape.length);
-    const double half = 0.5 * longest;
-    return scene.measure ? scene.measure->contact_distance.value_or(half) : half;
-}
-
 /// From t = 0 on, as the rods are held before, and where both are known.
 measure::PairTrack track_of(const RunTables& run) {
     const std::vector<Column> all = run.tracks({"t", "x0", "y0", "theta0", "x1", "y1", "theta1"});
@@ -47,7 +39,12 @@ measure::PairTrack track_of(const RunTables& run) {
 }
 
 measure::PairOptions options_of_bed(const Scene& scene) {
-    return {.box = bed_size(*scene.granular).box, .contact_distance = contact_distance(scene)};
+    double longest = 0.0;
+    for (const scene::GranularRod& rod : scene.granular->rods)
+        longest = std::max(longest, rod.shape.length);
+    const double half = 0.5 * longest;
+    return {.box = bed_size(*scene.granular).box,
+            .contact_distance = scene.measure ? scene.measure->contact_distance.value_or(half) : half};
 }
 
 PairNumbers numbers_of(const measure::PairRun& p, double a) {

@@ -39,30 +39,6 @@ Estimate shear_speed(const PhononResult& r) {
     return r.C66.count == 0 ? Estimate{} : Estimate{c, 0.5 * c * r.C66.error / r.C66.value, r.C66.count};
 }
 
-/// m* times it; their errors are independent, since sound speeds do not know the drift of the whole bed.
-Estimate with_inertia(const Estimate& constant, const Inertia& inertia) {
-    if (constant.count == 0 || inertia.factor.count == 0)
-        return constant;
-    const double value = constant.value * inertia.factor.value;
-    return {value, std::hypot(constant.error * inertia.factor.value, constant.value * inertia.factor.error),
-            constant.count};
-}
-
-/// The elastic constants with m*; eta and the spreads are ratios and do not change.
-PhononResult with_inertia(PhononResult r, const Inertia& inertia) {
-    for (Estimate* constant : {&r.C11, &r.C22, &r.C12, &r.C66, &r.bulk, &r.mu})
-        *constant = with_inertia(*constant, inertia);
-    return r;
-}
-
-double coldest(const PhononResult& r) {
-    double least = INFINITY;
-    for (const PhononMode& mode : r.modes)
-        for (const PhononBranch* branch : {&mode.longitudinal, &mode.transverse})
-            least = std::min(least, branch->temperature.value / r.temperature.value);
-    return least;
-}
-
 constexpr double degrees = 180.0 / std::numbers::pi;
 
 /// One mode and branch, for phonons.csv.
@@ -176,7 +152,13 @@ struct PhononValues : PhononResult { ///< with the inertia
             field("temperature", {"$T_{xy}$ of single beads"}, {"m^2/s^2", "of the measured frames"},
                   &R::temperature),
             field("coldest", {"Coldest mode"}, {"1", "smallest $T(q)/T_{xy}$; 1 in equilibrium"},
-                  [](const R& r) { return coldest(r); }),
+                  [](const R& r) {
+                      double least = INFINITY;
+                      for (const PhononMode& mode : r.modes)
+                          for (const PhononBranch* branch : {&mode.longitudinal, &mode.transverse})
+                              least = std::min(least, branch->temperature.value / r.temperature.value);
+                      return least;
+                  }),
             field("travel", {"a", "root mean square distance of a bead from its first position, last block"},
                   [](const R& r) { return r.travel * r.to_a; }),
             field("kept_places", &R::kept_places,
@@ -190,8 +172,16 @@ struct PhononValues : PhononResult { ///< with the inertia
 MeasureReport report(const MeasuredCase& data) {
     const double a = data.bead_radius();
     const Inertia inertia = inertia_of(data);
-    const PhononResult bare = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons")),
-                       r = with_inertia(bare, inertia);
+    const PhononResult bare = measure::reduce(measure::take<PhononAccumulator>(data.sums, "phonons"));
+    // The elastic constants take m*; eta and the spreads are ratios and do not change. Their errors are
+    // independent, since sound speeds do not know the drift of the whole bed.
+    PhononResult r = bare;
+    const Estimate& mass = inertia.factor;
+    for (Estimate* constant : {&r.C11, &r.C22, &r.C12, &r.C66, &r.bulk, &r.mu})
+        if (constant->count > 0 && mass.count > 0)
+            *constant = {constant->value * mass.value,
+                         std::hypot(constant->error * mass.value, constant->value * mass.error),
+                         constant->count};
     std::vector<ModeRow> modes;
     std::vector<CurrentRow> currents;
     for (const PhononMode& mode : bare.modes) {

@@ -37,7 +37,9 @@ public:
     template<class Use>
     void in_cell(std::ptrdiff_t column, std::ptrdiff_t row, Use&& use) const {
         const auto n = static_cast<std::ptrdiff_t>(columns_), m = static_cast<std::ptrdiff_t>(rows_);
-        each(static_cast<std::size_t>((column + n) % n + n * ((row + m) % m)), use);
+        const auto cell = static_cast<std::size_t>((column + n) % n + n * ((row + m) % m));
+        for (std::size_t k = start_[cell]; k < start_[cell + 1]; ++k)
+            use(k);
     }
 
     /// The cell of a column and row and those around it, each once: its first index and the one after its
@@ -91,12 +93,6 @@ private:
     /// Of n round the box: the one before, it itself and the one after; one alone has no others.
     static Near near(std::size_t at, std::size_t n) {
         return n == 1 ? Near{{0}, 1} : Near{{at == 0 ? n - 1 : at - 1, at, at + 1 == n ? 0 : at + 1}, 3};
-    }
-
-    template<class Use>
-    void each(std::size_t cell, Use&& use) const {
-        for (std::size_t k = start_[cell]; k < start_[cell + 1]; ++k)
-            use(k);
     }
 
     PeriodicBox box_;

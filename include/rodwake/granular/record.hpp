@@ -145,7 +145,6 @@ public:
                  std::vector<RodThrust> thrust, std::vector<SampleSums> kinds);
 
 private:
-    void begin(const Simulation& simulation);
     void follow_rods(const Simulation& simulation);
     void follow_pair(const Simulation& simulation);
 

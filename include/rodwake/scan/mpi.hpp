@@ -40,8 +40,6 @@ public:
     ~MpiJob();
 
     int rank() const { return rank_; }
-    int ranks() const { return ranks_; }
-
     /// Of rank 0. The job must outlive it.
     Execute executor(Evaluate evaluate, std::function<bool()> stop);
     /// Of the others: evaluates chunks until rank 0 has no more.

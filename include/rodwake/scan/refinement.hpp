@@ -57,7 +57,6 @@ private:
     LatticePoint corner(const LatticePoint& low, std::int64_t side, std::size_t which) const;
     bool holds(const LatticePoint& low, std::int64_t side) const;
     LatticePoint low_of(const LatticePoint& place, int level) const;
-    bool is_mixed(const LatticePoint& low, std::int64_t side) const;
     bool differ(const Known& a, const Known& b) const;
     void add(const LatticePoint& low, int level);
     void ensure(const LatticePoint& low, int level);
