@@ -277,29 +277,6 @@ ordered_json systematics_json(const FitPlan& plan, const FitResults& results) {
     return out;
 }
 
-/// The points of a profile, and the curve of the model with those of the comparisons.
-void write_profile(const fs::path& folder, std::size_t i, const fitting::Profile& data,
-                   const FitProfileResult& r) {
-    std::vector<FitProfileRow> rows;
-    for (std::size_t k = 0; k < data.place.size(); ++k)
-        rows.push_back({data.place[k], data.value[k], r.sigma[k], r.model[k], r.band[k], r.residual[k],
-                        r.used[k] ? 1.0 : 0.0});
-    store::write_atomically(folder / fmt::format("fit_profile_{}.csv", i), csv_of(rows));
-
-    std::vector<FitCurveRow> curve;
-    for (std::size_t k = 0; k < r.curve[0].size(); ++k)
-        curve.push_back({r.curve[0][k], r.curve[1][k], r.curve[2][k]});
-    RecordTable table;
-    table.add(curve);
-    for (std::size_t k = 3; k < r.curve.size(); ++k) {
-        std::vector<FitComparison> compared;
-        for (const double value : r.curve[k])
-            compared.push_back({value});
-        table.add(compared, std::to_string(k - 3));
-    }
-    store::write_atomically(folder / fmt::format("fit_curve_{}.csv", i), table.csv());
-}
-
 /// Poses of each rod from reduced states, in the file's unit.
 template<class Pose>
 void add_states(RecordTable& table, const FitTrackData& track,
@@ -318,8 +295,28 @@ void add_states(RecordTable& table, const FitTrackData& track,
 
 void write_fit(const fs::path& folder, const FitPlan& plan, const FitResults& results,
                const std::string& command) {
-    for (std::size_t i = 0; i < results.profiles.size(); ++i)
-        write_profile(folder, i, plan.profiles[i].data, results.profiles[i]);
+    for (std::size_t i = 0; i < results.profiles.size(); ++i) {
+        // The points of a profile, and the curve of the model with those of the comparisons.
+        const fitting::Profile& data = plan.profiles[i].data;
+        const FitProfileResult& r = results.profiles[i];
+        std::vector<FitProfileRow> rows;
+        for (std::size_t k = 0; k < data.place.size(); ++k)
+            rows.push_back({data.place[k], data.value[k], r.sigma[k], r.model[k], r.band[k], r.residual[k],
+                            r.used[k] ? 1.0 : 0.0});
+        store::write_atomically(folder / fmt::format("fit_profile_{}.csv", i), csv_of(rows));
+        std::vector<FitCurveRow> curve;
+        for (std::size_t k = 0; k < r.curve[0].size(); ++k)
+            curve.push_back({r.curve[0][k], r.curve[1][k], r.curve[2][k]});
+        RecordTable table;
+        table.add(curve);
+        for (std::size_t k = 3; k < r.curve.size(); ++k) {
+            std::vector<FitComparison> compared;
+            for (const double value : r.curve[k])
+                compared.push_back({value});
+            table.add(compared, std::to_string(k - 3));
+        }
+        store::write_atomically(folder / fmt::format("fit_curve_{}.csv", i), table.csv());
+    }
     for (std::size_t i = 0; i < results.tracks.size(); ++i) {
         std::vector<FitTimeRow> times;
         for (const double t : plan.tracks[i].data.times)
