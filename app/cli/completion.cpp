@@ -72,21 +72,19 @@ std::string zsh_text(const std::string& text) {
     return out;
 }
 
-/// What zsh offers as the value of an option.
-std::string zsh_action(const CLI::Option& option) {
-    const Words words = choices(option), names = option_names(option);
-    if (!words.empty())
-        return "(" + joined(words) + ")";
-    const auto is = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
-    return is("--set") ? "_rodwake_keys" : is("--output") ? "_files -/" : "_files";
-}
-
 std::string zsh_argument(const CLI::Option& option) {
     const Words names = option_names(option);
     if (names.empty())
         return fmt::format(" \\\n        '*:{}:_files'", option.get_name(true));
     const std::string described = "[" + zsh_text(option.get_description()) + "]";
-    const std::string value = takes_value(option) ? ":value:" + zsh_action(option) : "";
+    std::string value;
+    if (const Words words = choices(option); takes_value(option)) {
+        const auto is = [&](const char* name) { return std::ranges::find(names, name) != names.end(); };
+        value = ":value:" + (!words.empty()   ? "(" + joined(words) + ")"
+                             : is("--set")    ? "_rodwake_keys"
+                             : is("--output") ? "_files -/"
+                                              : "_files");
+    }
     const char* again = option.get_items_expected_max() > 1 ? "*" : ""; // may be given more than once
     const std::string quoted =
         names.size() == 1 ? fmt::format("'{}{}{}{}'", again, names[0], described, value)

@@ -54,13 +54,6 @@ int dispatch(const Options& options) {
     return 2;
 }
 
-/// What a verb prints may still be in the buffer; a full disk shows here.
-int flushed(int code) {
-    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0)
-        return code;
-    throw RunError("cannot write to standard output");
-}
-
 int fail(const std::exception& error, int code) {
     print_message(fmt::format("rodwake: {}\n", describe(error)));
     return code;
@@ -77,7 +70,11 @@ int main(int argc, char** argv) {
     const Parsed parsed = parse_command_line(argc, argv);
     install_signal_handlers();
     try {
-        return flushed(parsed.exit_now ? parsed.exit_code : dispatch(parsed.options));
+        const int code = parsed.exit_now ? parsed.exit_code : dispatch(parsed.options);
+        // What a verb prints may still be in the buffer; a full disk shows here.
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+            throw rodwake::RunError("cannot write to standard output");
+        return code;
     } catch (const rodwake::app::FinishedRun& finished) {
         return fail(finished, 0);
     } catch (const rodwake::InputError& error) {

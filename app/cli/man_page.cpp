@@ -19,20 +19,17 @@ std::string plain(const std::string& text) {
     return out;
 }
 
-/// "-o, --output TEXT" of an option, "SCENE" of a positional one.
-std::string term(const CLI::Option& option) {
-    if (option.get_positional())
-        return plain(option.get_name(true));
-    std::string names;
-    for (const std::string& name : option_names(option))
-        names += (names.empty() ? "" : ", ") + name;
-    return plain(takes_value(option) ? names + " " + option.get_type_name() : names);
-}
-
 std::string options_text(const CLI::App& app) {
     std::string text;
-    for (const CLI::Option* option : app.get_options())
-        text += fmt::format(".TP\n.B {}\n{}\n", term(*option), plain(option->get_description()));
+    for (const CLI::Option* option : app.get_options()) {
+        // "-o, --output TEXT" of an option, "SCENE" of a positional one.
+        std::string term = option->get_positional()
+                               ? option->get_name(true)
+                               : fmt::format("{}", fmt::join(option_names(*option), ", "));
+        if (!option->get_positional() && takes_value(*option))
+            term += " " + option->get_type_name();
+        text += fmt::format(".TP\n.B {}\n{}\n", plain(term), plain(option->get_description()));
+    }
     return text;
 }
 

@@ -26,28 +26,6 @@ std::string quoted(const std::string& word) {
     return out + "'";
 }
 
-/// `-s key = value`, three words to a shell, as one.
-std::vector<std::string> joined_settings(std::vector<std::string> words) {
-    for (std::size_t i = 1; i < words.size(); ++i)
-        if ((words[i - 1] == "-s" || words[i - 1] == "--set") && i + 1 < words.size() &&
-            words[i + 1].starts_with("=")) {
-            const std::size_t end = words[i + 1] == "=" ? std::min(i + 3, words.size()) : i + 2;
-            for (std::size_t k = i + 1; k < end; ++k)
-                words[i] += words[k];
-            words.erase(words.begin() + static_cast<long>(i) + 1, words.begin() + static_cast<long>(end));
-        }
-    return words;
-}
-
-/// `help run` as `run --help`; what is no verb is looked up.
-std::vector<std::string> with_help_option(const CLI::App& app, const std::vector<std::string>& words) {
-    if (words.empty() || (words.size() == 1 && words[0] == "help"))
-        return {"--help"};
-    if (words.size() == 2 && words[0] == "help" && find_verb(app, words[1]))
-        return {words[1], "--help"};
-    return words;
-}
-
 /// With --points the answer goes to standard output and no scene takes part: what else is given would be
 /// ignored.
 void check_field_options(const CLI::App& app, const Options& options) {
@@ -96,7 +74,22 @@ Parsed parse_command_line(int argc, const char* const* argv) {
     parsed.options.command = fmt::format("{}", fmt::join(line, " "));
     CLI::App app("rodwake: motile rods in an elastic medium", "rodwake");
     define_command_line(app, parsed.options);
-    std::vector<std::string> words = with_help_option(app, joined_settings({argv + 1, argv + argc}));
+    // `-s key = value`, three words to a shell, is one setting.
+    std::vector<std::string> words(argv + 1, argv + argc);
+    for (std::size_t i = 1; i < words.size(); ++i)
+        if ((words[i - 1] == "-s" || words[i - 1] == "--set") && i + 1 < words.size() &&
+            words[i + 1].starts_with("=")) {
+            const std::size_t end = words[i + 1] == "=" ? std::min(i + 3, words.size()) : i + 2;
+            for (std::size_t k = i + 1; k < end; ++k)
+                words[i] += words[k];
+            words.erase(words.begin() + static_cast<long>(i) + 1, words.begin() + static_cast<long>(end));
+        }
+
+    // `help run` is `run --help`; what is no verb is looked up.
+    if (words.empty() || (words.size() == 1 && words[0] == "help"))
+        words = {"--help"};
+    else if (words.size() == 2 && words[0] == "help" && find_verb(app, words[1]))
+        words = {words[1], "--help"};
     try {
         refuse_misread_words(app, words);
         std::ranges::reverse(words); // as CLI11 takes them
@@ -146,29 +139,6 @@ std::string unknown_option(const CLI::App& verb, const std::string& word) {
     return fmt::format("{}: {} has no such option{}", name, command_of(verb), suggestion(name, known));
 }
 
-/// SCENE, or nothing.
-std::string positional_names(const CLI::App& verb) {
-    Words names;
-    for (const CLI::Option* option : verb.get_options())
-        if (option->get_positional())
-            names.push_back(option->get_name(true));
-    return names.empty() ? "no arguments" : fmt::format("one {}", fmt::join(names, " "));
-}
-
-std::string other_error(const CLI::App& verb, const CLI::ParseError& error) {
-    std::string text = error.what();
-    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
-        const std::string option = text.substr(0, text.find(':'));
-        const std::string use = option == "--set" ? ", table.key=value" : "";
-        return fmt::format("{}: its value is missing{}; see {} --help", option, use, command_of(verb));
-    }
-    if (dynamic_cast<const CLI::RequiredError*>(&error))
-        return fmt::format("{}; see {} --help", text, command_of(verb));
-    if (const auto at = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
-        return fmt::format("{} and {}: give one of them", text.substr(0, at), text.substr(at + 10));
-    return text;
-}
-
 } // namespace
 
 const CLI::App* find_verb(const CLI::App& app, const std::string& name) {
@@ -209,10 +179,25 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
     const auto option = std::ranges::find_if(left, [](const auto& w) { return w.size() > 1 && w[0] == '-'; });
     if (option != left.end())
         return unknown_option(verb, *option);
-    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !left.empty())
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) && !left.empty()) {
+        Words names; // SCENE, or nothing
+        for (const CLI::Option* taken : verb.get_options())
+            if (taken->get_positional())
+                names.push_back(taken->get_name(true));
         return fmt::format("{}: not expected; {} takes {}", left.front(), command_of(verb),
-                           positional_names(verb));
-    return other_error(verb, error);
+                           names.empty() ? "no arguments" : fmt::format("one {}", fmt::join(names, " ")));
+    }
+    const std::string text = error.what();
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+        const std::string name = text.substr(0, text.find(':'));
+        return fmt::format("{}: its value is missing{}; see {} --help", name,
+                           name == "--set" ? ", table.key=value" : "", command_of(verb));
+    }
+    if (dynamic_cast<const CLI::RequiredError*>(&error))
+        return fmt::format("{}; see {} --help", text, command_of(verb));
+    if (const auto at = text.find(" excludes "); dynamic_cast<const CLI::ExcludesError*>(&error))
+        return fmt::format("{} and {}: give one of them", text.substr(0, at), text.substr(at + 10));
+    return text;
 }
 
 } // namespace rodwake::cli

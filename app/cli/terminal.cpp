@@ -58,19 +58,6 @@ public:
     std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JsonPayload>(); }
 };
 
-spdlog::sink_ptr json_sink(const std::string& path) {
-    try {
-        auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path, false);
-        auto formatter = std::make_unique<spdlog::pattern_formatter>();
-        formatter->add_flag<JsonPayload>('J').set_pattern(
-            R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","message":%J})");
-        sink->set_formatter(std::move(formatter));
-        return sink;
-    } catch (const spdlog::spdlog_ex& error) {
-        throw RunError(path + ": cannot write the log: " + error.what());
-    }
-}
-
 spdlog::logger make_logger(const Options& options) {
     auto terminal = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
     terminal->set_pattern("%v");
@@ -79,7 +66,16 @@ spdlog::logger make_logger(const Options& options) {
                                           : spdlog::level::info);
     spdlog::logger logger("rodwake", terminal);
     if (!options.json_log.empty())
-        logger.sinks().push_back(json_sink(options.json_log));
+        try {
+            auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(options.json_log, false);
+            auto formatter = std::make_unique<spdlog::pattern_formatter>();
+            formatter->add_flag<JsonPayload>('J').set_pattern(
+                R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","level":"%l","message":%J})");
+            sink->set_formatter(std::move(formatter));
+            logger.sinks().push_back(std::move(sink));
+        } catch (const spdlog::spdlog_ex& error) {
+            throw RunError(options.json_log + ": cannot write the log: " + error.what());
+        }
     logger.set_level(spdlog::level::debug);
     logger.flush_on(spdlog::level::info);
     return logger;
@@ -116,26 +112,22 @@ public:
         if (now < next_)
             return;
         next_ = now + interval();
-        show(line_of(report, std::chrono::duration<double>(now - start_).count()));
-    }
-
-private:
-    using Clock = std::chrono::steady_clock;
-    std::chrono::milliseconds interval() const { return terminal_ ? terminal_interval : plain_interval; }
-
-    static std::string line_of(const app::ProgressReport& r, double seconds) {
-        const double rate = (r.value - r.begin) / seconds, left = rate > 0.0 ? (r.end - r.value) / rate : 0.0;
-        return fmt::format("{}: {:.4g} of {:.4g} {} ({:.0f} %), {:.3g} {}/s, {:.0f} s left", r.what, r.value,
-                           r.end, r.unit, 100.0 * r.value / r.end, rate, r.unit, left);
-    }
-
-    void show(const std::string& line) {
+        const double seconds = std::chrono::duration<double>(now - start_).count(),
+                     rate = (report.value - report.begin) / seconds,
+                     left = rate > 0.0 ? (report.end - report.value) / rate : 0.0;
+        const std::string line = fmt::format("{}: {:.4g} of {:.4g} {} ({:.0f} %), {:.3g} {}/s, {:.0f} s left",
+                                             report.what, report.value, report.end, report.unit,
+                                             100.0 * report.value / report.end, rate, report.unit, left);
         const std::lock_guard lock(mutex_);
         if (!terminal_)
             return logger_.info(line);
         draw("\r\033[K" + line);
         drawn_ = true;
     }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::chrono::milliseconds interval() const { return terminal_ ? terminal_interval : plain_interval; }
 
     static void draw(const std::string& text) {
         std::fwrite(text.data(), 1, text.size(), stderr);

@@ -15,49 +15,11 @@ namespace rodwake::cli {
 
 namespace {
 
-using granular::Impact;
-
 constexpr const char* impact_header = "Px,Py,Pz,wx,wy,wz\n";
 
 struct ImpactRow : granular::ImpactCase {
     std::size_t line; ///< of the file
 };
-
-/// Smallest eigenvalue over the largest absolute one.
-double definiteness(const Eigen::Matrix3d& k) {
-    const double size = k.cwiseAbs().maxCoeff();
-    if (!(size > 0.0))
-        return 0.0;
-    const Eigen::Matrix3d scaled = k / size; // no under- or overflow
-    const Eigen::Vector3d values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scaled).eigenvalues();
-    return values[0] / values.cwiseAbs().maxCoeff();
-}
-
-class ImpactMessages {
-public:
-    explicit ImpactMessages(std::string file) : file_(std::move(file)) {}
-
-    void add(std::size_t line, const std::string& what) {
-        text_ += fmt::format("{}{}:{}:1: {}", text_.empty() ? "" : "\n", file_, line, what);
-    }
-    void throw_if_any() const {
-        if (!text_.empty())
-            throw InputError(text_);
-    }
-
-private:
-    std::string file_, text_;
-};
-
-void add_row(const ImpactRow& c, ImpactMessages& messages, fmt::memory_buffer& out) {
-    const Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
-    if (!i.impulse.allFinite() || !i.velocity.allFinite())
-        return messages.add(c.line,
-                            "impulse or velocity is beyond the range of a double; choose other units");
-    fmt::format_to(std::back_inserter(out), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
-                   i.impulse.x(), i.impulse.y(), i.impulse.z(), i.velocity.x(), i.velocity.y(),
-                   i.velocity.z());
-}
 
 } // namespace
 
@@ -75,29 +37,48 @@ int verb_impact(const Options& options) {
         c.surface = {at("mu"), at("e")};
         c.line = table.lines[i];
     }
-    ImpactMessages messages(options.cases);
+    std::string messages;
+    const auto complain = [&](std::size_t line, const std::string& what) {
+        messages += fmt::format("{}{}:{}:1: {}", messages.empty() ? "" : "\n", options.cases, line, what);
+    };
     for (const ImpactRow& c : cases) {
-        const double least = definiteness(c.inverse_mass);
+        // Smallest eigenvalue of K over the largest absolute one, scaled against under- and overflow.
+        double least = 0.0;
+        if (const double size = c.inverse_mass.cwiseAbs().maxCoeff(); size > 0.0) {
+            const Eigen::Matrix3d scaled = c.inverse_mass / size;
+            const Eigen::Vector3d values =
+                Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scaled).eigenvalues();
+            least = values[0] / values.cwiseAbs().maxCoeff();
+        }
         if (!(least > 4.0 * std::numeric_limits<double>::epsilon()))
-            messages.add(c.line,
-                         fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
-                                     "must be > 1e-15 (an inverse mass is)",
-                                     least));
+            complain(c.line,
+                     fmt::format("K is not positive definite: smallest over largest eigenvalue = {:.3g}, "
+                                 "must be > 1e-15 (an inverse mass is)",
+                                 least));
         if (!(c.surface.friction >= 0.0))
-            messages.add(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
+            complain(c.line, fmt::format("mu = {}: must be >= 0", c.surface.friction));
         if (!(c.surface.restitution >= 0.0 && c.surface.restitution <= 1.0))
-            messages.add(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
+            complain(c.line, fmt::format("e = {}: must be from 0 to 1", c.surface.restitution));
     }
-    messages.throw_if_any();
+    if (!messages.empty())
+        throw InputError(messages);
     fmt::memory_buffer out; // every row before the first is printed: a bad one leaves nothing half-written
     out.append(std::string_view(impact_header));
     for (const ImpactRow& c : cases)
         try {
-            add_row(c, messages, out);
+            const granular::Impact i = granular::stronge_impact(c.inverse_mass, c.velocity, c.surface);
+            if (!i.impulse.allFinite() || !i.velocity.allFinite()) {
+                complain(c.line, "impulse or velocity is beyond the range of a double; choose other units");
+                continue;
+            }
+            fmt::format_to(std::back_inserter(out), "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n",
+                           i.impulse.x(), i.impulse.y(), i.impulse.z(), i.velocity.x(), i.velocity.y(),
+                           i.velocity.z());
         } catch (const RunError& error) {
             throw RunError(fmt::format("{}:{}:1: {}", options.cases, c.line, error.what()));
         }
-    messages.throw_if_any();
+    if (!messages.empty())
+        throw InputError(messages);
     if (options.dry_run)
         return 0;
     if (std::fwrite(out.data(), 1, out.size(), stdout) != out.size() || std::fflush(stdout) != 0)

@@ -26,11 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr int usage_error = 2; ///< of the plotting program
 
-bool holds(const fs::path& file, const std::string& text) {
-    std::ifstream in(file, std::ios::binary);
-    return in && std::equal(std::istreambuf_iterator<char>(in), {}, text.begin(), text.end());
-}
-
 /// Where the explorer shows what ran, its page goes beside the report, which then speaks of it. Of scans
 /// scan.html computes; a scene that is not readable is for the plotting program to tell.
 void write_explorer(const fs::path& folder, bool quiet) {
@@ -50,7 +45,8 @@ void write_explorer(const fs::path& folder, bool quiet) {
     const std::string name = fs::absolute(folder).lexically_normal().filename().string();
     const std::string page =
         app::explorer_page(shipped_folder() / "explorer", app::ExplorerStart{*scene, name});
-    if (!holds(folder / app::explorer_file, page))
+    std::ifstream in(folder / app::explorer_file, std::ios::binary);
+    if (!in || !std::equal(std::istreambuf_iterator<char>(in), {}, page.begin(), page.end())) // another page
         store::write_atomically(folder / app::explorer_file, page);
 }
 

@@ -46,8 +46,17 @@ public:
     elastic::FieldValues at(const QueryPoint& point) {
         constexpr elastic::FieldRequest all{
             .displacement = true, .strain = true, .polar = true, .dipole = true};
-        if (!wake_ || !same_wake(point, last_)) {
-            wake_ = field(point)->wake(0.0);
+        const bool same_box = point.box == last_.box || (std::isnan(point.box) && std::isnan(last_.box));
+        if (!wake_ || !same_box || point.medium.eta != last_.medium.eta ||
+            point.medium.xi != last_.medium.xi) {
+            const auto count = count_.find(point.medium.eta);
+            const bool table =
+                std::isnan(point.box) && count != count_.end() && count->second >= worth_a_table;
+            const std::shared_ptr<const elastic::WakeField> field =
+                !std::isnan(point.box) ? elastic::exact_field(point.medium, point.box)
+                : table ? elastic::table_field(tables_.plane(point.medium.eta, tolerance_), point.medium)
+                        : elastic::exact_field(point.medium);
+            wake_ = field->wake(0.0);
             last_ = point;
         }
         return wake_->at(point.x, point.y, all);
@@ -56,20 +65,6 @@ public:
 private:
     /// Making a table takes as long as some million points.
     static constexpr std::size_t worth_a_table = 1000;
-
-    static bool same_wake(const QueryPoint& a, const QueryPoint& b) {
-        return a.medium.eta == b.medium.eta && a.medium.xi == b.medium.xi &&
-               (a.box == b.box || (std::isnan(a.box) && std::isnan(b.box)));
-    }
-
-    std::shared_ptr<const elastic::WakeField> field(const QueryPoint& point) {
-        if (!std::isnan(point.box))
-            return elastic::exact_field(point.medium, point.box);
-        const auto count = count_.find(point.medium.eta);
-        if (count == count_.end() || count->second < worth_a_table)
-            return elastic::exact_field(point.medium);
-        return elastic::table_field(tables_.plane(point.medium.eta, tolerance_), point.medium);
-    }
 
     double tolerance_;
     app::RunContext context_;

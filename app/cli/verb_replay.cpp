@@ -15,33 +15,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int verify(const Options& options, const app::RunContext& context) {
-    const app::Verified found = app::verify(options.target, context);
-    if (found.interrupted)
-        return signal_exit_code(stop_signal());
-    if (found.differs)
-        throw RunError(fmt::format("{}: other bits, first {}", options.target, *found.differs));
-    if (!options.quiet)
-        fmt::print("{}: {} stretches made again, all to the bit\n", options.target, found.stretches);
-    return 0;
-}
-
-fs::path replay_folder(const Options& options) {
-    if (!options.output.empty())
-        return options.output;
-    const fs::path run = options.target;
-    return (fs::is_directory(run) ? run : run.parent_path()) / "replay";
-}
-
 } // namespace
 
 int verb_replay(const Options& options) {
     const app::RunContext context = context_of(options);
-    if (options.verify)
-        return verify(options, context);
-    const fs::path folder = replay_folder(options);
-    if (options.output.empty()) // a folder that the user names may be a link
+    if (options.verify) {
+        const app::Verified found = app::verify(options.target, context);
+        if (found.interrupted)
+            return signal_exit_code(stop_signal());
+        if (found.differs)
+            throw RunError(fmt::format("{}: other bits, first {}", options.target, *found.differs));
+        if (!options.quiet)
+            fmt::print("{}: {} stretches made again, all to the bit\n", options.target, found.stretches);
+        return 0;
+    }
+    fs::path folder = options.output;
+    if (options.output.empty()) { // a folder that the user names may be a link
+        const fs::path run = options.target;
+        folder = (fs::is_directory(run) ? run : run.parent_path()) / "replay";
         app::refuse_link(folder);
+    }
     if (fs::exists(folder / "trajectory.h5md") && !options.force)
         throw InputError(
             fmt::format("{}: already exists; --force replaces it, or name another folder with -o",

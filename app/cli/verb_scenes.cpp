@@ -12,6 +12,7 @@
 #include <iterator>
 #include <map>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 namespace rodwake::cli {
@@ -49,21 +50,6 @@ std::map<std::string, fs::path> scene_files() {
     return files;
 }
 
-/// Words in lines of at most 78 characters, all indented.
-std::string wrapped(const std::string& text) {
-    constexpr std::size_t width = 78;
-    std::istringstream words(text);
-    std::string out, line = "   ";
-    for (std::string word; words >> word;) {
-        if (line.size() + 1 + word.size() > width) {
-            out += line + "\n";
-            line = "   ";
-        }
-        line += " " + word;
-    }
-    return out + line + "\n";
-}
-
 int list() {
     const auto files = scene_files();
     for (const bool of_fits : {false, true})
@@ -71,10 +57,18 @@ int list() {
             if (name.starts_with("fitting/") == of_fits) {
                 // The description is the comment that a scene begins with.
                 std::istringstream lines(text_of(path));
-                std::string text;
+                std::string text, out, shown = "   ";
                 for (std::string line; std::getline(lines, line) && line.starts_with("# ");)
                     text += (text.empty() ? "" : " ") + line.substr(2);
-                fmt::print("{}\n{}", name, wrapped(text));
+
+                // Its words go into indented lines of at most 78 characters.
+                std::istringstream words(text);
+                for (std::string word; words >> word;) {
+                    if (shown.size() + 1 + word.size() > 78)
+                        out += std::exchange(shown, "   ") + "\n";
+                    shown += " " + word;
+                }
+                fmt::print("{}\n{}{}\n", name, out, shown);
             }
     fmt::print(
         "\nrodwake scenes pair > my.toml prints one; rodwake scenes -o . copies all, with the data of the "
@@ -100,16 +94,6 @@ int print(std::string name) {
     return 0;
 }
 
-/// Files as they are to stand below the target, with what they are copied from.
-std::map<fs::path, fs::path> copies(const fs::path& target) {
-    std::map<fs::path, fs::path> from;
-    for (const char* folder : copied_folders)
-        for (const auto& entry : fs::directory_iterator(shipped_folder() / folder))
-            if (entry.is_regular_file())
-                from[target / folder / entry.path().filename()] = entry.path();
-    return from;
-}
-
 } // namespace
 
 fs::path shipped_folder() {
@@ -133,7 +117,12 @@ scene::Scene scene_of(const Options& options) {
 
 int verb_scenes(const Options& options) {
     if (!options.output.empty()) {
-        auto from = copies(options.output);
+        // Files as they are to stand below the target, with what they are copied from.
+        std::map<fs::path, fs::path> from;
+        for (const char* folder : copied_folders)
+            for (const auto& entry : fs::directory_iterator(shipped_folder() / folder))
+                if (entry.is_regular_file())
+                    from[fs::path(options.output) / folder / entry.path().filename()] = entry.path();
         std::erase_if(from, [](const auto& file) {
             return fs::exists(file.first) && text_of(file.first) == text_of(file.second);
         });

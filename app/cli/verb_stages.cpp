@@ -39,21 +39,17 @@ constexpr StageVerb stage_verbs[] = {
     {Verb::rods, Stage::rods, "no [rods_run] table, so there are no rods to integrate"},
 };
 
-/// Whether the verb looks at the order of rods: of those it integrates, and of those that are to be measured.
-/// Beside [measure] rods of the theory may be integrated later, in a field that is measured now.
-bool has_order(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
-    if (!scene.rods_order)
-        return false;
-    const bool later =
-        scene.measure && !order_of_bed(scene) && app::stage_status(folder, Stage::rods) != "finished";
-    return verb == Verb::rods ? !order_of_bed(scene) : verb == Verb::measure && !later;
-}
-
 std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::filesystem::path& folder) {
     const auto of = std::ranges::find(stage_verbs, verb, &StageVerb::verb);
     if (of == std::end(stage_verbs))
         return app::stages_of(scene);
-    const bool ordered = has_order(verb, scene, folder);
+    // The verb looks at the order of rods: of those it integrates, and of those that are to be measured.
+    // Beside
+    // [measure] rods of the theory may be integrated later, in a field that is measured now.
+    const bool later =
+        scene.measure && !order_of_bed(scene) && app::stage_status(folder, Stage::rods) != "finished";
+    const bool ordered =
+        scene.rods_order && (verb == Verb::rods ? !order_of_bed(scene) : verb == Verb::measure && !later);
     if (!app::has_table(scene, of->stage) && !(verb == Verb::measure && ordered))
         throw InputError(scene.path + ": " + of->lacks);
     if (scene.medium && scene.medium->fitted && (verb == Verb::field || verb == Verb::rods))
@@ -67,50 +63,6 @@ std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::fi
     if (ordered)
         stages.push_back(Stage::order);
     return stages;
-}
-
-bool draws(const Options& options) { return options.verb == Verb::run && !options.no_figures; }
-
-int finish(const Options& options, app::StageEnd end) {
-    const std::string folder = output_folder(options).string();
-    if (end == app::StageEnd::interrupted)
-        return signal_exit_code(stop_signal());
-    if (end == app::StageEnd::failed)
-        return 1;
-    if (draws(options))
-        make_figures(folder, false, options.quiet);
-    if (stop_signal())
-        return signal_exit_code(stop_signal());
-    return end == app::StageEnd::incomplete ? 3 : 0;
-}
-
-} // namespace
-
-namespace {
-
-/// The MPI job, for a scan or granular runs. Other verbs would do the same work on every rank.
-std::unique_ptr<scan::MpiJob> job_of(const Options& options) {
-    if (!scan::started_as_rank())
-        return nullptr;
-    if (options.verb != Verb::scan && options.verb != Verb::dem)
-        throw InputError("only rodwake scan and rodwake dem work under mpiexec: other commands would repeat "
-                         "the same work on every rank");
-    return scan::MpiJob::join();
-}
-
-/// Ranks that serve say nothing.
-app::RunContext context_of(const Options& options, scan::MpiJob* job) {
-    app::RunContext context = context_of(options);
-    if (!job)
-        return context;
-    if (job->rank() > 0) {
-        context.log = nullptr;
-        context.progress = nullptr;
-    }
-    context.executor = [job](scan::Evaluate evaluate, std::function<bool()> stop) {
-        return job->executor(std::move(evaluate), std::move(stop));
-    };
-    return context;
 }
 
 /// mpiexec kills its ranks a second after the signal, and planning a large scan takes longer. Its ledger is
@@ -151,9 +103,25 @@ int verb_stages(const Options& options) {
     const std::vector<Stage> stages = stages_of(options.verb, scene, output_folder(options));
     if (options.dry_run)
         return verb_check(options);
-    const auto job = job_of(options);
-    app::RunContext context = context_of(options, job.get());
-    context.draws = draws(options);
+    // A scan or granular runs may be an MPI job, of which ranks that serve say nothing.
+    std::unique_ptr<scan::MpiJob> job;
+    if (scan::started_as_rank()) {
+        if (options.verb != Verb::scan && options.verb != Verb::dem)
+            throw InputError(
+                "only rodwake scan and rodwake dem work under mpiexec: other commands would repeat "
+                "the same work on every rank");
+        job = scan::MpiJob::join();
+    }
+    app::RunContext context = context_of(options);
+    context.draws = options.verb == Verb::run && !options.no_figures;
+    if (job)
+        context.executor = [&job](scan::Evaluate evaluate, std::function<bool()> stop) {
+            return job->executor(std::move(evaluate), std::move(stop));
+        };
+    if (job && job->rank() > 0) {
+        context.log = nullptr;
+        context.progress = nullptr;
+    }
     if (job && job->rank() > 0)
         return serve(options, scene, stages, context, *job);
     std::jthread watch;
@@ -163,7 +131,14 @@ int verb_stages(const Options& options) {
         std::make_unique<const app::Plan>(app::plan_run(scene, stages, output_folder(options), context));
     for (const std::string& doubt : app::doubts(*plan))
         context.log(app::Severity::warning, doubt);
-    return finish(options, app::run(*plan, output_folder(options), context));
+    const app::StageEnd end = app::run(*plan, output_folder(options), context);
+    if (end == app::StageEnd::failed)
+        return 1;
+    if (end != app::StageEnd::interrupted && context.draws)
+        make_figures(output_folder(options), false, options.quiet);
+    if (end == app::StageEnd::interrupted || stop_signal())
+        return signal_exit_code(stop_signal());
+    return end == app::StageEnd::incomplete ? 3 : 0;
 }
 
 } // namespace rodwake::cli

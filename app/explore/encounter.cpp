@@ -30,14 +30,6 @@ void add_row(std::vector<double>& rows, double time, integrate::State y, integra
         rows.push_back(rates[i]);
 }
 
-/// The start and its steps; callbacks of steps do not know the rates of a pair's start.
-void add_start(std::vector<double>& rows, const rods::RodProblem& problem) {
-    const std::vector<double> y = rods::to_state(problem.rods);
-    std::vector<double> rates(y.size());
-    model_on_plane(problem).rhs(y, rates);
-    add_row(rows, 0.0, y, rates);
-}
-
 /// Nothing if the kernels hand the pair over.
 bool by_kernels(const rods::RodProblem& problem, double rtol, EncounterPath& encounter) {
     const auto pair = rods::to_pair_problem(problem);
@@ -45,7 +37,11 @@ bool by_kernels(const rods::RodProblem& problem, double rtol, EncounterPath& enc
         return false;
     rods::PairOptions options{rtol, 0.01 * rtol};
     options.max_attempts = most_attempts;
-    add_start(encounter.rows, problem);
+    // Callbacks of steps do not know the rates of a pair's start.
+    const std::vector<double> start = rods::to_state(problem.rods);
+    std::vector<double> rates(start.size());
+    model_on_plane(problem).rhs(start, rates);
+    add_row(encounter.rows, 0.0, start, rates);
     options.on_step = [&](std::size_t, const rods::PairStep& step) {
         add_row(encounter.rows, step.time, step.state, step.rate);
     };
@@ -82,22 +78,6 @@ EncounterSummary end_alone(const rods::RodProblem& problem, double rtol) {
     }
 }
 
-bool is_pair(const rods::RodProblem& problem) {
-    try {
-        const auto pair = rods::to_pair_problem(problem);
-        if (pair)
-            rods::validate(*pair);
-        return pair.has_value();
-    } catch (const InputError&) {
-        return false;
-    }
-}
-
-elastic::FieldValues displacement(const elastic::Field& field, std::span<const elastic::Source> rods,
-                                  double x, double y) {
-    return elastic::superpose(field, rods, x, y, {.displacement = true});
-}
-
 } // namespace
 
 EncounterPath encounter(const rods::RodProblem& problem, double rtol) {
@@ -116,8 +96,16 @@ void encounters(std::span<const rods::RodProblem> problems, double rtol, std::sp
     std::vector<rods::PairProblem> pairs;
     std::vector<std::size_t> indices;
     for (std::size_t i = 0; i < problems.size(); ++i) {
-        if (is_pair(problems[i])) {
-            pairs.push_back(*rods::to_pair_problem(problems[i]));
+        std::optional<rods::PairProblem> pair;
+        try {
+            pair = rods::to_pair_problem(problems[i]);
+            if (pair)
+                rods::validate(*pair);
+        } catch (const InputError&) {
+            pair.reset();
+        }
+        if (pair) {
+            pairs.push_back(*pair);
             indices.push_back(i);
         } else {
             ends[i] = end_alone(problems[i], rtol);
@@ -147,7 +135,8 @@ void wakes(const elastic::Medium& medium, std::span<const elastic::Source> rods,
     kernel.strain_and_polar(rods, {x, points.y}, columns.strain, columns.polar);
     const elastic::Field field(medium);
     for (std::size_t i = 0; i < columns.displacement_x.size(); ++i) {
-        const auto u = displacement(field, rods, x[i], points.y[i]).displacement;
+        const auto u =
+            elastic::superpose(field, rods, x[i], points.y[i], {.displacement = true}).displacement;
         columns.displacement_x[i] = u.x;
         columns.displacement_y[i] = u.y;
     }

@@ -64,7 +64,12 @@ public:
             if (advance())
                 on_row(time_, y_, rates_);
         }
-        refuse_passing();
+        if (!problem_.contact_distance && problem_.rods.size() > 1 && model_.interacting()) {
+            const double first = rods::closest_pair(rods::to_state(problem_.rods)).distance;
+            if (record_.smallest.distance <= rods::passing_resolution(y_, first, 1.01 * rtol_))
+                throw RunError("the rods pass through each other, where their fields are singular: set "
+                               "contact_distance, so that the run stops when they meet");
+        }
         integrate::Solution solution;
         solution.final_time = time_;
         solution.final_state = y_;
@@ -117,24 +122,6 @@ private:
                    : rods::closest_pair(y).distance - *problem_.contact_distance;
     }
 
-    /// Length of a step within h that ends in contact; h if there is none.
-    double contact_within(double h, const TrialStep& end) const {
-        if (gap(end.y) <= 0.0 || !problem_.contact_distance)
-            return h;
-        const auto dip =
-            rods::first_approach_time({time_, time_ + h, y_, end.y}, {}, *problem_.contact_distance);
-        return dip ? std::min(*dip - time_, h) : h;
-    }
-
-    /// Shortens a step that ends in contact until its end lies on it.
-    std::pair<double, TrialStep> meet(double outside, double inside) const {
-        for (int k = 0; k < 60 && inside - outside > 1e-14; ++k) {
-            const double middle = 0.5 * (outside + inside);
-            (gap(trial(middle).y) > 0.0 ? outside : inside) = middle;
-        }
-        return {inside, trial(inside)};
-    }
-
     /// One attempted step; false: it is to be tried again, shorter.
     bool advance() {
         const double target = time_ < late_from_ ? late_from_ : t_end_, rest = target - time_;
@@ -150,37 +137,35 @@ private:
             step_ = h * (std::isfinite(end.error) ? factor : 0.2);
             return false;
         }
-        const double inside = contact_within(h, end);
+        // A step within which the rods meet is shortened until its end lies on the contact.
+        double inside = h, outside = 0.0;
+        if (gap(end.y) > 0.0 && problem_.contact_distance)
+            if (const auto dip =
+                    rods::first_approach_time({time_, time_ + h, y_, end.y}, {}, *problem_.contact_distance))
+                inside = std::min(*dip - time_, h);
         if (inside < h)
             end = trial(inside);
         if (gap(end.y) <= 0.0) {
-            std::tie(h, end) = meet(0.0, inside);
+            for (int k = 0; k < 60 && inside - outside > 1e-14; ++k) {
+                const double middle = 0.5 * (outside + inside);
+                (gap(trial(middle).y) > 0.0 ? outside : inside) = middle;
+            }
+            h = inside;
+            end = trial(h);
             contact_ = true;
         } else if (inside < h) {
             h = inside; // a closest approach, not quite as near
         }
         const bool to_target = h >= rest;
         step_ = to_target ? std::max(step_, h * factor) : h * factor;
-        take(to_target ? target : time_ + h, std::move(end));
-        return true;
-    }
-
-    void take(double time, TrialStep end) {
+        const double time = to_target ? target : time_ + h;
         if (problem_.rods.size() > 1)
             rods::add_step(record_, {time_, time, y_, end.y}, state_rates());
         time_ = time;
         y_ = std::move(end.y);
         rates_ = std::move(end.rates);
         ended_ = contact_ || time_ >= t_end_;
-    }
-
-    void refuse_passing() const {
-        if (problem_.contact_distance || problem_.rods.size() < 2 || !model_.interacting())
-            return;
-        const double first = rods::closest_pair(rods::to_state(problem_.rods)).distance;
-        if (record_.smallest.distance <= rods::passing_resolution(y_, first, 1.01 * rtol_))
-            throw RunError("the rods pass through each other, where their fields are singular: set "
-                           "contact_distance, so that the run stops when they meet");
+        return true;
     }
 
     const rods::RodProblem& problem_;

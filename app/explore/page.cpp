@@ -82,44 +82,6 @@ std::string base64(std::string_view bytes) {
     return text;
 }
 
-ordered_json described_keys() {
-    ordered_json keys;
-    const auto schema = nlohmann::json::parse(scene::schema_json());
-    for (const PageKey& shown : page_keys)
-        for (const auto& key : schema["keys"])
-            if (shown.number != nullptr && key["table"] == shown.table && key["key"] == shown.name)
-                keys[std::string(shown.name)] = {{"symbol", key.value("symbol", "")},
-                                                 {"unit", key.contains("unit") ? key["unit"]["reduced"] : ""},
-                                                 {"meaning", key["meaning"]},
-                                                 {"range", key["range"]}};
-    return keys;
-}
-
-ordered_json start_state(const scene::Scene& scene) {
-    if (const std::vector<std::string> left = left_out_by_explorer(scene); !left.empty())
-        throw InputError(fmt::format("no page of this scene: {}", fmt::join(left, "; ")));
-    const rods::RodProblem problem = rod_problem(scene);
-    ordered_json state;
-    for (const PageKey& key : page_keys)
-        if (key.number != nullptr)
-            state[std::string(key.name)] = key.number(problem);
-    for (const std::size_t rod : {0u, 1u}) {
-        const rods::Pose& pose = problem.rods[rod];
-        state[fmt::format("x{}", rod)] = pose.x;
-        state[fmt::format("y{}", rod)] = pose.y;
-        state[fmt::format("theta{}", rod)] = pose.heading;
-    }
-    return state;
-}
-
-/// JSON that may stand in a script: no "</script>" in it.
-std::string for_script(const ordered_json& value) {
-    std::string text;
-    for (const char c : json_text(value))
-        text += c == '<' ? std::string("\\u003c") : std::string(1, c);
-    return text;
-}
-
 void put(std::string& page, std::string_view location, const std::string& what) {
     const std::size_t at = page.find(location);
     if (at == std::string::npos)
@@ -130,16 +92,43 @@ void put(std::string& page, std::string_view location, const std::string& what) 
 } // namespace
 
 std::string explorer_page(const std::filesystem::path& folder, const std::optional<ExplorerStart>& start) {
-    ordered_json setup = {{"version", build_info().version},
-                          {"scene", start ? ordered_json(start->name) : ordered_json()},
-                          {"state", start ? start_state(start->scene) : ordered_json()},
-                          {"keys", described_keys()}};
+    ordered_json state;
+    if (start) {
+        if (const std::vector<std::string> left = left_out_by_explorer(start->scene); !left.empty())
+            throw InputError(fmt::format("no page of this scene: {}", fmt::join(left, "; ")));
+        const rods::RodProblem problem = rod_problem(start->scene);
+        for (const PageKey& key : page_keys)
+            if (key.number != nullptr)
+                state[std::string(key.name)] = key.number(problem);
+        for (const std::size_t rod : {0u, 1u}) {
+            const rods::Pose& pose = problem.rods[rod];
+            state[fmt::format("x{}", rod)] = pose.x;
+            state[fmt::format("y{}", rod)] = pose.y;
+            state[fmt::format("theta{}", rod)] = pose.heading;
+        }
+    }
+    ordered_json keys;
+    const auto schema = nlohmann::json::parse(scene::schema_json());
+    for (const PageKey& shown : page_keys)
+        for (const auto& key : schema["keys"])
+            if (shown.number != nullptr && key["table"] == shown.table && key["key"] == shown.name)
+                keys[std::string(shown.name)] = {{"symbol", key.value("symbol", "")},
+                                                 {"unit", key.contains("unit") ? key["unit"]["reduced"] : ""},
+                                                 {"meaning", key["meaning"]},
+                                                 {"range", key["range"]}};
+    const ordered_json setup = {{"version", build_info().version},
+                                {"scene", start ? ordered_json(start->name) : ordered_json()},
+                                {"state", state},
+                                {"keys", keys}};
+    std::string setup_text; // JSON that may stand in a script: no "</script>" in it
+    for (const char c : json_text(setup))
+        setup_text += c == '<' ? std::string("\\u003c") : std::string(1, c);
     std::string code;
     for (const char* script : scripts)
         code += part_of_page(folder / script) + "\n";
     std::string page = part_of_page(folder / "page.html");
     put(page, "{{style}}", part_of_page(folder / "page.css"));
-    put(page, "{{setup}}", for_script(setup));
+    put(page, "{{setup}}", setup_text);
     put(page, "{{kernel}}", base64(part_of_page(folder / "kernel.wasm")));
     put(page, "{{script}}", code);
     return page;

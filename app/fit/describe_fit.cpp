@@ -9,32 +9,6 @@ namespace rodwake::app {
 
 namespace {
 
-/// "60 of 79 points", or that the file is still to be made.
-std::string points_text(const scene::FitProfile& profile, const std::optional<FitProfileData>& data,
-                        double core) {
-    if (!data)
-        return fmt::format("the points of {}, which the run makes", profile.file);
-    return fmt::format("{} of {} points of {}", fitting::outside_core(data->data, core).place.size(),
-                       data->data.place.size(), data->file.string());
-}
-
-std::string track_text(const scene::FitTrajectory& track, const std::optional<FitTrackData>& data) {
-    if (!data)
-        return fmt::format("fit: rods of {}, which the run makes", track.file);
-    return fmt::format("fit: {} rods, {} rows of {}", data->rods, data->data.times.size(),
-                       data->file.string());
-}
-
-std::string mask_text(const scene::Fit& keys) {
-    if (keys.masks.empty())
-        return "no mask, every bin counts";
-    const fitting::MapMask mask = map_mask(keys.masks.front());
-    return fmt::format("|y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg from the heading{}", mask.strip,
-                       mask.radius, mask.from * 180.0 / std::numbers::pi, mask.to * 180.0 / std::numbers::pi,
-                       keys.masks.size() > 1 ? fmt::format("; {} other masks tried", keys.masks.size() - 1)
-                                             : "");
-}
-
 void add_maps(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
     if (keys.maps.empty())
         return;
@@ -45,7 +19,16 @@ void add_maps(const scene::Fit& keys, const FitInputs& inputs, Lines& lines) {
                                                  map->data.lx, map->data.ly, map->data.speed)
                                    : "fit: bins of a map that the run makes"});
     }
-    lines.push_back({true, "fit of maps: " + mask_text(keys)});
+    std::string masked = "no mask, every bin counts";
+    if (!keys.masks.empty()) {
+        const fitting::MapMask mask = map_mask(keys.masks.front());
+        masked = fmt::format("|y| >= {:g}, r >= {:g}, {:.0f} to {:.0f} deg from the heading", mask.strip,
+                             mask.radius, mask.from * 180.0 / std::numbers::pi,
+                             mask.to * 180.0 / std::numbers::pi);
+        if (keys.masks.size() > 1)
+            masked += fmt::format("; {} other masks tried", keys.masks.size() - 1);
+    }
+    lines.push_back({true, "fit of maps: " + masked});
     for (const auto& [name, error] : keys.fixed_errors)
         lines.push_back({true, fmt::format("fit: {} is held with an error of {:g}", name, error)});
 }
@@ -133,13 +116,23 @@ void describe_fit(const Plan& plan, Lines& lines) {
     const FitInputs& inputs = *plan.fit;
     for (std::size_t i = 0; i < keys.profiles.size(); ++i) {
         const scene::FitProfile& p = keys.profiles[i];
+        const std::optional<FitProfileData>& data = inputs.profiles[i];
+        const std::string points =
+            data ? fmt::format("{} of {} points of {}",
+                               fitting::outside_core(data->data, keys.core).place.size(),
+                               data->data.place.size(), data->file.string())
+                 : fmt::format("the points of {}, which the run makes", p.file);
         lines.push_back({true, fmt::format("fit: {} along {} at {} = {:g} {}: {}", p.component, p.along,
                                            p.along == "x" ? "y" : "x", p.at,
-                                           p.role == scene::FitRole::fit ? "fitted" : "predicted",
-                                           points_text(p, inputs.profiles[i], keys.core))});
+                                           p.role == scene::FitRole::fit ? "fitted" : "predicted", points)});
     }
-    for (std::size_t i = 0; i < keys.trajectories.size(); ++i)
-        lines.push_back({true, track_text(keys.trajectories[i], inputs.tracks[i])});
+    for (std::size_t i = 0; i < keys.trajectories.size(); ++i) {
+        const std::optional<FitTrackData>& data = inputs.tracks[i];
+        lines.push_back(
+            {true, data ? fmt::format("fit: {} rods, {} rows of {}", data->rods, data->data.times.size(),
+                                      data->file.string())
+                        : fmt::format("fit: rods of {}, which the run makes", keys.trajectories[i].file)});
+    }
     add_maps(keys, *plan.fit, lines);
     add_terms(keys, lines);
 }

@@ -39,25 +39,6 @@ struct WeighedModel {
     bool ended() const { return failure.empty(); }
 };
 
-/// Reads the evidence from posterior.json. The remarks of a rival are repeated: its log is not on the
-/// terminal.
-void read_evidence(const fs::path& folder, const std::string& rival, FitModelRow& row, const Logger& log) {
-    std::ifstream file(folder / "posterior.json");
-    const auto json = nlohmann::json::parse(file, nullptr, false);
-    if (!json.is_object() || !json.contains("log_evidence") || !json["log_evidence"].is_object())
-        return;
-    const auto number = [&](const char* key) {
-        const auto& evidence = json["log_evidence"];
-        return evidence.contains(key) && evidence[key].is_number() ? evidence[key].get<double>()
-                                                                   : std::nan("");
-    };
-    row.log_evidence = number("value");
-    row.evidence_error = number("stderr");
-    if (!rival.empty() && json.contains("remarks"))
-        for (const auto& remark : json["remarks"])
-            log->warn("posterior of model {}: {}", rival, remark.get<std::string>());
-}
-
 WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunContext& context,
                      const fs::path& folder, const std::string& name, const std::string& own,
                      const Logger& log) {
@@ -79,8 +60,24 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
     out.row.bic = minus_2_log_l + free * std::log(values);
 
     out.row.misfit = out.misfit.probability.value_or(std::nan(""));
-    if (plan.keys.posterior)
-        read_evidence(folder / own, own == "." ? "" : name, out.row, log);
+    // The evidence stands in posterior.json. Remarks of a rival are repeated: its log is not on the terminal.
+    if (plan.keys.posterior) {
+        std::ifstream file(folder / own / "posterior.json");
+        const auto json = nlohmann::json::parse(file, nullptr, false);
+        if (json.is_object() && json.contains("log_evidence") && json["log_evidence"].is_object()) {
+            const auto& evidence = json["log_evidence"];
+            const auto number = [&](const char* key) {
+                return evidence.contains(key) && evidence[key].is_number() ? evidence[key].get<double>()
+                                                                           : std::nan("");
+            };
+            out.row.log_evidence = number("value");
+            out.row.evidence_error = number("stderr");
+            if (own != "." && !name.empty() && json.contains("remarks"))
+                for (const auto& remark : json["remarks"])
+                    log->warn("posterior of model {}: {}", name, remark.get<std::string>());
+        }
+    }
+
     fitting::Method method = plan.method;
     method.threads = context.thread_count();
     method.stop_requested = [&] { return context.stopped(); };
@@ -91,23 +88,6 @@ WeighedModel weighed(const FitPlan& plan, const FitResults& results, const RunCo
             log->warn("fit: model {}: no cross-validation: {}", name, error.what());
     }
     return out;
-}
-
-/// Log-likelihoods of cross-validation, and their differences from the best model, stretch by stretch.
-void set_differences(std::vector<WeighedModel>& models, const WeighedModel& best) {
-    for (WeighedModel& m : models) {
-        if (!m.foretold)
-            continue;
-        m.row.foretold = m.foretold->sum();
-        m.row.foretold_error = m.foretold->error();
-        if (!best.foretold || best.foretold->blocks.size() != m.foretold->blocks.size())
-            continue;
-        fitting::CrossValidation difference = *m.foretold;
-        for (std::size_t i = 0; i < difference.blocks.size(); ++i)
-            difference.blocks[i] -= best.foretold->blocks[i];
-        m.row.foretold_difference = difference.sum();
-        m.row.difference_error = difference.error();
-    }
 }
 
 std::string probability_text(double p) { return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.2g}", p); }
@@ -212,25 +192,6 @@ void log_models(const std::vector<WeighedModel>& models, const std::vector<std::
         log->info("fit: {}", sentence);
 }
 
-/// The same data, in the same weights.
-void require_same_data(const FitPlan& plan, const FitPlan& rival, const std::string& name) {
-    const fitting::Problem &a = plan.problem, &b = rival.problem;
-    const bool sigmas = std::ranges::equal(a.log_sigma, b.log_sigma, [](double s, double t) {
-        return std::abs(s - t) < 1e-9 * (1.0 + std::abs(s));
-    });
-    if ((a.log_scales == 0) != (b.log_scales == 0))
-        throw InputError(
-            fmt::format("fit.models {}: rods diffuse (D_r, D_t) in one of it and the fit as written and "
-                        "not in the other: hold D_r = 0 in fit.fixed of the one without",
-                        name));
-    if (a.residuals != b.residuals || a.independent != b.independent || a.sigma_known != b.sigma_known ||
-        !sigmas)
-        throw InputError(fmt::format("fit.models {}: it has {} residuals and the fit itself {}{}: models can "
-                                     "only be compared on the same data",
-                                     name, b.residuals, a.residuals,
-                                     sigmas ? "" : ", or their errors differ"));
-}
-
 } // namespace
 
 ordered_json misfit_json(const fitting::Misfit& m) {
@@ -255,7 +216,22 @@ ordered_json misfit_json(const fitting::Misfit& m) {
 FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, const FitPlan& plan,
                    FitInputs inputs) try {
     FitPlan rival = fit_plan(*scene::apply_model(scene, model).fit, std::move(inputs));
-    require_same_data(plan, rival, model.name);
+    // Only fits of the same data in the same weights can be compared.
+    const fitting::Problem &a = plan.problem, &b = rival.problem;
+    const bool sigmas = std::ranges::equal(a.log_sigma, b.log_sigma, [](double s, double t) {
+        return std::abs(s - t) < 1e-9 * (1.0 + std::abs(s));
+    });
+    if ((a.log_scales == 0) != (b.log_scales == 0))
+        throw InputError(
+            fmt::format("fit.models {}: rods diffuse (D_r, D_t) in one of it and the fit as written and "
+                        "not in the other: hold D_r = 0 in fit.fixed of the one without",
+                        model.name));
+    if (a.residuals != b.residuals || a.independent != b.independent || a.sigma_known != b.sigma_known ||
+        !sigmas)
+        throw InputError(fmt::format("fit.models {}: it has {} residuals and the fit itself {}{}: models can "
+                                     "only be compared on the same data",
+                                     model.name, b.residuals, a.residuals,
+                                     sigmas ? "" : ", or their errors differ"));
     if (rival.keys.posterior && !rival.keys.posterior->evidence) // it is sampled for its evidence alone
         rival.keys.posterior.reset();
     return rival;
@@ -289,8 +265,7 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
         if (context.stopped())
             return false;
     }
-    // Weights in proportion to exp(score): of the evidence if all models that ended have it (returns true),
-    // else of AIC.
+    // Weights in proportion to exp(score): of the evidence if all models that ended have it, else of AIC.
     const bool evidence = std::ranges::all_of(
         models, [](const WeighedModel& m) { return !m.ended() || std::isfinite(m.row.log_evidence); });
     const auto score = [&](const WeighedModel& m) {
@@ -303,7 +278,21 @@ bool add_models(const scene::Scene& scene, const FitPlan& plan, const FitResults
         sum += std::exp(score(m) - best);
     for (WeighedModel& m : models)
         m.row.weight = std::exp(score(m) - best) / sum;
-    set_differences(models, models[by_weight(models).front()]);
+    // Log-likelihoods of cross-validation, and their differences from the best model, stretch by stretch.
+    const std::optional<fitting::CrossValidation> of_best = models[by_weight(models).front()].foretold;
+    for (WeighedModel& m : models) {
+        if (!m.foretold)
+            continue;
+        m.row.foretold = m.foretold->sum();
+        m.row.foretold_error = m.foretold->error();
+        if (!of_best || of_best->blocks.size() != m.foretold->blocks.size())
+            continue;
+        fitting::CrossValidation difference = *m.foretold;
+        for (std::size_t i = 0; i < difference.blocks.size(); ++i)
+            difference.blocks[i] -= of_best->blocks[i];
+        m.row.foretold_difference = difference.sum();
+        m.row.difference_error = difference.error();
+    }
     const std::vector<std::string> text = verdict(models, evidence);
     write_models(folder, plan, models, evidence, text, context.command);
     log_models(models, text, log);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 namespace rodwake::app {
@@ -17,15 +18,9 @@ using fitting::Problem;
 
 bool is_fitted(const scene::FitProfile& profile) { return profile.role == scene::FitRole::fit; }
 
-/// How much larger the data of the fitted profiles are than those that defaults are made for: places of some
-/// 40, displacements of some 0.2. 1 where they are near enough.
-struct DataScale {
-    double place = 1.0, value = 1.0;
-
-    bool usual() const { return place == 1.0 && value == 1.0; }
-};
-
-DataScale data_scale(const FitPlan& plan) {
+/// The parameters that the scene uses, of those that a model has. Defaults are for data of the usual size,
+/// and those of parameters with a length are scaled with the data where these are far from it.
+std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& of_model) {
     constexpr double usual_place = 40.0, usual_value = 0.2, near = 25.0;
     double position = 0.0, value = 0.0;
     for (std::size_t i = 0; i < plan.profiles.size(); ++i)
@@ -34,89 +29,52 @@ DataScale data_scale(const FitPlan& plan) {
                 position = std::max(position, std::hypot(data.place[k], data.at));
                 value = std::max(value, std::abs(data.value[k]));
             }
-    const auto scale = [](double size, double usual) {
+    const auto factor = [](double size, double usual) {
         const bool far = std::isfinite(size) && (size > near * usual || size * near < usual);
         return far && size > 0.0 ? size / usual : 1.0;
     };
-    return {scale(position, usual_place), scale(value, usual_value)};
-}
-
-fitting::Parameter parameter(const scene::Fit& keys, const std::string& name, const DataScale& data) {
-    fitting::Parameter p;
-    p.name = name;
-    const auto start = keys.start.find(name);
-    p.start = start == keys.start.end() ? scene::fit_default_start(keys, name) : start->second;
-    if (const auto bounds = scene::fit_bounds(keys, name); bounds && scene::fit_is_free(keys, name)) {
-        p.lower = bounds->low;
-        p.upper = bounds->high;
-    }
-    if (scene::fit_is_free(keys, name) && scene::fit_in_log(keys, name))
-        p.transform = fitting::Transform::log;
-    if (const auto fixed = keys.fixed.find(name); fixed != keys.fixed.end()) {
-        p.fixed = true;
-        p.start = fixed->second;
-    }
-    if (const auto tie = keys.tied.find(name); tie != keys.tied.end()) {
-        p.tied_to = tie->second.to;
-        p.tie_factor = tie->second.factor;
-    }
-    if (p.fixed || data.usual())
-        return p;
-
-    // Defaults are for data of the usual size: those of parameters with a length are scaled with the data.
+    const double by_place = factor(position, usual_place), by_value = factor(value, usual_value);
     const std::map<std::string, double> scales = {
-        {"f_over_mu", data.value}, {"xi", data.place},       {"x0", data.place},
-        {"offset", data.value},    {"offset_y", data.value}, {"f2d_over_mu", data.value * data.place}};
-    const double scale = scales.contains(name) ? scales.at(name) : 1.0;
-    if (!keys.bounds.contains(name)) {
-        p.lower *= scale;
-        p.upper *= scale;
-    }
-    if (!keys.start.contains(name))
-        p.start = std::clamp(p.start * scale, p.lower, p.upper);
-    if (p.start == 0.0)
-        p.scale = scale;
-    return p;
-}
+        {"f_over_mu", by_value}, {"xi", by_place},       {"x0", by_place},
+        {"offset", by_value},    {"offset_y", by_value}, {"f2d_over_mu", by_value * by_place}};
 
-/// The parameters that the scene uses, of those that a model has.
-std::vector<fitting::Parameter> parameters(const FitPlan& plan, const std::vector<std::string>& of_model) {
+    const scene::Fit& keys = plan.keys;
     std::vector<fitting::Parameter> out;
-    const DataScale data = data_scale(plan);
-    for (const std::string& name : scene::fit_used(plan.keys))
-        if (std::ranges::find(of_model, name) != of_model.end())
-            out.push_back(parameter(plan.keys, name, data));
-    return out;
-}
-
-Problem map_problem(const FitPlan& plan) {
-    std::vector<fitting::Map> maps;
-    for (const FitMapData& map : plan.maps)
-        maps.push_back(map.data);
-    return fitting::map_problem(plan.map_model, maps, plan.mask, parameters(plan, map_names(plan.keys)));
-}
-
-/// The reason why the residuals at these values cannot be computed or squared and summed; nothing if they
-/// can.
-std::optional<std::string> failure_at(const Problem& problem, std::span<const double> values) {
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
-    try {
-        problem.evaluate(values, r, nullptr);
-    } catch (const InputError& error) {
-        return fmt::format("the model cannot be computed: {}", error.what());
-    } catch (const RunError& error) {
-        return fmt::format("the model cannot be computed: {}", error.what());
+    for (const std::string& name : scene::fit_used(keys)) {
+        if (std::ranges::find(of_model, name) == of_model.end())
+            continue;
+        fitting::Parameter& p = out.emplace_back();
+        p.name = name;
+        const auto start = keys.start.find(name);
+        p.start = start == keys.start.end() ? scene::fit_default_start(keys, name) : start->second;
+        const bool free = scene::fit_is_free(keys, name);
+        if (const auto bounds = scene::fit_bounds(keys, name); bounds && free) {
+            p.lower = bounds->low;
+            p.upper = bounds->high;
+        }
+        if (free && scene::fit_in_log(keys, name))
+            p.transform = fitting::Transform::log;
+        if (const auto fixed = keys.fixed.find(name); fixed != keys.fixed.end()) {
+            p.fixed = true;
+            p.start = fixed->second;
+        }
+        if (const auto tie = keys.tied.find(name); tie != keys.tied.end()) {
+            p.tied_to = tie->second.to;
+            p.tie_factor = tie->second.factor;
+        }
+        if (p.fixed || (by_place == 1.0 && by_value == 1.0))
+            continue;
+        const double scale = scales.contains(name) ? scales.at(name) : 1.0;
+        if (!keys.bounds.contains(name)) {
+            p.lower *= scale;
+            p.upper *= scale;
+        }
+        if (!keys.start.contains(name))
+            p.start = std::clamp(p.start * scale, p.lower, p.upper);
+        if (p.start == 0.0)
+            p.scale = scale;
     }
-    if (std::isfinite(r.squaredNorm()))
-        return std::nullopt;
-
-    // The first residual that is not finite is named, else the largest.
-    Eigen::Index at = 0;
-    for (Eigen::Index i = 0; i < r.size() && std::isfinite(r[at]); ++i)
-        at = !std::isfinite(r[i]) || std::abs(r[i]) > std::abs(r[at]) ? i : at;
-    return fmt::format(
-        "{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be squared and summed",
-        problem.residual_name(static_cast<std::size_t>(at)), r[at]);
+    return out;
 }
 
 /// Throws InputError unless the data suffice for the parameters and the residuals at the start are finite: a
@@ -134,16 +92,30 @@ void require_solvable(const Problem& problem) {
     for (const std::size_t i : free)
         start.push_back(problem.parameters[i].start);
     const std::vector<double> values = fitting::all_values(problem, start);
-    const auto failure = failure_at(problem, values);
-    if (!failure)
-        return;
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.residuals));
+    std::string failure;
+    try {
+        problem.evaluate(values, r, nullptr);
+        if (std::isfinite(r.squaredNorm()))
+            return;
+
+        // The first residual that is not finite is named, else the largest.
+        Eigen::Index at = 0;
+        for (Eigen::Index i = 0; i < r.size() && std::isfinite(r[at]); ++i)
+            at = !std::isfinite(r[i]) || std::abs(r[i]) > std::abs(r[at]) ? i : at;
+        failure = fmt::format("{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be "
+                              "squared and summed",
+                              problem.residual_name(static_cast<std::size_t>(at)), r[at]);
+    } catch (const std::runtime_error& error) {
+        failure = fmt::format("the model cannot be computed: {}", error.what());
+    }
     std::string text;
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!problem.parameters[i].fixed)
             text +=
                 fmt::format("{}{} = {:g}", text.empty() ? "" : ", ", problem.parameters[i].name, values[i]);
     throw InputError(fmt::format(
-        "{} (at the start of the fit: {}); change fit.start, or the data if they are wrong", *failure, text));
+        "{} (at the start of the fit: {}); change fit.start, or the data if they are wrong", failure, text));
 }
 
 FitPart part(const Problem& problem, const std::vector<std::string>& known, bool starts) {
@@ -185,8 +157,13 @@ Problem fit_problem(const FitPlan& plan) {
         kinds.push_back(
             fitting::wake_problem(plan.wake, fitted, parameters(plan, fitting::wake_parameter_names())));
     }
-    if (!plan.maps.empty())
-        kinds.push_back(map_problem(plan));
+    if (!plan.maps.empty()) {
+        std::vector<fitting::Map> maps;
+        for (const FitMapData& map : plan.maps)
+            maps.push_back(map.data);
+        kinds.push_back(
+            fitting::map_problem(plan.map_model, maps, plan.mask, parameters(plan, map_names(plan.keys))));
+    }
     if (!plan.tracks.empty()) {
         std::vector<fitting::Trajectory> tracks;
         for (const FitTrackData& track : plan.tracks)

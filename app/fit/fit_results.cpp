@@ -135,39 +135,34 @@ FitMapResult map_result(const FitPlan& plan, std::size_t index, std::span<const 
     return out;
 }
 
-/// A point force fitted to one line alone.
-std::optional<fitting::Report> line_fit(const FitPlan& plan, const scene::FitCompare& compare) {
-    if (!compare.line)
-        return std::nullopt;
-    const auto index = static_cast<std::size_t>(*compare.line);
-    scene::Fit keys;
-    keys.parameters = {"f_over_mu", "eta", "xi"};
-    for (const std::string& name : keys.parameters) {
-        if (const auto start = plan.keys.start.find(name); start != plan.keys.start.end())
-            keys.start.insert(*start);
-        if (const auto bounds = plan.keys.bounds.find(name); bounds != plan.keys.bounds.end())
-            keys.bounds.insert(*bounds);
-    }
-    keys.box = plan.wake.box;
-    keys.core = plan.wake.core;
-    keys.search = plan.keys.search;
-    keys.search.starts = std::max<std::size_t>(keys.search.starts, 10);
-    keys.profiles = {plan.keys.profiles[index]};
-    keys.profiles.front().role = scene::FitRole::fit;
-    FitInputs inputs;
-    inputs.profiles.emplace_back(plan.profiles[index]);
-    const FitPlan own = fit_plan(keys, std::move(inputs));
-    const fitting::Fit fit = fitting::fit(own.problem, own.method);
-    return fitting::report(own.problem, fit);
-}
-
 FitCompareResult compare_result(const FitPlan& plan, const scene::FitCompare& keys,
                                 std::span<const double> fitted) {
-    FitCompareResult out{.line = line_fit(plan, keys)};
+    FitCompareResult out;
     scene::FitCompare named = keys;
-    if (out.line)
+    if (keys.line) {
+        // A point force fitted to one line alone.
+        const auto index = static_cast<std::size_t>(*keys.line);
+        scene::Fit alone;
+        alone.parameters = {"f_over_mu", "eta", "xi"};
+        for (const std::string& name : alone.parameters) {
+            if (const auto start = plan.keys.start.find(name); start != plan.keys.start.end())
+                alone.start.insert(*start);
+            if (const auto bounds = plan.keys.bounds.find(name); bounds != plan.keys.bounds.end())
+                alone.bounds.insert(*bounds);
+        }
+        alone.box = plan.wake.box;
+        alone.core = plan.wake.core;
+        alone.search = plan.keys.search;
+        alone.search.starts = std::max<std::size_t>(alone.search.starts, 10);
+        alone.profiles = {plan.keys.profiles[index]};
+        alone.profiles.front().role = scene::FitRole::fit;
+        FitInputs inputs;
+        inputs.profiles.emplace_back(plan.profiles[index]);
+        const FitPlan own = fit_plan(alone, std::move(inputs));
+        out.line = fitting::report(own.problem, fitting::fit(own.problem, own.method));
         for (const fitting::ParameterEstimate& e : out.line->estimates)
             named.values[e.name] = e.value;
+    }
     out.values = compared_values(plan, named, fitted);
     if (scene::fit_is_isotropic(plan.keys)) {
         // f_over_mu, eta and xi of these values of an isotropic medium; without drag a length beyond every

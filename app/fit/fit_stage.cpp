@@ -41,20 +41,6 @@ void resume(Method& method, std::function<void(const Item&)> Method::*on_done, s
     };
 }
 
-/// Samples the posterior and writes its files. Returns false if a signal stopped it.
-bool add_posterior(const FitPlan& plan, const fitting::Fit& fit, store::Journal& journal,
-                   const RunContext& context, const fs::path& folder, const Logger& log) {
-    fitting::PosteriorMethod method = posterior_method(plan);
-    resume(method, &fitting::PosteriorMethod::on_block_done, journal, context, log, "posterior",
-           fitting::block_count(method), "blocks");
-    const auto posterior = fitting::sample(plan.problem, fit_priors(plan), fit.values, method);
-    if (!posterior)
-        return false;
-    write_posterior(folder, plan, *posterior, context);
-    log_posterior(plan, *posterior, log);
-    return true;
-}
-
 } // namespace
 
 std::string fit_key(const scene::Scene& scene, const FitPlan& plan) {
@@ -133,8 +119,17 @@ FitStageResult fit_in_folder(const scene::Scene& scene, const FitPlan& plan, con
 
     write_fit(folder, plan, results, context.command);
     log_fit_results(plan, results, log);
-    if (plan.keys.posterior)
-        stopped = stopped || !add_posterior(plan, results.fit, journal, context, folder, log);
+    if (plan.keys.posterior && !stopped) {
+        fitting::PosteriorMethod sampling = posterior_method(plan);
+        resume(sampling, &fitting::PosteriorMethod::on_block_done, journal, context, log, "posterior",
+               fitting::block_count(sampling), "blocks");
+        const auto posterior = fitting::sample(plan.problem, fit_priors(plan), results.fit.values, sampling);
+        stopped = !posterior;
+        if (posterior) {
+            write_posterior(folder, plan, *posterior, context);
+            log_posterior(plan, *posterior, log);
+        }
+    }
     stopped = stopped || !add_models(scene, plan, results, context, folder, log);
     return {stopped ? StageEnd::interrupted : StageEnd::finished, std::move(results)};
 }
@@ -175,22 +170,6 @@ double evaluation_time(const fitting::Problem& problem, bool derivatives) {
                       0.2 * cost_budget);
 }
 
-std::string posterior_cost(const FitPlan& plan, const RunContext& context) {
-    if (!plan.keys.posterior)
-        return "";
-    const fitting::PosteriorMethod method = posterior_method(plan);
-    const double count = fitting::evaluations(method, fitting::free_parameters(plan.problem).size());
-    const auto threads = static_cast<double>(std::min(method.chains, context.thread_count()));
-    const std::size_t rivals = method.evidence ? plan.keys.models.size() : 0;
-    const double all = count * static_cast<double>(1 + rivals);
-    return fmt::format("  posterior: {} samples{}, about {:.0f} evaluations, {}\n", method.samples,
-                       rivals > 0 ? fmt::format(" of each of {} models, for their evidence "
-                                                "(fit.posterior.evidence = false: of the fit alone)",
-                                                1 + rivals)
-                                  : "",
-                       all, duration_text(all * evaluation_time(plan.problem, false) / threads));
-}
-
 std::string fit_cost(const Plan& plan, const RunContext& context) {
     constexpr double evaluations = 50.0; // of a start with gradients
     const scene::Fit& keys = *plan.scene.fit;
@@ -200,19 +179,22 @@ std::string fit_cost(const Plan& plan, const RunContext& context) {
     if (!plan.fit_plan)
         return text + "; their time is known when the run has made the data\n";
     const double each = evaluation_time(plan.fit_plan->problem, true);
-    return text +
-           fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
-                       duration_text(all * each)) +
-           posterior_cost(*plan.fit_plan, context);
-}
-
-std::span<const ColumnInfo> model_columns() {
-    static const std::vector<ColumnInfo> columns = [] {
-        std::vector<ColumnInfo> all = {{"name", "1", "of the model"}};
-        add_columns<FitModelRow>(all);
-        return all;
-    }();
-    return columns;
+    text += fmt::format(", {} residuals, about {}\n", plan.fit_plan->problem.residuals,
+                        duration_text(all * each));
+    if (!plan.fit_plan->keys.posterior)
+        return text;
+    const fitting::Problem& problem = plan.fit_plan->problem;
+    const fitting::PosteriorMethod method = posterior_method(*plan.fit_plan);
+    const std::size_t rivals = method.evidence ? plan.fit_plan->keys.models.size() : 0;
+    const double count = fitting::evaluations(method, fitting::free_parameters(problem).size()) *
+                         static_cast<double>(1 + rivals);
+    const auto threads = static_cast<double>(std::min(method.chains, context.thread_count()));
+    return text + fmt::format("  posterior: {} samples{}, about {:.0f} evaluations, {}\n", method.samples,
+                              rivals > 0 ? fmt::format(" of each of {} models, for their evidence "
+                                                       "(fit.posterior.evidence = false: of the fit alone)",
+                                                       1 + rivals)
+                                         : "",
+                              count, duration_text(count * evaluation_time(problem, false) / threads));
 }
 
 /// Keys of fit.json, which write_fit.cpp writes; keys of the scene that it repeats are left out.
@@ -263,6 +245,11 @@ constexpr ColumnInfo fit_keys[] = {
 
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
+    static const std::vector<ColumnInfo> models = [] {
+        std::vector<ColumnInfo> all = {{"name", "1", "of the model"}};
+        add_columns<FitModelRow>(all);
+        return all;
+    }();
     static const std::vector<ColumnInfo> columns = {
         {"runs", "1", "runs of the design"},
         {"information", "1", "expected information on which model makes the tracks, bits"},
@@ -290,16 +277,10 @@ std::vector<FileKind> fit_files() {
          columns_of<PredictedPoseRow>()},
         {"models.json", result,
          "model comparison: evidence, AIC and BIC, weights, and whether any model describes the data"},
-        {"models.csv", result, "the same as a table", model_columns()},
+        {"models.csv", result, "the same as a table", models},
         {"design.json", kept, "experiments that would discriminate between models, ranked by rodwake design"},
         {"design.csv", kept, "the same as a table, after the varied keys", columns},
         {journal_file, progress, "starts of the fit and blocks of the posterior that are done"}};
-}
-
-/// A fit beside the beds of its scene: of these.
-void require_same_beds_beside(const Plan& plan, const fs::path& folder, const RunContext&) {
-    if (plan.stages.size() == 1 && plan.scene.granular && !run_status(folder).empty())
-        require_same_beds(plan.scene, folder);
 }
 
 } // namespace
@@ -324,7 +305,12 @@ StageKind fit_stage() {
                 },
             .run = run_fit,
             .take_kept = take_stored_medium,
-            .require = require_same_beds_beside,
+            .require =
+                [](const Plan& plan, const fs::path& folder, const RunContext&) {
+                    // If the folder holds beds, a fit alone must be of these.
+                    if (plan.stages.size() == 1 && plan.scene.granular && !run_status(folder).empty())
+                        require_same_beds(plan.scene, folder);
+                },
             .cost = [](const Plan& plan, const fs::path&,
                        const RunContext& context) { return fit_cost(plan, context); },
             .outdated =

@@ -30,38 +30,6 @@ std::string name_or_stem(const std::string& name, const fs::path& file) {
     return name.empty() ? file.stem().string() : name;
 }
 
-using RodColumns = std::vector<const std::vector<double>*>;
-
-/// Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go.
-RodColumns rod_columns(const store::Table& table) {
-    std::vector<const std::vector<double>*> columns;
-    for (std::size_t rod = 0; rod < most_rods; ++rod)
-        for (const char* name : {"x", "y", "theta"}) {
-            const auto* column = table.find(name + std::to_string(rod));
-            if (!column)
-                return columns;
-            columns.push_back(column);
-        }
-    return columns;
-}
-
-/// The columns of the rods that the keys name.
-RodColumns chosen(const RodColumns& all, const std::vector<long>& rods, const fs::path& file) {
-    if (rods.empty())
-        return all;
-    RodColumns columns;
-    for (const long rod : rods) {
-        const auto first = 3 * static_cast<std::size_t>(rod);
-        if (first >= all.size())
-            throw InputError(
-                fmt::format("{}: fit.trajectories.rods names rod {}; there are {}, numbered from 0",
-                            file.string(), rod, all.size() / 3));
-        for (std::size_t k = 0; k < 3; ++k)
-            columns.push_back(all[first + k]);
-    }
-    return columns;
-}
-
 /// Reads a table of rods, which may be missing in some rows, as in a film.
 store::Table read_rods(const fs::path& file) {
     static const std::vector<std::string> time = {"t"}, needed = {"t", "x0", "y0", "theta0"};
@@ -78,17 +46,6 @@ store::Table read_rods(const fs::path& file) {
                                                          : "theta0",
                                      fmt::join(needed, ",")));
     return table;
-}
-
-/// Rows before t = 0 in which the rods are held where they are then, as tracks.csv of a bed has them.
-std::size_t held_rows(const std::vector<double>& t, const RodColumns& columns) {
-    const auto first = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
-    const auto moves = [&](const std::vector<double>* column) {
-        return std::any_of(column->begin(), column->begin() + first,
-                           [&](double value) { return value != column->begin()[first]; });
-    };
-    const bool held = first < std::ssize(t) && std::ranges::none_of(columns, moves);
-    return held ? static_cast<std::size_t>(first) : 0;
 }
 
 } // namespace
@@ -183,11 +140,28 @@ FitProfileData read_fit_profile(const scene::FitProfile& keys, const fs::path& f
 FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& file,
                             std::optional<PeriodicBox> box, const rods::RodBodies& bodies) {
     const store::Table table = read_rods(file);
-    const RodColumns all = rod_columns(table);
+    // Columns x<k>, y<k>, theta<k> of each rod in turn, as far as they go; of these the rods that keys name.
+    std::vector<const std::vector<double>*> all, columns;
+    for (std::size_t k = 0; k < 3 * most_rods; ++k) {
+        static constexpr const char* names[] = {"x", "y", "theta"};
+        const auto* column = table.find(names[k % 3] + std::to_string(k / 3));
+        if (!column)
+            break;
+        all.push_back(column);
+    }
     if (all.size() % 3 != 0)
         throw InputError(fmt::format("{0}: rod {1} lacks one of the columns x{1}, y{1}, theta{1}",
                                      file.string(), all.size() / 3));
-    const RodColumns columns = chosen(all, keys.rods, file);
+    for (const long rod : keys.rods) {
+        const auto first = 3 * static_cast<std::size_t>(rod);
+        if (first >= all.size())
+            throw InputError(
+                fmt::format("{}: fit.trajectories.rods names rod {}; there are {}, numbered from 0",
+                            file.string(), rod, all.size() / 3));
+        columns.insert(columns.end(), {all[first], all[first + 1], all[first + 2]});
+    }
+    if (keys.rods.empty())
+        columns = all;
     FitTrackData out{name_or_stem(keys.name, file),
                      file,
                      columns.size() / 3,
@@ -209,9 +183,15 @@ FitTrackData read_fit_track(const scene::FitTrajectory& keys, const fs::path& fi
         out.data.contact_time = *keys.contact_time / out.time;
     out.data.sigma_contact = keys.sigma_contact ? *keys.sigma_contact / out.time : 1.0;
 
-    // Rows in which a rod is unknown are left out.
+    // Rows before t = 0 are skipped if the rods are held there, as tracks.csv of a bed has them; rows in
+    // which a rod is unknown are left out.
     const auto& t = *table.find("t");
-    for (std::size_t i = held_rows(t, columns); i < table.rows(); ++i) {
+    const auto start = std::ranges::find_if(t, [](double time) { return time >= -1e-12; }) - t.begin();
+    const bool held =
+        start < std::ssize(t) && std::ranges::all_of(columns, [&](const auto* column) {
+            return std::count(column->begin(), column->begin() + start, (*column)[start]) == start;
+        });
+    for (std::size_t i = held ? static_cast<std::size_t>(start) : 0; i < table.rows(); ++i) {
         if (std::ranges::any_of(columns, [&](const auto* column) { return std::isnan((*column)[i]); })) {
             ++out.left_out;
             continue;

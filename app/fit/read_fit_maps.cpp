@@ -26,13 +26,15 @@ using Column = std::vector<double>;
 
 double step_between(const Column& positions) { return positions[1] - positions[0]; }
 
-/// Half the last decimal of all places, or the last digit of each, whichever is larger: programs write as
-/// many of the one or of the other. Single precision rounds, too.
-Column roundings(const Column& places) {
-    constexpr double single = 6e-8; // 2^-24, of the place
+/// Spacing of the even grid of which all positions are roundings; nothing if there is none, or if the
+/// rounding might hide that a position is missing.
+std::optional<double> rounded_step(const Column& positions) {
+    // They are rounded by half the last decimal of all positions, or by half the last digit of each,
+    // whichever is larger: programs write as many of the one or of the other. Single precision rounds, too.
+    constexpr double single = 6e-8; // 2^-24, relative
     std::vector<int> exponents;
     int decimals = -400, digits = 1;
-    for (const double position : places) {
+    for (const double position : positions) {
         std::array<char, 32> text{}; // "1.2346e-01"
         std::to_chars(text.data(), text.data() + text.size(), std::abs(position),
                       std::chars_format::scientific);
@@ -43,18 +45,13 @@ Column roundings(const Column& places) {
         digits = std::max(digits, own);
         decimals = position == 0.0 ? decimals : std::max(decimals, own - 1 - exponents.back());
     }
-    Column half(places.size());
+    Column half(positions.size());
     for (std::size_t k = 0; k < half.size(); ++k)
         half[k] =
             std::max({0.5001 * std::pow(10.0, -decimals), 0.5001 * std::pow(10.0, exponents[k] - digits + 1),
-                      single * std::abs(places[k])});
-    return half;
-}
+                      single * std::abs(positions[k])});
 
-/// From place to place, if there is an even grid of which all of them are roundings; nothing if there is
-/// none, or if the rounding might hide that a place is missing.
-std::optional<double> rounded_step(const Column& positions) {
-    const Column half = roundings(positions);
+    // Each pair bounds the step.
     double least = 0.0, most = HUGE_VAL;
     for (std::size_t j = 1; j < positions.size(); ++j)
         for (std::size_t i = 0; i < j; ++i) {

@@ -31,7 +31,6 @@ struct Motion {
     double largest = 0.0;    ///< heading, as in the file
 
     double cosine() const { return path > 0.0 ? along / path : 1.0; }
-    double spread() const { return path > 0.0 ? 1.0 - std::hypot(x, y) / path : 0.0; } ///< of the directions
 };
 
 /// `unit`: of the headings, rad. Rows in which a rod stands still, as after a contact, do not count.
@@ -79,22 +78,6 @@ void add_motion(const FitTrackData& track, std::vector<std::string>& remarks) {
         remarks.push_back(text(speed));
 }
 
-/// The periodic box is in the unit of the file; rods that see the images are not far from its sides.
-void add_box(const FitTrackData& track, std::vector<std::string>& remarks) {
-    if (!track.data.box)
-        return;
-    double largest = 0.0;
-    for (const std::vector<double>& state : track.data.states)
-        for (std::size_t k = 0; k < state.size(); ++k)
-            if (k % 3 != 2)
-                largest = std::max(largest, std::abs(state[k] - state[k % 3]));
-    if (track.data.box->shorter() > 100.0 * largest)
-        remarks.push_back(fmt::format(
-            "{}: fit.box = {:.3g} is far larger than the distances between the rods, up to "
-            "{:.3g}: for tracks it is in the unit of the file",
-            track.file.string(), track.data.box->shorter() * track.length, largest * track.length));
-}
-
 } // namespace
 
 void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
@@ -113,7 +96,8 @@ void settle_track(FitTrackData& track, std::optional<PeriodicBox> box) {
     // all are near 0.
     const Motion motion = motion_of(track.data, turn / 360.0);
     const double in_rad = motion_of(track.data, 1.0).cosine(), in_deg = motion.cosine();
-    const bool distinct = motion.largest > turn || 1.0 - in_deg < 0.5 * motion.spread();
+    const double spread = motion.path > 0.0 ? 1.0 - std::hypot(motion.x, motion.y) / motion.path : 0.0;
+    const bool distinct = motion.largest > turn || 1.0 - in_deg < 0.5 * spread;
     if (distinct && in_rad < 0.9 && 1.0 - in_deg < 0.25 * (1.0 - in_rad))
         throw InputError(fmt::format("{}: the headings look like degrees: the rods move along them if they "
                                      "are (mean cosine {:.2f}), not if they "
@@ -146,7 +130,20 @@ std::vector<std::string> data_remarks(const FitPlan& plan) {
     }
     for (const FitTrackData& track : plan.tracks) {
         add_motion(track, remarks);
-        add_box(track, remarks);
+        if (!track.data.box)
+            continue;
+
+        // The periodic box is in the unit of the file; rods that see the images are not far from its sides.
+        double largest = 0.0;
+        for (const std::vector<double>& state : track.data.states)
+            for (std::size_t k = 0; k < state.size(); ++k)
+                if (k % 3 != 2)
+                    largest = std::max(largest, std::abs(state[k] - state[k % 3]));
+        if (track.data.box->shorter() > 100.0 * largest)
+            remarks.push_back(fmt::format(
+                "{}: fit.box = {:.3g} is far larger than the distances between the rods, up to "
+                "{:.3g}: for tracks it is in the unit of the file",
+                track.file.string(), track.data.box->shorter() * track.length, largest * track.length));
     }
     return remarks;
 }

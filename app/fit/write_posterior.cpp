@@ -211,26 +211,6 @@ void write_curve(const std::filesystem::path& folder, const FitPlan& plan, std::
     store::write_atomically(folder / fmt::format("posterior_curve_{}.csv", index), csv_of(rows));
 }
 
-/// Variance that the diffusion of the rods adds, as a mean over a few draws.
-std::vector<std::vector<double>> mean_diffusion(const FitPlan& plan, std::size_t index, const FitPart& part,
-                                                const std::vector<std::vector<double>>& draws) {
-    constexpr std::size_t few = 20;
-    const fitting::Trajectory& track = plan.tracks[index].data;
-    std::vector<std::vector<double>> sum(track.times.size(),
-                                         std::vector<double>(track.states.front().size()));
-    if (std::ranges::none_of(part.parameters, rods::is_noise, &fitting::Parameter::name))
-        return sum;
-    const std::size_t count = std::min(few, draws.size());
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto variance = fitting::noise_variance(track, index, part.parameters,
-                                                      part.values(draws[k * draws.size() / count]));
-        for (std::size_t row = 0; row < sum.size(); ++row)
-            for (std::size_t i = 0; i < sum[row].size(); ++i)
-                sum[row][i] += variance[row][i] / static_cast<double>(count);
-    }
-    return sum;
-}
-
 void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::size_t index,
                  const std::vector<std::vector<double>>& draws, std::size_t threads) {
     const FitTrackData& track = plan.tracks[index];
@@ -240,8 +220,23 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
         models[i] =
             fitting::predict(plan.track_model, track.data, index, part.parameters, part.values(draws[i]));
     });
+    // Variance that the diffusion of the rods adds, as a mean over a few draws.
+    constexpr std::size_t few = 20;
+    std::vector<std::vector<double>> diffusion(track.data.times.size(),
+                                               std::vector<double>(track.data.states.front().size()));
+    if (std::ranges::any_of(part.parameters, rods::is_noise, &fitting::Parameter::name)) {
+        const std::size_t count = std::min(few, draws.size());
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto variance = fitting::noise_variance(track.data, index, part.parameters,
+                                                          part.values(draws[k * draws.size() / count]));
+            for (std::size_t row = 0; row < diffusion.size(); ++row)
+                for (std::size_t i = 0; i < diffusion[row].size(); ++i)
+                    diffusion[row][i] += variance[row][i] / static_cast<double>(count);
+        }
+    }
+
     std::vector<PredictedPoseRow> rows;
-    const std::vector<std::vector<double>> diffusion = mean_diffusion(plan, index, part, draws);
+
     for (std::size_t row = 0; row < track.data.times.size(); ++row)
         for (std::size_t i = 0; i < track.data.states[row].size(); ++i) {
             const std::size_t rod = i / 3;

@@ -11,45 +11,6 @@ namespace rodwake::app {
 
 namespace {
 
-void add_measured_line(const scene::Scene& scene, const scene::MeasuredMedium& m, Lines& lines) {
-    lines.push_back(
-        {true, fmt::format("field measured in {}, f/mu = {:g} m; theory in its core and beyond its "
-                           "edge",
-                           m.file, scene.scales->f_over_mu)});
-    lines.push_back({m.samples > 0, m.samples > 0 ? fmt::format("errors of that field: {} draws", m.samples)
-                                                  : "errors of that field: measured.samples is 0"});
-}
-
-void add_dynamic_lines(const medium::DynamicMedium& m, std::size_t rods, Lines& lines) {
-    lines.push_back({true, fmt::format("medium with{3} memory: {0} x {0} modes, force width {1:g}, {2}",
-                                       m.modes, m.force_width,
-                                       m.start == medium::Start::steady ? "from steady fields" : "from rest",
-                                       m.closure == medium::Closure::none ? "" : "out")});
-    lines.push_back({m.inertia > 0.0, m.inertia > 0.0
-                                          ? fmt::format("inertia of the medium: {:g}", m.inertia)
-                                          : "inertia of the medium: medium.dynamic.inertia is 0"});
-    const bool mesh = medium::evaluation_of(m, rods) == medium::Evaluation::mesh;
-    if (mesh)
-        lines.push_back({true, "fields of many rods by fast Fourier transforms"});
-    lines.push_back({m.self_field, m.self_field ? "each rod in its own field too"
-                                   : mesh
-                                       ? "each rod in its own field: left out to first order in its turning"
-                                       : "each rod in its own field: medium.dynamic.self_field is false"});
-}
-
-void add_film_line(const scene::Scene& scene, Lines& lines) {
-    const medium::DynamicMedium m = scene.medium->memory();
-    if (!m.film_interval || !scene.rods_run) {
-        lines.push_back({false, "film of the medium: no medium.dynamic.film_interval"});
-        return;
-    }
-    const std::size_t frames = medium::film_times(m, scene.rods_run->t_end).size();
-    const auto numbers = static_cast<double>(frames * medium::film_frame_size(m, scene.rods.size()));
-    lines.push_back({true, fmt::format("film of the medium: {0} frames of {1} x {1} points, {2} in "
-                                       "medium_film.h5 (twice that while it is made)",
-                                       frames, m.film_grid, size_text(8.0 * numbers))});
-}
-
 void add_medium_lines(const scene::Scene& scene, Lines& lines) {
     if (!scene.medium)
         return;
@@ -60,24 +21,43 @@ void add_medium_lines(const scene::Scene& scene, Lines& lines) {
                      m.box() ? fmt::format("periodic box of {} for rods and field", to_string(*m.box()))
                              : "periodic images of rods: no medium.periodic, infinite plane"});
     if (m.is_dynamic()) {
-        add_dynamic_lines(m.memory(), scene.rods.size(), lines);
-        add_film_line(scene, lines);
+        const medium::DynamicMedium d = m.memory();
+        lines.push_back(
+            {true,
+             fmt::format("medium with{3} memory: {0} x {0} modes, force width {1:g}, {2}", d.modes,
+                         d.force_width, d.start == medium::Start::steady ? "from steady fields" : "from rest",
+                         d.closure == medium::Closure::none ? "" : "out")});
+        lines.push_back({d.inertia > 0.0, d.inertia > 0.0
+                                              ? fmt::format("inertia of the medium: {:g}", d.inertia)
+                                              : "inertia of the medium: medium.dynamic.inertia is 0"});
+        const bool mesh = medium::evaluation_of(d, scene.rods.size()) == medium::Evaluation::mesh;
+        if (mesh)
+            lines.push_back({true, "fields of many rods by fast Fourier transforms"});
+        lines.push_back(
+            {d.self_field, d.self_field ? "each rod in its own field too"
+                           : mesh       ? "each rod in its own field: left out to first order in its turning"
+                                        : "each rod in its own field: medium.dynamic.self_field is false"});
+        if (d.film_interval && scene.rods_run) {
+            const std::size_t frames = medium::film_times(d, scene.rods_run->t_end).size();
+            const auto numbers = static_cast<double>(frames * medium::film_frame_size(d, scene.rods.size()));
+            lines.push_back({true, fmt::format("film of the medium: {0} frames of {1} x {1} points, {2} in "
+                                               "medium_film.h5 (twice that while it is made)",
+                                               frames, d.film_grid, size_text(8.0 * numbers))});
+        } else
+            lines.push_back({false, "film of the medium: no medium.dynamic.film_interval"});
     }
-    if (m.field == scene::FieldBackend::measured)
-        add_measured_line(scene, *m.measured, lines);
+    if (m.field == scene::FieldBackend::measured) {
+        lines.push_back(
+            {true, fmt::format("field measured in {}, f/mu = {:g} m; theory in its core and beyond its "
+                               "edge",
+                               m.measured->file, scene.scales->f_over_mu)});
+        const auto samples = m.measured->samples;
+        lines.push_back({samples > 0, samples > 0 ? fmt::format("errors of that field: {} draws", samples)
+                                                  : "errors of that field: measured.samples is 0"});
+    }
     if (m.field == scene::FieldBackend::table)
         lines.push_back({true, fmt::format("field from a table, relative error {:g}",
                                            m.table.value_or(scene::FieldTable{}).tolerance)});
-}
-
-void add_field_lines(const scene::Scene& scene, Lines& lines) {
-    if (!scene.field) {
-        lines.push_back({false, "field maps: no [field] table"});
-        return;
-    }
-    const long points = scene.field->x.empty() ? 0 : scene.field->nx * scene.field->ny;
-    lines.push_back(
-        {true, fmt::format("field of one rod: {} grid points, {} cuts", points, scene.field->cuts.size())});
 }
 
 void add_rod_lines(const Plan& plan, Lines& lines) {
@@ -190,16 +170,6 @@ void add_order_line(const scene::Scene& scene, Lines& lines) {
             {false, "order of the rods of the bed: with [rods_run], [rods_order] looks at its rods"});
 }
 
-std::string points_text(const scan::Design& design) {
-    if (design.kind == scan::Kind::adaptive)
-        return fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
-    return fmt::format("{} points ({}){}", scan::places(design), scan::to_string(design.kind),
-                       design.runs > 0
-                           ? fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
-                                         design.runs == 1 ? "" : "s", scan::size(design))
-                           : "");
-}
-
 void add_scan_lines(const Plan& plan, Lines& lines) {
     if (!plan.scan) {
         lines.push_back({false, "scan: no [scan] table"});
@@ -210,7 +180,15 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
     for (const scan::Axis& axis : design.axes)
         axes +=
             fmt::format("{}{} from {:g} to {:g}", axes.empty() ? "" : ", ", axis.name, axis.from, axis.to);
-    lines.push_back({true, "scan: " + axes + ", " + points_text(design)});
+    std::string points;
+    if (design.kind == scan::Kind::adaptive)
+        points = fmt::format("refined to {} cells a side where the outcome changes", design.resolution);
+    else
+        points = fmt::format("{} points ({})", scan::places(design), scan::to_string(design.kind));
+    if (design.kind != scan::Kind::adaptive && design.runs > 0)
+        points += fmt::format(" of {} run{} of the bed each, {} runs in all", design.runs,
+                              design.runs == 1 ? "" : "s", scan::size(design));
+    lines.push_back({true, "scan: " + axes + ", " + points});
     if (plan.scan->subject == scene::ScanSubject::beds && plan.scene.measure)
         lines.push_back({false, "measures of scanned beds: a scan follows the rods alone, contact as in "
                                 "measure.contact_distance"});
@@ -224,15 +202,47 @@ void add_scan_lines(const Plan& plan, Lines& lines) {
                                            design.boundary_tolerance)});
 }
 
-std::string runs_of(const NoisePlan& noise) {
-    if (!noise.capture_error)
-        return fmt::format("{} runs", noise.runs);
-    return fmt::format("{} to {} runs, until the capture probability is known to +- {:g}", noise.runs,
-                       std::max(noise.runs, noise.most_runs), *noise.capture_error);
-}
+} // namespace
 
-/// What the scene names and this version leaves out.
-void add_unused_lines(const scene::Scene& scene, Lines& lines) {
+std::vector<PlanLine> describe(const Plan& plan) {
+    Lines lines;
+    add_medium_lines(plan.scene, lines);
+    const scene::Scene& scene = plan.scene;
+    if (const auto& field = scene.field)
+        lines.push_back(
+            {true, fmt::format("field of one rod: {} grid points, {} cuts",
+                               field->x.empty() ? 0 : field->nx * field->ny, field->cuts.size())});
+    else
+        lines.push_back({false, "field maps: no [field] table"});
+    add_rod_lines(plan, lines);
+    add_similarity_line(plan, lines);
+    add_crowd_lines(plan, lines);
+    for (const RodsPlan& rods_plan : plan.rods) {
+        if (!rods_plan.noise)
+            continue;
+        const rods::Noise& noise = rods_plan.noise->noise;
+        std::string runs = fmt::format("{} runs", rods_plan.noise->runs);
+        if (const auto& error = rods_plan.noise->capture_error)
+            runs = fmt::format("{} to {} runs, until the capture probability is known to +- {:g}",
+                               rods_plan.noise->runs,
+                               std::max(rods_plan.noise->runs, rods_plan.noise->most_runs), *error);
+        lines.push_back(
+            {true,
+             fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
+                         "({}), strong order 1.5",
+                         rods_plan.of.suffix(), noise.rotational, noise.translational, runs, noise.time_step,
+                         rods_plan.of.scene.noise->time_step
+                             ? "noise.time_step"
+                             : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
+    }
+    const auto diffuses = [](const RodsPlan& item) {
+        return item.noise && item.noise->noise.translational > 0.0;
+    };
+    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
+        lines.push_back({false, "diffusion of positions: noise.translational_diffusion is 0"});
+    add_order_line(plan.scene, lines);
+    add_scan_lines(plan, lines);
+    // What the scene names and this run does not use.
     if (scene.medium && scene.medium->table && scene.medium->field == scene::FieldBackend::exact)
         lines.push_back({false, "medium.table.tolerance: not used with field = \"exact\""});
     if (scene.medium && scene.medium->measured && scene.medium->field != scene::FieldBackend::measured)
@@ -245,46 +255,6 @@ void add_unused_lines(const scene::Scene& scene, Lines& lines) {
         lines.push_back({false, "noise: no [rods_run]"});
     else if (scene.rods_run && !scene.noise)
         lines.push_back({false, "noise: no [noise] table"});
-}
-
-/// Whether rods of a scan turn towards each other, and nothing stops them.
-bool may_collide(const ScanPlan& scan) {
-    const auto& run = scan.base.rods_run;
-    return scan.subject == scene::ScanSubject::rods && run && !run->contact_distance && scan.base.coupling &&
-           !scene::bodies_of(scan.base).any() &&
-           std::ranges::count(scan.keys, "rods_run.contact_distance", &ScanPlan::VariedKey::key) == 0;
-}
-
-} // namespace
-
-std::vector<PlanLine> describe(const Plan& plan) {
-    Lines lines;
-    add_medium_lines(plan.scene, lines);
-    add_field_lines(plan.scene, lines);
-    add_rod_lines(plan, lines);
-    add_similarity_line(plan, lines);
-    add_crowd_lines(plan, lines);
-    for (const RodsPlan& rods_plan : plan.rods) {
-        if (!rods_plan.noise)
-            continue;
-        const rods::Noise& noise = rods_plan.noise->noise;
-        lines.push_back(
-            {true, fmt::format("noise{}: D_r = {:g}, D_t = {:g}, {}, steps of at most {:.3g} "
-                               "({}), strong order 1.5",
-                               rods_plan.of.suffix(), noise.rotational, noise.translational,
-                               runs_of(*rods_plan.noise), noise.time_step,
-                               rods_plan.of.scene.noise->time_step
-                                   ? "noise.time_step"
-                                   : "0.05 of the shortest of 1, 1/D_r and the wakes' turning time")});
-    }
-    const auto diffuses = [](const RodsPlan& item) {
-        return item.noise && item.noise->noise.translational > 0.0;
-    };
-    if (noisy(plan.scene) && std::ranges::none_of(plan.rods, diffuses))
-        lines.push_back({false, "diffusion of positions: noise.translational_diffusion is 0"});
-    add_order_line(plan.scene, lines);
-    add_scan_lines(plan, lines);
-    add_unused_lines(plan.scene, lines);
     describe_granular(plan, lines);
     describe_fit(plan, lines);
     return lines;
@@ -297,7 +267,13 @@ std::vector<std::string> doubts(const Plan& plan) {
             list.push_back(fmt::format("rods{}: {} ({:g}): the run ends in contact at time 0",
                                        rods_plan.of.suffix(), met->outcome.reason,
                                        *rods_plan.problem.contact_distance));
-    if (plan.scan && may_collide(*plan.scan))
+    if (!plan.scan || plan.scan->subject != scene::ScanSubject::rods)
+        return list;
+
+    // Rods of a scan that turn towards each other with nothing to stop them.
+    const scene::Scene& base = plan.scan->base;
+    if (base.rods_run && !base.rods_run->contact_distance && base.coupling && !scene::bodies_of(base).any() &&
+        std::ranges::count(plan.scan->keys, "rods_run.contact_distance", &ScanPlan::VariedKey::key) == 0)
         list.emplace_back("scan without rods_run.contact_distance: rods that meet run into the singularity "
                           "of their fields, and their points fail; set it, for example to 0.1");
     return list;

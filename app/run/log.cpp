@@ -13,27 +13,18 @@ namespace rodwake::app {
 
 namespace {
 
-Severity severity(spdlog::level::level_enum level) {
-    switch (level) {
-    case spdlog::level::trace:
-    case spdlog::level::debug:
-        return Severity::debug;
-    case spdlog::level::info:
-        return Severity::info;
-    case spdlog::level::warn:
-        return Severity::warning;
-    default:
-        return Severity::error;
-    }
-}
-
 class CallerSink : public spdlog::sinks::base_sink<std::mutex> {
 public:
     explicit CallerSink(std::function<void(Severity, const std::string&)> log) : log_(std::move(log)) {}
 
 private:
     void sink_it_(const spdlog::details::log_msg& message) override {
-        log_(severity(message.level), printable({message.payload.data(), message.payload.size()}));
+        using spdlog::level::level_enum;
+        const Severity severity = message.level <= level_enum::debug  ? Severity::debug
+                                  : message.level == level_enum::info ? Severity::info
+                                  : message.level == level_enum::warn ? Severity::warning
+                                                                      : Severity::error;
+        log_(severity, printable({message.payload.data(), message.payload.size()}));
     }
     void flush_() override {}
 
@@ -52,22 +43,19 @@ public:
     }
 };
 
-spdlog::sink_ptr file_sink(const std::filesystem::path& path) {
-    try {
-        auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(path.string(), false);
-        auto formatter = std::make_unique<spdlog::pattern_formatter>();
-        formatter->add_flag<PrintablePayload>('P').set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %P");
-        sink->set_formatter(std::move(formatter));
-        return sink;
-    } catch (const spdlog::spdlog_ex& error) {
-        throw RunError(path.string() + ": cannot write the log: " + error.what());
-    }
-}
-
 } // namespace
 
 Logger make_logger(const RunContext& context, const std::filesystem::path& run_log) {
-    auto logger = std::make_shared<spdlog::logger>("rodwake", file_sink(run_log));
+    auto logger = std::make_shared<spdlog::logger>("rodwake");
+    try {
+        auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(run_log.string(), false);
+        auto formatter = std::make_unique<spdlog::pattern_formatter>();
+        formatter->add_flag<PrintablePayload>('P').set_pattern("%Y-%m-%d %H:%M:%S.%e %l: %P");
+        sink->set_formatter(std::move(formatter));
+        logger->sinks().push_back(std::move(sink));
+    } catch (const spdlog::spdlog_ex& error) {
+        throw RunError(run_log.string() + ": cannot write the log: " + error.what());
+    }
     logger->set_level(spdlog::level::debug);
     logger->flush_on(spdlog::level::info);
     if (context.log)

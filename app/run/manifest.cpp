@@ -62,19 +62,6 @@ std::string unit_of(std::string_view unit, const ManifestUnits& units) {
     return text;
 }
 
-/// Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
-ColumnEntry axis_entry(std::string key, const ManifestUnits& units) {
-    const std::string name = key;
-    for (const std::string ending : {"_from", "_to"})
-        if (key.ends_with(ending))
-            key.resize(key.size() - ending.size());
-    const auto info = scene::key_info(key);
-    if (!info)
-        return {name, "", ""};
-    const std::string unit = units.si ? info->unit_si : info->unit_reduced;
-    return {name, unit.empty() ? "1" : unit, info->meaning, true};
-}
-
 std::vector<ColumnEntry> entries(const fs::path& file, const FileKind* kind, const ManifestUnits& units) {
     std::vector<ColumnEntry> columns;
     std::vector<std::string> names;
@@ -85,9 +72,17 @@ std::vector<ColumnEntry> entries(const fs::path& file, const FileKind* kind, con
     for (const std::string& name : names)
         if (const ColumnInfo* column = kind ? column_of(*kind, name) : nullptr)
             columns.push_back({name, unit_of(column->unit, units), std::string(column->meaning), true});
-        else if (kind && kind->stage == Stage::scan)
-            columns.push_back(axis_entry(name, units));
-        else
+        else if (std::string key = name; kind && kind->stage == Stage::scan) {
+            // Columns of the axes of a scan are called as the keys that vary, in cells.csv with an ending.
+            for (const std::string ending : {"_from", "_to"})
+                if (key.ends_with(ending))
+                    key.resize(key.size() - ending.size());
+            ColumnEntry& axis = columns.emplace_back(ColumnEntry{name, "", ""});
+            if (const auto info = scene::key_info(key)) {
+                const std::string unit = units.si ? info->unit_si : info->unit_reduced;
+                axis = {name, unit.empty() ? "1" : unit, info->meaning, true};
+            }
+        } else
             columns.push_back({name, "", ""});
     return columns;
 }
@@ -109,19 +104,6 @@ void add_values(const ordered_json& node, const std::string& name, const FileKin
     else if (node.is_structured())
         for (const auto& [key, value] : node.items())
             add_values(value, name.empty() ? key : fmt::format("{}.{}", name, key), kind, units, values);
-}
-
-/// Entries of files that are gone stay, until the stage that makes them is done again.
-void keep_lost(const fs::path& folder, ordered_json& files) {
-    const ordered_json provenance = json_of(folder / "provenance.json"),
-                       before = json_of(folder / "manifest.json");
-    if (!provenance.is_object() || !provenance.contains("stages"))
-        return;
-    const ordered_json& records = provenance["stages"];
-    for (const auto& [stage, names] : lost_files(folder))
-        if (records.contains(stage) && records[stage] == files_lost)
-            for (const std::string& name : names)
-                files[name] = before["files"][name];
 }
 
 ordered_json manifest_of_files(const fs::path& folder) {
@@ -207,7 +189,16 @@ std::string manifest_json(const fs::path& folder) { return json_text(manifest_of
 
 void write_manifest(const fs::path& folder) {
     ordered_json manifest = manifest_of_files(folder);
-    keep_lost(folder, manifest["files"]);
+    // Entries of files that are gone stay, until the stage that makes them is done again.
+    const ordered_json provenance = json_of(folder / "provenance.json"),
+                       before = json_of(folder / "manifest.json");
+    if (provenance.is_object() && provenance.contains("stages")) {
+        const ordered_json& records = provenance["stages"];
+        for (const auto& [stage, names] : lost_files(folder))
+            if (records.contains(stage) && records[stage] == files_lost)
+                for (const std::string& name : names)
+                    manifest["files"][name] = before["files"][name];
+    }
     store::write_atomically(folder / "manifest.json", json_text(manifest, 2) + "\n");
 }
 

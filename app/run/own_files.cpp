@@ -28,20 +28,6 @@ void remove_empty_runs(const fs::path& runs) {
         fs::remove(runs, ignored);
 }
 
-void remove_empty_points(const fs::path& points) {
-    std::error_code ignored;
-    std::vector<fs::path> folders;
-    for (const fs::directory_entry& entry : fs::directory_iterator(points, ignored))
-        folders.push_back(entry.path());
-    for (const fs::path& folder : folders) {
-        remove_empty_runs(folder / "runs");
-        if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
-            fs::remove(folder, ignored);
-    }
-    if (fs::is_directory(points, ignored) && fs::is_empty(points, ignored))
-        fs::remove(points, ignored);
-}
-
 /// Files of a run are in its folder, in variants/<name>/ and models/<name>/, in points/<number>/, in
 /// runs/<number>/ of each, and figures/.
 std::vector<fs::path> files_of(const fs::path& folder) {
@@ -126,7 +112,17 @@ void RunFolder::remove_outdated() const {
     }
     if (anew_) {
         remove_empty_runs(path_ / "runs");
-        remove_empty_points(path_ / "points");
+        const fs::path points = path_ / "points";
+        std::error_code ignored;
+        std::vector<fs::path> folders;
+        for (const fs::directory_entry& entry : fs::directory_iterator(points, ignored))
+            folders.push_back(entry.path());
+        for (const fs::path& folder : folders)
+            remove_empty_runs(folder / "runs");
+        folders.push_back(points);
+        for (const fs::path& folder : folders)
+            if (fs::is_directory(folder, ignored) && fs::is_empty(folder, ignored))
+                fs::remove(folder, ignored);
     }
 }
 

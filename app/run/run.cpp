@@ -18,24 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The same, with an exception on record in the run directory.
-StageEnd run_recorded(Session& session) {
-    try {
-        StageEnd end = StageEnd::finished;
-        const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
-        for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
-            end = kind_of(*stage).run(session);
-            if (end == StageEnd::finished || end == StageEnd::incomplete)
-                session.finished(*stage);
-        }
-        session.close(end);
-        return end;
-    } catch (const std::exception& error) {
-        session.fail(rodwake::describe(error));
-        throw;
-    }
-}
-
 bool only(const Plan& plan, Stage stage) { return plan.stages.size() == 1 && plan.stages.front() == stage; }
 
 } // namespace
@@ -77,7 +59,19 @@ StageEnd run(const Plan& plan, const fs::path& folder, const RunContext& context
             require(plan, folder, context);
     const auto held = std::make_unique<Session>(plan, folder, context); // large for a small stack
     Session& session = *held;
-    const StageEnd end = run_recorded(session);
+    StageEnd end = StageEnd::finished;
+    try {
+        const std::vector<Stage>& stages = session.directory.stages(); // those that are not done already
+        for (auto stage = stages.begin(); stage != stages.end() && end == StageEnd::finished; ++stage) {
+            end = kind_of(*stage).run(session);
+            if (end == StageEnd::finished || end == StageEnd::incomplete)
+                session.finished(*stage);
+        }
+        session.close(end);
+    } catch (const std::exception& error) { // it is on record in the folder, too
+        session.fail(rodwake::describe(error));
+        throw;
+    }
     if (end == StageEnd::interrupted)
         session.log->warn("stopped by a signal; results so far are in {}; the same command resumes from the "
                           "last checkpoint, or starts again if there is none yet",

@@ -20,21 +20,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What is no run's yet: of one that was killed before its first file was in place, shares of a scan, and
-/// what rodwake tradeoff measured.
-bool is_no_run(const fs::path& file) {
-    const std::string name = file.filename().string();
-    const bool measured = fs::exists(file.parent_path() / "tradeoff.json") &&
-                          (name == "manifest.json" || name == "log.txt" || name == "figures");
-    return name.starts_with("part-") || name.starts_with("tradeoff") || measured ||
-           (name.starts_with("provenance.json.") && is_temporary(name)) || name == "rodwake.lock";
-}
-
 bool has_files(const fs::path& folder) {
     std::error_code error;
     const fs::directory_iterator entries(folder, error);
-    return std::any_of(begin(entries), end(entries),
-                       [](const auto& entry) { return !is_no_run(entry.path()); });
+    return std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
+        // A run that was killed before its first file was in place, shares of a scan, and what rodwake
+        // tradeoff measured are no run's files.
+        const std::string name = entry.path().filename().string();
+        const bool measured = fs::exists(entry.path().parent_path() / "tradeoff.json") &&
+                              (name == "manifest.json" || name == "log.txt" || name == "figures");
+        return !(name.starts_with("part-") || name.starts_with("tradeoff") || measured ||
+                 (name.starts_with("provenance.json.") && is_temporary(name)) || name == "rodwake.lock");
+    });
 }
 
 nlohmann::json provenance_of(const fs::path& folder) {
@@ -64,8 +61,9 @@ bool contains(std::span<const Stage> stages, Stage stage) {
     return std::ranges::find(stages, stage) != stages.end();
 }
 
-/// The scene and the files it names, wherever they may be.
-std::vector<fs::path> inputs_of(const scene::Scene& scene) {
+/// In a folder that holds no run yet: an input that bears the name of a result would be replaced.
+void refuse_inputs_as_results(const fs::path& folder, const scene::Scene& scene) {
+    // The scene and the files it names, wherever they may be.
     std::vector<std::string> names;
     if (scene.fit) {
         for (const auto& item : scene.fit->profiles)
@@ -85,17 +83,13 @@ std::vector<fs::path> inputs_of(const scene::Scene& scene) {
         names.push_back(scene.scan->file);
     if (scene.medium && scene.medium->measured)
         names.push_back(scene.medium->measured->file);
-    std::vector<fs::path> candidates = {scene.path};
+    std::vector<fs::path> inputs = {scene.path};
     for (const std::string& name : names)
         if (!name.empty())
-            candidates.insert(candidates.end(), {name, fs::path(scene.path).parent_path() / name});
-    return candidates;
-}
+            inputs.insert(inputs.end(), {name, fs::path(scene.path).parent_path() / name});
 
-/// In a folder that holds no run yet: an input that bears the name of a result would be replaced.
-void refuse_inputs_as_results(const fs::path& folder, const scene::Scene& scene) {
     std::error_code none;
-    for (const fs::path& input : inputs_of(scene)) {
+    for (const fs::path& input : inputs) {
         const std::string name = fs::weakly_canonical(input, none)
                                      .lexically_relative(fs::weakly_canonical(folder, none))
                                      .generic_string();
@@ -233,17 +227,15 @@ void RunFolder::drop_outdated(const scene::Scene& scene, std::span<const Stage> 
     const auto redone = [&](Stage other) { // a fit may have other data by now
         return contains(stages_, other) && (other == Stage::fit || !contains(restored_, other));
     };
-    const auto refuse_to_drop = [&](Stage stage) {
-        if (contains(restored_, Stage::fit) && !contains(asked, stage) && !anew_)
-            throw InputError(
-                fmt::format("{}: files of the fit are gone, and {} follows from it: rodwake run SCENE makes "
-                            "both again; --force makes the fit and removes {}",
-                            path_.string(), to_string(stage), to_string(stage)));
-    };
+
     const StageChanges all{redone, [&](Stage other) { return contains(dropped_, other); }};
     for (const Stage stage : std::vector(kept_)) // in the order in which they are done
         if (const auto outdated = kind_of(stage).outdated; outdated && outdated(scene, all)) {
-            refuse_to_drop(stage);
+            if (contains(restored_, Stage::fit) && !contains(asked, stage) && !anew_)
+                throw InputError(fmt::format(
+                    "{}: files of the fit are gone, and {} follows from it: rodwake run SCENE makes "
+                    "both again; --force makes the fit and removes {}",
+                    path_.string(), to_string(stage), to_string(stage)));
             (contains(asked, stage) ? stages_ : dropped_).push_back(stage);
             std::erase(kept_, stage);
             unaffected_.erase(to_string(stage));

@@ -100,7 +100,10 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
     else if (directory.extended())
         log->info("{}: continuing a finished run", directory.path().string());
     tell_lost();
-    tell_threads();
+    const std::size_t wanted = context.thread_count(), started = ThreadPool(wanted).started();
+    if (started < wanted) // loops go on with fewer of themselves
+        log->warn("only {} of {} threads can be started (a limit of the system's); continuing with these",
+                  started, wanted);
     for (const Stage stage : plan.stages)
         if (std::ranges::count(directory.kept(), stage) > 0)
             log->info("{}: done already", to_string(stage));
@@ -122,7 +125,13 @@ Session::Session(Plan given, const std::filesystem::path& folder, RunContext of)
     }
     if (plan.scene.coupling)
         write_couplings(results, "/coupling", *plan.scene.coupling, units);
-    take_kept();
+    // Stages that are kept hand over their datasets, and what later stages take from them.
+    for (const Stage stage : directory.kept()) {
+        if (kind_of(stage).datasets && std::filesystem::exists(directory.file("result.h5")))
+            results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
+        if (const auto take = kind_of(stage).take_kept)
+            take(*this);
+    }
 }
 
 void Session::tell_lost() const {
@@ -137,24 +146,6 @@ void Session::tell_lost() const {
         log->info("{}{}{} {} gone; {}", stage.empty() ? "" : stage + ": ", files.front(),
                   files.size() == 1 ? "" : fmt::format(" and {} more files", files.size() - 1),
                   files.size() == 1 ? "is" : "are", made ? "made again" : "left so by this command");
-    }
-}
-
-/// Loops go on with fewer of themselves.
-void Session::tell_threads() const {
-    const std::size_t wanted = context.thread_count(), started = ThreadPool(wanted).started();
-    if (started < wanted)
-        log->warn("only {} of {} threads can be started (a limit of the system's); continuing with these",
-                  started, wanted);
-}
-
-void Session::take_kept() {
-    for (const Stage stage : directory.kept()) {
-        if (kind_of(stage).datasets)
-            if (std::filesystem::exists(directory.file("result.h5")))
-                results.copy_group(directory.file("result.h5"), std::string("/") + to_string(stage));
-        if (const auto take = kind_of(stage).take_kept)
-            take(*this);
     }
 }
 

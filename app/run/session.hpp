@@ -36,9 +36,9 @@ public:
 
 private:
     /// What later stages need of those that an earlier command finished.
-    void take_kept();
+
     void tell_lost() const;
-    void tell_threads() const;
+
     void write_provenance(const std::string& status, bool results_kept) const;
     std::vector<Stage> finished_;
     bool closing_ = false;

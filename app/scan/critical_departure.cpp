@@ -65,17 +65,6 @@ struct Saddle {
     double separation, rate;
 };
 
-std::optional<Saddle> saddle_near(const rods::RodProblem& problem, const rods::Pose& pose) {
-    const elastic::Medium& medium = *problem.medium;
-    if (const auto found = rods::equilibrium_near(medium, problem.couplings, pose))
-        return Saddle{found->pose, found->separation[0], found->eigenvalues[0].real()};
-    const double distance = std::hypot(pose.x, pose.y);
-    if (std::abs(pose.y) > 0.1 * distance || std::abs(pose.heading) > 0.1)
-        return std::nullopt;
-    const auto in_line = rods::in_line_eigenvalues(medium, problem.couplings, distance);
-    return Saddle{{pose.x, 0.0, 0.0}, distance, in_line[0].real()};
-}
-
 /// When the separation first differs by a tenth from the fixed point's, after the rods came closest to it.
 std::optional<double> departure_time(const Path& path, const Saddle& saddle) {
     std::size_t closest = 0;
@@ -105,7 +94,16 @@ std::optional<Departure> departure(Encounters& encounters, Bracket bracket) {
         return std::nullopt;
     const auto pose =
         lingering_pose(problem, follow(encounters, bracket.low), follow(encounters, bracket.high));
-    const auto saddle = pose ? saddle_near(problem, *pose) : std::nullopt;
+    if (!pose)
+        return std::nullopt;
+    std::optional<Saddle> saddle;
+    const double distance = std::hypot(pose->x, pose->y);
+    if (const auto found = rods::equilibrium_near(*problem.medium, problem.couplings, *pose))
+        saddle = Saddle{found->pose, found->separation[0], found->eigenvalues[0].real()};
+    else if (std::abs(pose->y) <= 0.1 * distance && std::abs(pose->heading) <= 0.1) {
+        const auto in_line = rods::in_line_eigenvalues(*problem.medium, problem.couplings, distance);
+        saddle = Saddle{{pose->x, 0.0, 0.0}, distance, in_line[0].real()};
+    }
     if (!saddle || !(saddle->rate > 0.0))
         return std::nullopt;
 

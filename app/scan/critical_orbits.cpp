@@ -7,32 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace rodwake::app {
 
 namespace {
-
-/// The number of the pair's flow that the key changes, if it is one alone, at the ends of a bracket.
-struct FlowParameter {
-    rods::BranchParameter parameter;
-    double low, high;
-};
-std::optional<FlowParameter> flow_parameter(const rods::RodProblem& low, const rods::RodProblem& high) {
-    using enum rods::BranchParameter;
-    const FlowParameter all[] = {{kappa, low.couplings.kappa, high.couplings.kappa},
-                                 {gamma1, low.couplings.gamma1, high.couplings.gamma1},
-                                 {gamma2, low.couplings.gamma2, high.couplings.gamma2},
-                                 {eta, low.medium->eta, high.medium->eta},
-                                 {alpha, 1.0 / low.medium->xi, 1.0 / high.medium->xi}};
-    std::optional<FlowParameter> found;
-    for (const FlowParameter& one : all)
-        if (one.low != one.high) {
-            if (found)
-                return std::nullopt;
-            found = one;
-        }
-    return found;
-}
 
 /// The orbit in which an encounter ends, by its separation: another run for its pose would take as long.
 std::optional<rods::PairEquilibrium> final_orbit(const rods::RodProblem& problem, const Encounter& orbiting) {
@@ -50,9 +29,21 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) 
     const rods::RodProblem low = encounters.problem_at(from), high = encounters.problem_at(to);
     if (!has_fixed_points(low))
         return std::nullopt;
-    const auto key = flow_parameter(low, high);
-    if (!key)
+    // The key must change one number of the pair's flow alone.
+    struct FlowParameter {
+        rods::BranchParameter parameter;
+        double low, high;
+    };
+    using enum rods::BranchParameter;
+    std::vector<FlowParameter> changed = {{kappa, low.couplings.kappa, high.couplings.kappa},
+                                          {gamma1, low.couplings.gamma1, high.couplings.gamma1},
+                                          {gamma2, low.couplings.gamma2, high.couplings.gamma2},
+                                          {eta, low.medium->eta, high.medium->eta},
+                                          {alpha, 1.0 / low.medium->xi, 1.0 / high.medium->xi}};
+    std::erase_if(changed, [](const FlowParameter& one) { return one.low == one.high; });
+    if (changed.size() != 1)
         return std::nullopt;
+    const FlowParameter& key = changed.front();
     // An orbit that goes on to the other end, little changed, has no fold.
     const bool below = bracket.low.ending == Ending::orbit;
     const rods::RodProblem &of_orbit = below ? low : high, &other = below ? high : low;
@@ -67,14 +58,14 @@ std::optional<double> fold_near(Encounters& encounters, const Bracket& bracket) 
         const auto share = [&](double at, double first, double last) {
             return (at - first) / (last - first);
         };
-        const bool inverse = std::abs(key->low * from - key->high * to) < 1e-9 * std::abs(key->low * from);
+        const bool inverse = std::abs(key.low * from - key.high * to) < 1e-9 * std::abs(key.low * from);
         return std::lerp(from, to,
-                         inverse ? share(1.0 / parameter, 1.0 / key->low, 1.0 / key->high)
-                                 : share(parameter, key->low, key->high));
+                         inverse ? share(1.0 / parameter, 1.0 / key.low, 1.0 / key.high)
+                                 : share(parameter, key.low, key.high));
     };
-    const auto [least, most] = std::minmax(key->low, key->high);
+    const auto [least, most] = std::minmax(key.low, key.high);
     for (const rods::PairBranch& branch :
-         rods::pair_branches(*low.medium, low.couplings, key->parameter, least, most))
+         rods::pair_branches(*low.medium, low.couplings, key.parameter, least, most))
         for (const rods::BranchPoint& point : branch.points)
             if (point.fold && point.equilibrium.kind == rods::EquilibriumKind::orbit)
                 return value_of(point.parameter);

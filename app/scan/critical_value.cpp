@@ -64,22 +64,8 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
     }
 }
 
-/// The square of the angle between the headings of rods that part, long after; nothing if they have not
-/// parted.
-std::optional<double> squared_opening_angle(Encounters& encounters, double value) {
-    rods::RodProblem problem = encounters.problem_at(value);
-    problem.t_end *= 1e4;
-    problem.output_times.clear();
-    rods::RodOptions options = encounters.options(problem);
-    options.ode.max_steps = 10'000; // rods that part for ever take longer steps
-    const rods::RodResult run = encounters.run(problem, options);
-    if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
-        return std::nullopt;
-    const std::vector<double>& end = run.solution.final_state;
-    return std::pow(std::remainder(end[2] - end[5], 2.0 * std::numbers::pi), 2);
-}
-
-/// The zero of the squared angle between `near`, where rods part, and `end`, where they no longer do: the
+/// The zero of the squared angle, long after, between the headings of rods that part: between `near`, where
+/// they part, and `end`, where they no longer do. The
 /// value as a polynomial in it, through all angles so far, each fivefold closer, until the zero changes by no
 /// more than `width`. `far` is farther out than `near`; a `root` that is known saves the last angle. Nothing
 /// if the angle does not fall to zero as a square root: then the change is another one.
@@ -88,13 +74,22 @@ std::optional<double> unbind(Encounters& encounters, double far, double near, do
     std::vector<double> squares, values; // values: Neville's scheme, its last diagonal
     double next = far;
     for (int turn = 0; turn < 12; ++turn) {
-        const auto square = squared_opening_angle(encounters, next);
-        if (!square || (turn > 0 && !(*square < squares.back())))
+        rods::RodProblem problem = encounters.problem_at(next);
+        problem.t_end *= 1e4;
+        problem.output_times.clear();
+        rods::RodOptions options = encounters.options(problem);
+        options.ode.max_steps = 10'000; // rods that part for ever take longer steps
+        const rods::RodResult run = encounters.run(problem, options);
+        if (!run.solution.status.ok() || run.outcome.ending != Ending::escape)
             return std::nullopt;
-        squares.push_back(*square);
+        const std::vector<double>& last = run.solution.final_state;
+        const double square = std::pow(std::remainder(last[2] - last[5], 2.0 * std::numbers::pi), 2);
+        if (turn > 0 && !(square < squares.back()))
+            return std::nullopt;
+        squares.push_back(square);
         values.push_back(next);
         for (int k = turn; k-- > 0;)
-            values[k] = values[k + 1] + *square * (values[k + 1] - values[k]) / (squares[k] - *square);
+            values[k] = values[k + 1] + square * (values[k + 1] - values[k]) / (squares[k] - square);
         if (turn == 0) {
             next = near;
             continue;
@@ -110,19 +105,8 @@ std::optional<double> unbind(Encounters& encounters, double far, double near, do
     return std::nullopt;
 }
 
-/// The root with the nearest values on both sides at which encounters end as in the bracket, decided within
-/// the limit of time; nothing if there are none.
-std::optional<Root> checked_root(Encounters& encounters, CriticalKind kind, double value,
-                                 const Bracket& bracket, double width) {
-    for (double step = std::max(width, 1e-12 * std::abs(value)); step < bracket.width(); step *= 4.0) {
-        const Bracket both = encounters.both(value - step, value + step);
-        if (both.low.group == bracket.low.group && both.high.group == bracket.high.group)
-            return Root{kind, value, both};
-    }
-    return std::nullopt;
-}
-
-/// The unbinding in a bracket between pursuit and escape, checked on both sides.
+/// The unbinding in a bracket between pursuit and escape, with the nearest values on both sides at which
+/// encounters end as in the bracket, decided within the limit of time; nothing if there are none.
 std::optional<Root> unbound_root(Encounters& encounters, const Bracket& bracket, double width) {
     if (!bracket.is_between(Ending::pursuit, Ending::escape))
         return std::nullopt;
@@ -130,7 +114,14 @@ std::optional<Root> unbound_root(Encounters& encounters, const Bracket& bracket,
     const double near = below ? bracket.low.at : bracket.high.at,
                  end = below ? bracket.high.at : bracket.low.at;
     const auto zero = unbind(encounters, near + 0.5 * (near - end), near, end, width);
-    return zero ? checked_root(encounters, CriticalKind::unbinding, *zero, bracket, width) : std::nullopt;
+    if (!zero)
+        return std::nullopt;
+    for (double step = std::max(width, 1e-12 * std::abs(*zero)); step < bracket.width(); step *= 4.0) {
+        const Bracket both = encounters.both(*zero - step, *zero + step);
+        if (both.low.group == bracket.low.group && both.high.group == bracket.high.group)
+            return Root{CriticalKind::unbinding, *zero, both};
+    }
+    return std::nullopt;
 }
 
 /// A root of fixed points, which encounters cannot tell apart from its surroundings: near a fold and near an
@@ -262,24 +253,6 @@ std::optional<double> again(Encounters& encounters, Encounters& brief, Root& roo
     return correct(encounters, brief, *bracket, width).value;
 }
 
-/// A plan of the same points at a hundredth of the tolerance.
-ScanPlan tighter(const ScanPlan& plan) {
-    ScanPlan tight = plan;
-    double& rtol = tight.base.rods_run->rtol;
-    const double least = std::max(0.01 * rtol, 1e-13);
-    tight.base.rods_run->atol *= least / rtol;
-    rtol = least;
-    return tight;
-}
-
-/// A plan of the same points, which are left undecided after eight times t_end.
-ScanPlan briefer(const ScanPlan& plan) {
-    ScanPlan brief = plan;
-    scene::RodsRun& run = *brief.base.rods_run;
-    run.t_end_limit = std::min(run.t_end_limit.value_or(HUGE_VAL), 8.0 * run.t_end);
-    return brief;
-}
-
 CriticalValue solve(const ScanPlan& plan, const ScanPlan& tight, const ScanPlan& brief,
                     const scan::Point& point, const std::function<bool()>& stop, CriticalKind& kind) {
     const std::size_t axis = plan.design.axes.size() - 1;
@@ -360,9 +333,16 @@ scan::Columns columns_of_critical() {
 }
 
 scan::Evaluate evaluate_brackets(const ScanPlan& plan, std::function<bool()> stop) {
-    return [&plan, tight = std::make_shared<ScanPlan>(tighter(plan)),
-            brief = std::make_shared<ScanPlan>(briefer(plan)),
-            stop = std::move(stop)](std::span<const scan::Point> points, std::span<scan::Result> results) {
+    // Plans of the same points: at a hundredth of the tolerance, and left undecided after eight times t_end.
+    const auto tight = std::make_shared<ScanPlan>(plan), brief = std::make_shared<ScanPlan>(plan);
+    double& rtol = tight->base.rods_run->rtol;
+    const double least = std::max(0.01 * rtol, 1e-13);
+    tight->base.rods_run->atol *= least / rtol;
+    rtol = least;
+    scene::RodsRun& run = *brief->base.rods_run;
+    run.t_end_limit = std::min(run.t_end_limit.value_or(HUGE_VAL), 8.0 * run.t_end);
+    return [&plan, tight, brief, stop = std::move(stop)](std::span<const scan::Point> points,
+                                                         std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             scan::Result& result = results[i];
             const auto start = std::chrono::steady_clock::now();

@@ -79,7 +79,18 @@ public:
         if (scan_.design == scene::ScanDesign::critical)
             critical = take_solved_key(design);
         require_size(design);
-        start_from_earliest_end(design);
+        // Where t_end varies, the outputs of `base_` fit all of its values.
+        for (const VariedKey& key : keys_) {
+            if (key.key != "rods_run.t_end")
+                continue;
+            const scan::Axis& axis = design.axes[key.axis];
+            double earliest = std::min(axis.from, axis.to);
+            for (const double value : axis.values)
+                earliest = std::min(earliest, value);
+            if (earliest > 0.0) // else refused where it is tried
+                base_.rods_run->t_end = earliest * key.scale;
+            leave_out_outputs(base_.rods_run);
+        }
         scene::ValueSetter all = setter_of(keys_);
         scan::Columns columns = of_beds() ? columns_of_beds(base_) : columns_of_rods(base_);
         ScanPlan plan{subject_,        std::move(design), std::move(columns), {},
@@ -88,7 +99,14 @@ public:
         plan.critical = std::move(critical);
         plan.labels.resize(plan.design.axes.size());
         std::ranges::transform(scan_.axes, plan.labels.begin(), &ScanAxis::label);
-        take_drivers(plan);
+        for (const scene::ScanRefine& refine : scan_.refine) {
+            const auto& names = plan.columns.observables;
+            const auto at = std::ranges::find(names, refine.observable);
+            if (at == names.end())
+                throw InputError(fmt::format("{}: scan.refine: no column \"{}\"; there are {}", base_.path,
+                                             refine.observable, fmt::join(names, ", ")));
+            plan.design.drivers.push_back({static_cast<std::size_t>(at - names.begin()), refine.step});
+        }
         try_ends(plan);
         if (of_beds())
             plan.design.costs = costs_of_beds(plan);
@@ -127,9 +145,7 @@ private:
         const std::size_t first = keys_.size();
         add_keys(given.key.empty() ? given.keys : std::vector{given.key}, given.factor, number, axis.name);
         axis.whole = std::ranges::any_of(std::span(keys_).subspan(first), &VariedKey::whole);
-        if (!given.values.empty())
-            take_values(axis, given, first);
-        else {
+        if (given.values.empty()) {
             axis.spacing =
                 given.spacing == scene::ScanSpacing::log ? scan::Spacing::log : scan::Spacing::linear;
             axis.from = plain(*given.from, axis.name);
@@ -141,7 +157,29 @@ private:
             if (axis.spacing == scan::Spacing::log && !(axis.from * axis.to > 0.0))
                 refuse(axis.name, fmt::format("spacing \"log\" needs ends of one sign, found {:g} and {:g}",
                                               axis.from, axis.to));
+            return axis;
         }
+
+        // Listed values are numbers or words: "5 s" is a number for a key that is a time, "bdf" a word.
+        axis.spacing = scan::Spacing::listed;
+        axis.count = static_cast<long>(given.values.size());
+        const scene::ValueSetter setter = compiled(axis.name, axis.name);
+        const bool words = !is_number(held(setter, given.values.front(), axis.name));
+        for (const Value& value : given.values) {
+            if (words == is_number(held(setter, value, axis.name)))
+                refuse(axis.name, "values are numbers or words, not both");
+            if (words) {
+                axis.values.push_back(static_cast<double>(axis.words.size()));
+                axis.words.push_back(word_text(value));
+            } else {
+                axis.values.push_back(plain(value, axis.name));
+                require_value(axis, axis.values.back());
+            }
+        }
+        for (std::size_t k = first; words && k < keys_.size(); ++k)
+            keys_[k].words = given.values;
+        axis.from = axis.values.front();
+        axis.to = axis.values.back();
         return axis;
     }
 
@@ -189,29 +227,6 @@ private:
         design.rows = std::move(rows);
         design.axes.push_back(std::move(axis));
         return critical;
-    }
-
-    void take_values(scan::Axis& axis, const ScanAxis& given, std::size_t first) {
-        axis.spacing = scan::Spacing::listed;
-        axis.count = static_cast<long>(given.values.size());
-        // "5 s" is a number for a key that is a time; "bdf" is a word
-        const scene::ValueSetter setter = compiled(axis.name, axis.name);
-        const bool words = !is_number(held(setter, given.values.front(), axis.name));
-        for (const Value& value : given.values) {
-            if (words == is_number(held(setter, value, axis.name)))
-                refuse(axis.name, "values are numbers or words, not both");
-            if (words) {
-                axis.values.push_back(static_cast<double>(axis.words.size()));
-                axis.words.push_back(word_text(value));
-            } else {
-                axis.values.push_back(plain(value, axis.name));
-                require_value(axis, axis.values.back());
-            }
-        }
-        for (std::size_t k = first; words && k < keys_.size(); ++k)
-            keys_[k].words = given.values;
-        axis.from = axis.values.front();
-        axis.to = axis.values.back();
     }
 
     void add_keys(const std::vector<std::string>& names, const std::vector<double>& factors, std::size_t axis,
@@ -301,21 +316,6 @@ private:
                                          base_.path, points, most_places_of_beds));
     }
 
-    /// Where t_end varies, the outputs of `base_` fit all of them.
-    void start_from_earliest_end(const scan::Design& design) {
-        for (const VariedKey& key : keys_) {
-            if (key.key != "rods_run.t_end")
-                continue;
-            const scan::Axis& axis = design.axes[key.axis];
-            double earliest = std::min(axis.from, axis.to);
-            for (const double value : axis.values)
-                earliest = std::min(earliest, value);
-            if (earliest > 0.0) // else refused where it is tried
-                base_.rods_run->t_end = earliest * key.scale;
-            leave_out_outputs(base_.rods_run);
-        }
-    }
-
     scene::ValueSetter setter_of(const std::vector<VariedKey>& keys) const {
         std::vector<std::string> names(keys.size());
         std::ranges::transform(keys, names.begin(), &VariedKey::key);
@@ -326,47 +326,32 @@ private:
         }
     }
 
-    void take_drivers(ScanPlan& plan) const {
-        for (const scene::ScanRefine& refine : scan_.refine) {
-            const auto& names = plan.columns.observables;
-            const auto at = std::ranges::find(names, refine.observable);
-            if (at == names.end())
-                throw InputError(fmt::format("{}: scan.refine: no column \"{}\"; there are {}", base_.path,
-                                             refine.observable, fmt::join(names, ", ")));
-            plan.design.drivers.push_back({static_cast<std::size_t>(at - names.begin()), refine.step});
-        }
-    }
-
     /// Ranges of keys are intervals: if both ends of an axis are legal, so is what lies between.
     void try_ends(const ScanPlan& plan) const {
         std::vector<double> first, last;
         for (std::size_t k = 0; k < plan.design.axes.size(); ++k) {
-            try_axis(plan, k);
-            first.push_back(plan.design.axes[k].from);
-            last.push_back(plan.design.axes[k].to);
+            const scan::Axis& axis = plan.design.axes[k];
+            std::vector<VariedKey> keys;
+            std::ranges::copy_if(plan.keys, std::back_inserter(keys),
+                                 [&](const VariedKey& key) { return key.axis == k; });
+            const scene::ValueSetter setter = setter_of(keys);
+            std::vector<double> tried = axis.values;
+            tried.insert(tried.end(), {axis.from, axis.to});
+            std::vector<Value> values(keys.size());
+            scene::Scene scene = plan.base;
+            for (const double value : tried) {
+                std::ranges::transform(keys, values.begin(),
+                                       [&](const VariedKey& key) { return value_at(key, value); });
+                if (const auto wrong = setter.set(scene, values))
+                    refuse(axis.name, *wrong);
+            }
+            first.push_back(axis.from);
+            last.push_back(axis.to);
         }
         scene::Scene scene = plan.base;
         for (const std::vector<double>& at : {first, last})
             if (const auto wrong = set_values(plan, scene, at))
                 throw InputError(fmt::format("{}: scan: {}", base_.path, *wrong));
-    }
-
-    void try_axis(const ScanPlan& plan, std::size_t number) const {
-        const scan::Axis& axis = plan.design.axes[number];
-        std::vector<VariedKey> keys;
-        std::ranges::copy_if(plan.keys, std::back_inserter(keys),
-                             [&](const VariedKey& key) { return key.axis == number; });
-        const scene::ValueSetter setter = setter_of(keys);
-        std::vector<double> tried = axis.values;
-        tried.insert(tried.end(), {axis.from, axis.to});
-        std::vector<Value> values(keys.size());
-        scene::Scene scene = plan.base;
-        for (const double value : tried) {
-            std::ranges::transform(keys, values.begin(),
-                                   [&](const VariedKey& key) { return value_at(key, value); });
-            if (const auto wrong = setter.set(scene, values))
-                refuse(axis.name, *wrong);
-        }
     }
 
     bool of_beds() const { return subject_ == scene::ScanSubject::beds; }

@@ -2,12 +2,13 @@
 
 #include "bed/run_tables.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/core/stopwatch.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
+
 #include <cmath>
 
 namespace rodwake::app {
@@ -15,77 +16,49 @@ namespace rodwake::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
-class PointOfBeds {
-public:
-    PointOfBeds(const ScanPlan& plan, fs::path folder, RunContext context, Logger log)
-        : plan_(plan), folder_(std::move(folder)), context_(std::move(context)), log_(std::move(log)) {}
-
-    void evaluate(const scan::Point& point, scan::Result& result) const {
-        const auto start = Clock::now();
-        result.point = point;
-        try {
-            run(point, result, start);
-        } catch (const RunError&) {
-            throw; // nothing can be written: what runs are left would fail alike
-        } catch (const std::exception& error) {
-            result.status = scan::Status::exception;
-            result.set_cause(rodwake::describe(error));
-        }
-        result.seconds = seconds_since(start);
-    }
-
-private:
-    static double seconds_since(Clock::time_point start) {
-        return std::chrono::duration<double>(Clock::now() - start).count();
-    }
-
-    void run(const scan::Point& point, scan::Result& result, Clock::time_point start) const {
-        const BedPlan bed = scanned_bed(plan_, point);
+/// Makes the run of a point, or resumes it.
+void evaluate_bed(const ScanPlan& plan, const fs::path& folder, const RunContext& context, const Logger& log,
+                  const scan::Point& point, scan::Result& result) {
+    const Stopwatch watch;
+    result.point = point;
+    try {
+        const BedPlan bed = scanned_bed(plan, point);
         const GranularPlan granular{bed, granular_key(bed.of.scene), {}};
         const GranularTask task{static_cast<std::uint32_t>(scan::run_of(point.id)),
-                                bed_folder(folder_, point.id)};
-        if (!context_.force)
+                                bed_folder(folder, point.id)};
+        if (!context.force)
             require_same_run(task, granular.scene_key);
-        const GranularResult end = execute_task(granular, task, limited(start), log_, 1, [](auto&&...) {});
-        if (end.end == StageEnd::finished)
-            return store(bed.of.scene, task.folder, result);
-        result.status = end.end == StageEnd::failed ? scan::Status::failed
-                        : context_.stopped()        ? scan::Status::stopped
-                                                    : scan::Status::time_limit;
-        result.set_cause(result.status == scan::Status::time_limit
-                             ? fmt::format("more than {:g} s", *plan_.time_limit)
-                             : end.message);
+        RunContext limited = context;
+        if (plan.time_limit)
+            limited.stop = [&] { return context.stopped() || watch.seconds() > *plan.time_limit; };
+        const GranularResult end = execute_task(granular, task, limited, log, 1, [](auto&&...) {});
+        if (end.end == StageEnd::finished) {
+            const BedObservables yield = observables_of(bed.of.scene, run_tables(task.folder));
+            result.status = scan::Status::ok;
+            result.outcome = yield.outcome;
+            std::ranges::copy(yield.values, result.values.begin());
+            for (std::size_t k = 0; k < yield.values.size(); ++k)
+                if (std::isinf(yield.values[k])) {
+                    result.status = scan::Status::not_finite;
+                    result.set_cause(plan.columns.observables[k] + " is not finite");
+                }
+        } else {
+            result.status = end.end == StageEnd::failed ? scan::Status::failed
+                            : context.stopped()         ? scan::Status::stopped
+                                                        : scan::Status::time_limit;
+            result.set_cause(result.status == scan::Status::time_limit
+                                 ? fmt::format("more than {:g} s", *plan.time_limit)
+                                 : end.message);
+        }
+    } catch (const RunError&) {
+        throw; // nothing can be written: what runs are left would fail alike
+    } catch (const std::exception& error) {
+        result.status = scan::Status::exception;
+        result.set_cause(rodwake::describe(error));
     }
-
-    /// The context of a run whose time may be up.
-    RunContext limited(Clock::time_point start) const {
-        RunContext context = context_;
-        if (plan_.time_limit)
-            context.stop = [this, start] {
-                return context_.stopped() || seconds_since(start) > *plan_.time_limit;
-            };
-        return context;
-    }
-
-    void store(const scene::Scene& scene, const fs::path& folder, scan::Result& result) const {
-        const BedObservables yield = observables_of(scene, run_tables(folder));
-        result.status = scan::Status::ok;
-        result.outcome = yield.outcome;
-        std::ranges::copy(yield.values, result.values.begin());
-        for (std::size_t k = 0; k < yield.values.size(); ++k)
-            if (std::isinf(yield.values[k])) {
-                result.status = scan::Status::not_finite;
-                result.set_cause(plan_.columns.observables[k] + " is not finite");
-            }
-    }
-
-    const ScanPlan& plan_;
-    fs::path folder_;
-    RunContext context_;
-    Logger log_;
-};
+    result.seconds = watch.seconds();
+}
 
 /// None of a folder that somebody else made.
 std::optional<long> number_of(const std::string& text) {
@@ -110,10 +83,10 @@ std::optional<std::int64_t> bed_of(const fs::path& file) {
 }
 
 scan::Evaluate evaluate_beds(const ScanPlan& plan, fs::path folder, RunContext context, Logger log) {
-    return [one = PointOfBeds(plan, std::move(folder), std::move(context), std::move(log))](
-               std::span<const scan::Point> points, std::span<scan::Result> results) {
+    return [&plan, folder = std::move(folder), context = std::move(context),
+            log = std::move(log)](std::span<const scan::Point> points, std::span<scan::Result> results) {
         for (std::size_t i = 0; i < points.size(); ++i)
-            one.evaluate(points[i], results[i]);
+            evaluate_bed(plan, folder, context, log, points[i], results[i]);
     };
 }
 

@@ -17,34 +17,12 @@ namespace rodwake::app {
 
 namespace {
 
-/// Of points that did not fail, by id.
-using Known = std::unordered_map<std::int64_t, Certificate>;
-
-std::optional<std::size_t> certificate_number(const scan::Columns& columns) {
-    const auto at = std::ranges::find(columns.observables, certificate_column);
-    if (at == columns.observables.end())
-        return std::nullopt;
-    return static_cast<std::size_t>(at - columns.observables.begin());
-}
-
 std::vector<scan::Lattice::LatticePoint> corners_of(const scan::Lattice& lattice, const scan::Leaf& leaf) {
     std::vector<scan::Lattice::LatticePoint> corners(std::size_t{1} << lattice.axes(), leaf.low);
     for (std::size_t which = 0; which < corners.size(); ++which)
         for (std::size_t k = 0; k < lattice.axes(); ++k)
             corners[which][k] += (which >> k & 1u) != 0 ? leaf.side : 0;
     return corners;
-}
-
-/// The worst of the cell's corners; open where outcomes differ or one is not known.
-Certificate worst_corner(const scan::Lattice& lattice, const scan::Leaf& leaf, const Known& known) {
-    if (leaf.mixed || leaf.outcome < 0)
-        return Certificate::open;
-    Certificate worst = Certificate::verified;
-    for (const scan::Lattice::LatticePoint& corner : corners_of(lattice, leaf)) {
-        const auto at = known.find(lattice.id(corner));
-        worst = std::max(worst, at == known.end() ? Certificate::open : at->second);
-    }
-    return worst;
 }
 
 /// Whether no pair within the cell can end otherwise than its corners.
@@ -64,14 +42,16 @@ bool is_uniform(PointProblem& problem, const scan::Lattice& lattice, const scan:
 ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledger,
                                  const scan::Summary& summary, std::size_t threads) {
     ScanCertificates found;
-    const auto column = certificate_number(plan.columns);
-    if (!column)
+    const auto& names = plan.columns.observables;
+    const auto column =
+        static_cast<std::size_t>(std::ranges::find(names, certificate_column) - names.begin());
+    if (column == names.size())
         return found;
-    Known known;
+    std::unordered_map<std::int64_t, Certificate> known; // of points that did not fail, by id
     ledger.for_each([&](const scan::Result& result) {
         if (!result.ok())
             return;
-        const auto certificate = static_cast<Certificate>(result.values[*column]);
+        const auto certificate = static_cast<Certificate>(result.values[column]);
         ++found.points[static_cast<std::size_t>(certificate)];
         if (!summary.leaves.empty())
             known.emplace(result.point.id, certificate);
@@ -79,8 +59,16 @@ ScanCertificates certificates_of(const ScanPlan& plan, const scan::Ledger& ledge
     if (summary.leaves.empty())
         return found;
     const scan::Lattice lattice(plan.design);
-    for (const scan::Leaf& leaf : summary.leaves)
-        found.cells.push_back(worst_corner(lattice, leaf, known));
+    // A cell is known as well as the worst of its corners; open where outcomes differ or one is not known.
+    for (const scan::Leaf& leaf : summary.leaves) {
+        const bool uniform = !leaf.mixed && leaf.outcome >= 0;
+        Certificate& worst = found.cells.emplace_back(uniform ? Certificate::verified : Certificate::open);
+        for (const scan::Lattice::LatticePoint& corner : corners_of(lattice, leaf)) {
+            const auto at = known.find(lattice.id(corner));
+            worst = std::max(worst, at == known.end() ? Certificate::open : at->second);
+        }
+    }
+
     // Cells whose corners are verified are so themselves, or their corners alone are: then they are checked.
     constexpr std::size_t at_once = 64;
     parallel_for((summary.leaves.size() + at_once - 1) / at_once, threads, [&](std::size_t block) {

@@ -16,30 +16,6 @@
 
 namespace rodwake::app {
 
-namespace {
-
-double* of_coupling(const std::string& key, rods::Couplings& couplings) {
-    constexpr std::string_view table = "coupling.";
-    const rods::Coupling* coupling =
-        key.starts_with(table) ? rods::find_coupling(std::string_view(key).substr(table.size())) : nullptr;
-    return coupling ? &(couplings.*coupling->number) : nullptr;
-}
-
-double* of_rod(const std::string& key, std::vector<rods::Pose>& rods) {
-    for (std::size_t k = 0; k < rods.size(); ++k) {
-        const std::string rod = fmt::format("rods.{}.", k);
-        if (key == rod + "position.0")
-            return &rods[k].x;
-        if (key == rod + "position.1")
-            return &rods[k].y;
-        if (key == rod + "heading")
-            return &rods[k].heading;
-    }
-    return nullptr;
-}
-
-} // namespace
-
 PointProblem::PointProblem(const ScanPlan& plan)
     : plan_(plan), scene_(std::make_unique<scene::Scene>(plan.base)), problem_(rod_problem(*scene_)) {
     if (auto& run = scene_->rods_run) // outputs that follow an end of the point's own, and are few
@@ -56,9 +32,19 @@ double* PointProblem::place_of(const ScanPlan::VariedKey& key, const scene::Scen
         return nullptr;
     if (scene.coupling && scene.coupling->polar_basis != scene::PolarBasis::divergence &&
         scene.coupling->gamma_flow == 0.0)
-        if (double* position = of_coupling(key.key, problem.couplings))
-            return position;
-    return of_rod(key.key, problem.rods);
+        if (constexpr std::string_view table = "coupling."; key.key.starts_with(table))
+            if (const auto* coupling = rods::find_coupling(std::string_view(key.key).substr(table.size())))
+                return &(problem.couplings.*coupling->number);
+    for (std::size_t k = 0; k < problem.rods.size(); ++k) {
+        const std::string rod = fmt::format("rods.{}.", k);
+        if (key.key == rod + "position.0")
+            return &problem.rods[k].x;
+        if (key.key == rod + "position.1")
+            return &problem.rods[k].y;
+        if (key.key == rod + "heading")
+            return &problem.rods[k].heading;
+    }
+    return nullptr;
 }
 
 const rods::RodProblem& PointProblem::at(const scan::Point& point) {
@@ -77,29 +63,6 @@ const rods::RodProblem& PointProblem::at(const scan::Point& point) {
 // What a scan depends on: the part of the scene that its points are made from.
 
 namespace {
-
-/// Design and axes as far as they decide what a point of some number is.
-scene::Scan scan_keys(const scene::Scan& scan) {
-    scene::Scan key;
-    key.design = scan.design;
-    key.axes = scan.axes;
-    key.certificates = scan.certificates;
-    key.decide = scan.decide;
-    if (scan.design == scene::ScanDesign::critical) {
-        key.solve_for = scan.solve_for;
-        key.from = scan.from, key.to = scan.to;
-        key.spacing = scan.spacing, key.count = scan.count;
-        key.between = scan.between, key.tolerance = scan.tolerance;
-        key.audit = scan.audited(), key.seed = scan.seed;
-    }
-    for (scene::ScanAxis& axis : key.axes)
-        axis.label.clear();
-    if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample
-        key.samples = scan.samples;
-        key.seed = scan.seed;
-    }
-    return key;
-}
 
 /// A bed, and when two of its rods touch.
 scene::Scene bed_keys(const scene::Scene& scene) {
@@ -167,8 +130,28 @@ std::string scan_key(const scene::Scene& scene) {
     leave_out_outputs(key.rods_run);
     if (key.rods_run)
         key.rods_run->max_steps = scene::RodsRun{}.max_steps; // a limit, raised when it was met
-    if (scene.scan)
-        key.scan = scan_keys(*scene.scan);
+    if (scene.scan) {
+        // Design and axes as far as they decide what a point of some number is.
+        const scene::Scan& scan = *scene.scan;
+        scene::Scan& kept = key.scan.emplace();
+        kept.design = scan.design;
+        kept.axes = scan.axes;
+        kept.certificates = scan.certificates;
+        kept.decide = scan.decide;
+        if (scan.design == scene::ScanDesign::critical) {
+            kept.solve_for = scan.solve_for;
+            kept.from = scan.from, kept.to = scan.to;
+            kept.spacing = scan.spacing, kept.count = scan.count;
+            kept.between = scan.between, kept.tolerance = scan.tolerance;
+            kept.audit = scan.audited(), kept.seed = scan.seed;
+        }
+        for (scene::ScanAxis& axis : kept.axes)
+            axis.label.clear();
+        if (scan.design == scene::ScanDesign::lhs) { // another number of slices is another sample
+            kept.samples = scan.samples;
+            kept.seed = scan.seed;
+        }
+    }
     return scene::to_plain_toml(key);
 }
 

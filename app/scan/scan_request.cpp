@@ -55,24 +55,14 @@ void require_scan(const ScanPlan& plan, const fs::path& folder, const RunContext
         require_ledger(share, plan);
 }
 
-namespace {
-
-fs::path find_file(const scene::Scene& scene) {
-    fs::path name = scene.scan->file, beside = fs::path(scene.path).parent_path() / name;
-    if (fs::exists(beside))
-        return beside;
-    if (fs::exists(name))
-        return name;
-    throw InputError(scene.path + ": scan.file = \"" + name.string() +
-                     "\": no such file, neither in the folder of the scene nor in the working folder");
-}
-
-} // namespace
-
 std::optional<ScanList> read_scan_list(const scene::Scene& scene) {
     if (!scene.scan || scene.scan->file.empty())
         return std::nullopt;
-    const fs::path path = find_file(scene);
+    const fs::path name = scene.scan->file, beside = fs::path(scene.path).parent_path() / name;
+    if (!fs::exists(beside) && !fs::exists(name))
+        throw InputError(scene.path + ": scan.file = \"" + name.string() +
+                         "\": no such file, neither in the folder of the scene nor in the working folder");
+    const fs::path path = fs::exists(beside) ? beside : name;
     ScanList list;
     list.keys = store::csv_names(path);
     const store::Table table = store::read_csv(path, list.keys);

@@ -47,19 +47,6 @@ ordered_json axis_json(const ScanPlan& plan, std::size_t number) {
     return out;
 }
 
-ordered_json boundary_json(const scan::Summary& summary, double tolerance) {
-    if (tolerance == 0.0)
-        return nullptr;
-    std::size_t points = 0;
-    for (const scan::Curve& curve : summary.curves)
-        points += curve.points.size();
-    return {{"curves", summary.curves.size()},
-            {"points", points},
-            {"tolerance", tolerance},
-            {"evaluated", summary.traced},
-            {"gaps", summary.lost_crossings}};
-}
-
 template<class Number>
 ordered_json by_certificate(const std::array<Number, 3>& numbers) {
     ordered_json out = ordered_json::object();
@@ -94,7 +81,17 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
     for (const std::string& name : plan.columns.outcomes)
         out["outcomes"][name] = counts.outcomes.contains(name) ? counts.outcomes.at(name) : 0;
     out["causes"] = counts.causes;
-    out["boundary"] = boundary_json(summary, plan.design.boundary_tolerance);
+    out["boundary"] = nullptr;
+    if (const double tolerance = plan.design.boundary_tolerance; tolerance != 0.0) {
+        std::size_t points = 0;
+        for (const scan::Curve& curve : summary.curves)
+            points += curve.points.size();
+        out["boundary"] = {{"curves", summary.curves.size()},
+                           {"points", points},
+                           {"tolerance", tolerance},
+                           {"evaluated", summary.traced},
+                           {"gaps", summary.lost_crossings}};
+    }
     if (of_beds(plan)) {
         // The numbers requested, evaluated and failed count runs.
         const scene::Granular& bed = *plan.base.granular;
@@ -119,48 +116,6 @@ std::string scan_json(const ScanPlan& plan, const scan::Counts& counts, const sc
     return json_text(out, 2) + "\n";
 }
 
-/// Both tables of points, and the sample of trajectories, fed with some points at a time.
-class PointWriter {
-public:
-    PointWriter(const std::filesystem::path& folder, const ScanPlan& plan, std::int64_t points,
-                std::size_t trajectories, std::size_t threads)
-        : plan_(plan), threads_(threads), table_(folder / "scan.csv", plan), h5_(folder / "scan.h5"),
-          columns_(h5_, plan, points), sample_(trajectories) {}
-
-    void add(const scan::Result& result) {
-        rows_.push_back(result);
-        if (rows_.size() == rows_at_once)
-            flush();
-    }
-
-    void finish() {
-        flush();
-        table_.commit();
-        columns_.finish();
-        sample_.write(h5_, plan_);
-        h5_.commit();
-    }
-
-private:
-    static constexpr std::size_t rows_at_once = 1 << 14;
-
-    void flush() {
-        table_.add(rows_, threads_);
-        columns_.add(rows_);
-        for (const scan::Result& point_result : rows_)
-            sample_.add(point_result);
-        rows_.clear();
-    }
-
-    const ScanPlan& plan_;
-    std::size_t threads_;
-    PointTable table_;
-    store::Hdf5Writer h5_;
-    PointColumns columns_;
-    TrajectorySample sample_;
-    std::vector<scan::Result> rows_; ///< not written yet
-};
-
 } // namespace
 
 void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const scene::Scan& keys,
@@ -169,12 +124,31 @@ void write_scan(const std::filesystem::path& folder, const ScanPlan& plan, const
     if (of_beds(plan))
         write_bed_results(folder, plan, ledger);
     else {
-        // scan.csv and scan.h5 in one pass over the ledger. A scan that was stopped has no time for
-        // trajectories.
-        PointWriter writer(folder, plan, ledger.points(),
-                           summary.complete ? static_cast<std::size_t>(keys.trajectories) : 0, threads);
-        ledger.for_each([&](const scan::Result& result) { writer.add(result); });
-        writer.finish();
+        // scan.csv and scan.h5 in one pass over the ledger, some points at a time. A scan that was stopped
+        // has no time for trajectories.
+        constexpr std::size_t rows_at_once = 1 << 14;
+        PointTable table(folder / "scan.csv", plan);
+        store::Hdf5Writer h5(folder / "scan.h5");
+        PointColumns columns(h5, plan, ledger.points());
+        TrajectorySample sample(summary.complete ? static_cast<std::size_t>(keys.trajectories) : 0);
+        std::vector<scan::Result> rows;
+        const auto flush = [&] {
+            table.add(rows, threads);
+            columns.add(rows);
+            for (const scan::Result& result : rows)
+                sample.add(result);
+            rows.clear();
+        };
+        ledger.for_each([&](const scan::Result& result) {
+            rows.push_back(result);
+            if (rows.size() == rows_at_once)
+                flush();
+        });
+        flush();
+        table.commit();
+        columns.finish();
+        sample.write(h5, plan);
+        h5.commit();
         if (!summary.leaves.empty())
             write_cells(folder / "cells.csv", plan, summary, certificates.cells);
         if (!summary.curves.empty())

@@ -233,11 +233,24 @@ private:
     /// Puts the point into a batch, or finishes it.
     void begin(std::size_t number, scan::Result& result, Clock::time_point start) {
         const rods::RodProblem& problem = problem_.at(result.point);
-        if (starts_in_contact(problem, result))
-            return;
-        if (plan_.base.noise)
-            return with_noise(problem, result, start);
-        const rods::RodOptions options = rod_options(problem_.run(), problem);
+        if (auto met = rods::contact_at_start(problem)) {
+            met->outcome.certificate = rods::certificate_at_start(problem, met->outcome);
+            store_certain_capture(plan_, met->outcome.ending, result);
+            return store(end_of(problem, *met, {}), plan_, units_, result);
+        }
+
+        // With noise a point is an ensemble; one whose noise is 0 has one run and no interval.
+        rods::RodOptions options = rod_options(problem_.run(), problem);
+        if (plan_.base.noise) {
+            if (const std::optional<NoisePlan> noise = problem_.noise()) {
+                options.ode.stop_requested = stop_condition(start);
+                if (!evaluate_noisy(plan_, problem, options, *noise, units_, result))
+                    interrupted(result, start);
+                return;
+            }
+            options.criteria = rods::noisy_criteria; // as for its neighbours
+            return climb(problem, options, result, start);
+        }
 
         const auto pair = rods::to_pair_problem(problem);
         if (!pair || !suits_batch(problem_.run(), options, plan_.time_limit))
@@ -303,13 +316,37 @@ private:
         }
     }
 
+    /// Runs the point alone, and again with other options as long as it fails and a retry is left.
     void climb(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
-               Clock::time_point start) {
+               Clock::time_point start) const {
         options.ode.stop_requested = stop_condition(start);
         std::string causes;
         for (result.retries = 0;; ++result.retries) {
             try {
-                attempt(problem, options, result, start);
+                FrontRodTracker leader(problem);
+                if (problem.rods.size() == 2)
+                    options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
+                const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)
+                                                ? rods::simulate_certified(problem, options, true)
+                                                : rods::simulate(problem, options);
+                EncounterEnd end = end_of(problem, run, leader.ahead());
+                integrate::Status status = run.solution.status;
+                if (plan_.decide && status.ok() && status.termination != Termination::interrupted &&
+                    end.ending == Ending::undecided)
+                    status =
+                        decide(problem, options, t_end_limit(problem), run.solution.final_state, leader, end);
+                // a proof that was stopped leaves its outcome open, which the uninterrupted scan may not have
+                const bool cut_short = stop_ && stop_() && certified(result.point) &&
+                                       run.outcome.certificate == Certificate::open;
+                if (status.termination == Termination::interrupted || cut_short) {
+                    interrupted(result, start);
+                } else if (status.ok()) {
+                    store_certain_capture(plan_, end.ending, result);
+                    store(end, plan_, units_, result);
+                } else {
+                    result.status = scan::Status::failed;
+                    result.set_cause(fmt::format("{}: {}; {}", status.flag, status.cause, status.advice));
+                }
             } catch (const std::exception& error) {
                 result.status = scan::Status::exception;
                 result.set_cause(rodwake::describe(error));
@@ -325,19 +362,6 @@ private:
         }
         if (!result.ok() || !causes.empty())
             result.set_cause(causes);
-    }
-
-    /// A point whose noise is 0, among others with noise, has one run and no interval.
-    void with_noise(const rods::RodProblem& problem, scan::Result& result, Clock::time_point start) {
-        rods::RodOptions options = rod_options(problem_.run(), problem);
-        const std::optional<NoisePlan> noise = problem_.noise();
-        if (!noise) {
-            options.criteria = rods::noisy_criteria; // as for its neighbours
-            return climb(problem, options, result, start);
-        }
-        options.ode.stop_requested = stop_condition(start);
-        if (!evaluate_noisy(plan_, problem, options, *noise, units_, result))
-            interrupted(result, start);
     }
 
     /// In reduced units, as the times of problems.
@@ -356,43 +380,6 @@ private:
         if (limit == HUGE_VAL && !stop_)
             return nullptr;
         return [this, start, limit] { return (stop_ && stop_()) || seconds_since(start) > limit; };
-    }
-
-    void attempt(const rods::RodProblem& problem, rods::RodOptions options, scan::Result& result,
-                 Clock::time_point start) const {
-        FrontRodTracker leader(problem);
-        if (problem.rods.size() == 2)
-            options.ode.on_step = [&](const integrate::Step& step) { leader.add(step.state); };
-        const rods::RodResult run = certified(result.point) || rods::walks_straight(problem)
-                                        ? rods::simulate_certified(problem, options, true)
-                                        : rods::simulate(problem, options);
-        EncounterEnd end = end_of(problem, run, leader.ahead());
-        integrate::Status status = run.solution.status;
-        if (plan_.decide && status.ok() && status.termination != Termination::interrupted &&
-            end.ending == Ending::undecided)
-            status = decide(problem, options, t_end_limit(problem), run.solution.final_state, leader, end);
-        // a proof that was stopped leaves its outcome open, which the uninterrupted scan may not have
-        const bool cut_short =
-            stop_ && stop_() && certified(result.point) && run.outcome.certificate == Certificate::open;
-        if (status.termination == Termination::interrupted || cut_short) {
-            interrupted(result, start);
-        } else if (status.ok()) {
-            store_certain_capture(plan_, end.ending, result);
-            store(end, plan_, units_, result);
-        } else {
-            result.status = scan::Status::failed;
-            result.set_cause(fmt::format("{}: {}; {}", status.flag, status.cause, status.advice));
-        }
-    }
-
-    bool starts_in_contact(const rods::RodProblem& problem, scan::Result& result) const {
-        auto met = rods::contact_at_start(problem);
-        if (met) {
-            met->outcome.certificate = rods::certificate_at_start(problem, met->outcome);
-            store_certain_capture(plan_, met->outcome.ending, result);
-            store(end_of(problem, *met, {}), plan_, units_, result);
-        }
-        return met.has_value();
     }
 
     const ScanPlan& plan_;

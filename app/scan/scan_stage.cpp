@@ -38,14 +38,6 @@ scan::Evaluate evaluate_of(const ScanPlan& plan, const fs::path& folder, const R
     };
 }
 
-scan::Execute executor_of(const Session& session, const ScanPlan& plan) {
-    const RunContext& context = session.context;
-    const auto evaluate = evaluate_of(plan, session.directory.path(), context, session.log);
-    if (context.executor)
-        return context.executor(evaluate, context.stop);
-    return scan::on_threads(evaluate, context.thread_count(), context.stop);
-}
-
 void prepare(const Session& session, scan::Ledger& ledger) {
     // Runs of beds whose files are gone are made again.
     const auto lost = session.directory.lost().find(to_string(Stage::scan));
@@ -77,29 +69,6 @@ std::string counts_text(const scan::Counts& counts) {
     return text;
 }
 
-void tell_audit(const Session& session, const scan::Summary& summary) {
-    if (summary.audit.tried == 0)
-        return;
-    session.log->info("scan: audit of {} random points outside the boundary: {} missed, at most {:.2g} of "
-                      "the area (95 %){}",
-                      summary.audit.tried, summary.audit.missed, summary.audit.upper_bound(),
-                      summary.found_by_audit > 0
-                          ? fmt::format("; {} found before and refined", summary.found_by_audit)
-                          : "");
-}
-
-/// "coupling.kappa = 3, rods.1.position.0 = 1"
-std::string place_text(const std::vector<scan::Axis>& axes, const scan::Point& point) {
-    std::string text;
-    for (std::size_t k = 0; k < axes.size(); ++k) {
-        const auto& words = axes[k].words;
-        text += fmt::format("{}{} = {}", k ? ", " : "", axes[k].name,
-                            words.empty() ? fmt::format("{:.6g}", point.at[k])
-                                          : words[static_cast<std::size_t>(point.at[k])]);
-    }
-    return text;
-}
-
 /// Points that are undecided at the limit, by the criteria that they fail.
 scan::Counts undecided_points(const scan::Ledger& ledger) {
     scan::Counts counts;
@@ -125,9 +94,16 @@ void tell_causes(const Session& session, const scan::Ledger& ledger, const scan:
     for (const scan::Result& result : ledger.find(ids))
         examples[result.point.id] = result.point;
     for (const auto& [cause, points] : counts.causes) {
+        std::string position; // "coupling.kappa = 3, rods.1.position.0 = 1"
+        const std::vector<scan::Axis>& axes = ledger.head().axes;
+        for (std::size_t k = 0; k < axes.size(); ++k) {
+            const double value = examples[counts.examples.at(cause)].at[k];
+            position += fmt::format("{}{} = {}", k ? ", " : "", axes[k].name,
+                                    axes[k].words.empty() ? fmt::format("{:.6g}", value)
+                                                          : axes[k].words[static_cast<std::size_t>(value)]);
+        }
         session.log->warn("scan:   {:>8}  {}", points, cause);
-        session.log->warn("scan:   {:>8}  {} at {}", "", points == 1 ? "this was" : "one of them",
-                          place_text(ledger.head().axes, examples[counts.examples.at(cause)]));
+        session.log->warn("scan:   {:>8}  {} at {}", "", points == 1 ? "this was" : "one of them", position);
     }
 }
 
@@ -145,7 +121,13 @@ StageEnd report(const Session& session, const scan::Ledger& ledger, const scan::
             session.log->warn("scan: {} points are undecided at rods_run.t_end_limit", undecided.points);
             tell_causes(session, ledger, undecided);
         }
-    tell_audit(session, summary);
+    if (summary.audit.tried > 0)
+        session.log->info(
+            "scan: audit of {} random points outside the boundary: {} missed, at most {:.2g} of "
+            "the area (95 %){}",
+            summary.audit.tried, summary.audit.missed, summary.audit.upper_bound(),
+            summary.found_by_audit > 0 ? fmt::format("; {} found before and refined", summary.found_by_audit)
+                                       : "");
     if (summary.lost_crossings > 0)
         session.log->warn("scan: the boundary has {} gaps, where points failed while it was traced; "
                           "--rerun-failed tries them again",
@@ -212,7 +194,11 @@ StageEnd run_scan(Session& session) {
     };
     scan::Design design = plan.design;
     design.side = side_of_pursuit(plan);
-    const scan::Execute execute = executor_of(session, plan);
+    const RunContext& context = session.context;
+    const auto evaluate = evaluate_of(plan, session.directory.path(), context, session.log);
+    const scan::Execute execute = context.executor
+                                      ? context.executor(evaluate, context.stop)
+                                      : scan::on_threads(evaluate, context.thread_count(), context.stop);
     scan::Summary summary = scan::run(design, ledger, execute, options);
     std::size_t failed = 0;
     if (plan.critical && summary.complete && options.part.of == 1) { // a share has no neighbours
@@ -236,44 +222,41 @@ StageEnd run_scan(Session& session) {
     return end == StageEnd::finished && failed > 0 ? StageEnd::incomplete : end;
 }
 
-/// Twenty points spread over the scan stand for all, or as many as there is time for.
-double seconds_of_point(const ScanPlan& plan) {
+std::string scan_cost(const ScanPlan& plan) {
+    // Twenty points spread over the scan stand for all, or as many as there is time for.
     ScanPlan spread = plan;
     if (spread.design.kind != scan::Kind::list)
         spread.design.kind = scan::Kind::sobol;
     spread.design.samples = 20;
-    const scan::PointList points(spread.design);
+    const scan::PointList sample(spread.design);
     const scan::Evaluate evaluate = evaluate_rods(spread, nullptr);
     const Stopwatch watch;
     std::int64_t done = 0;
-    while (done < std::min<std::int64_t>(20, points.size()) && watch.seconds() < cost_budget) {
-        const scan::Point one[] = {points[done++]};
+    while (done < std::min<std::int64_t>(20, sample.size()) && watch.seconds() < cost_budget) {
+        const scan::Point one[] = {sample[done++]};
         scan::Result result[1];
         evaluate(one, result);
     }
-    return watch.seconds() / static_cast<double>(done);
-}
+    const double each = watch.seconds() / static_cast<double>(done);
 
-/// Of an adaptive scan which one boundary crosses. For each of the finest cells on that, the shipped scans
-/// evaluate 10 to 25 points around it and bisect 1 to 4 edges.
-double expected_points(const scan::Design& design) {
-    if (design.kind != scan::Kind::adaptive)
-        return static_cast<double>(scan::size(design));
-    constexpr double around = 16.0, edges = 3.0;
-    double start = 1.0;
-    for (const scan::Axis& axis : design.axes)
-        start *= static_cast<double>(axis.count + 1);
-    const auto side = static_cast<double>(design.resolution);
-    const double crossed = std::pow(side, static_cast<double>(design.axes.size()) - 1.0),
-                 halvings = design.boundary_tolerance > 0.0
-                                ? std::max(0.0, -std::log2(side * design.boundary_tolerance))
-                                : 0.0,
-                 lattice = start + static_cast<double>(design.audit) + around * crossed;
-    return std::min(lattice, static_cast<double>(scan::places(design))) + edges * crossed * halvings;
-}
-
-std::string scan_cost(const ScanPlan& plan) {
-    const double each = seconds_of_point(plan), points = expected_points(plan.design);
+    // An adaptive scan is assumed to be crossed by one boundary. For each of the finest cells on that, the
+    // shipped scans evaluate 10 to 25 points around it and bisect 1 to 4 edges.
+    const scan::Design& design = plan.design;
+    double points = 0.0;
+    if (design.kind == scan::Kind::adaptive) {
+        constexpr double around = 16.0, edges = 3.0;
+        double start = 1.0;
+        for (const scan::Axis& axis : design.axes)
+            start *= static_cast<double>(axis.count + 1);
+        const auto side = static_cast<double>(design.resolution);
+        const double crossed = std::pow(side, static_cast<double>(design.axes.size()) - 1.0),
+                     halvings = design.boundary_tolerance > 0.0
+                                    ? std::max(0.0, -std::log2(side * design.boundary_tolerance))
+                                    : 0.0,
+                     lattice = start + static_cast<double>(design.audit) + around * crossed;
+        points = std::min(lattice, static_cast<double>(scan::places(design))) + edges * crossed * halvings;
+    } else
+        points = static_cast<double>(scan::size(design));
     std::string text = fmt::format(
         "  scan: {:.2g} ms a point, {:.3g} points{}, about {:.2g} CPU seconds\n", 1e3 * each, points,
         plan.design.kind == scan::Kind::adaptive ? " if one boundary crosses it" : "", each * points);
@@ -299,9 +282,10 @@ constexpr ColumnInfo boundary_columns[] = {
     {"between", "1", "the two outcomes"},
     {"error", "1", "half the bracket, as a fraction of the axis"}};
 
-/// As critical.csv has them: kinds and outcomes as words.
-std::span<const ColumnInfo> critical_columns() {
-    static const std::vector<ColumnInfo> columns = [] {
+std::vector<FileKind> scan_files() {
+    using enum Lifetime;
+    // As critical.csv has them: kinds and outcomes as words.
+    static const std::vector<ColumnInfo> critical_columns = [] {
         std::vector<ColumnInfo> all = {
             {"kind", "1", "grazing, separatrix, unbinding or fold"},
             {"branch", "1", "number of the curve of values of neighbouring points, from 0"}};
@@ -310,15 +294,10 @@ std::span<const ColumnInfo> critical_columns() {
             all, [](const ColumnInfo& column) { return column.name == field_names<CriticalValue>().back(); });
         return all;
     }();
-    return columns;
-}
-
-std::vector<FileKind> scan_files() {
-    using enum Lifetime;
     return {
         {scan::ledger_file, kept, "the points of the scan, of beds the runs: what the same command resumes"},
         {critical_ledger, kept, "the brackets of critical values that are done"},
-        {"critical.csv", result, "critical values of a key, a row a value", critical_columns()},
+        {"critical.csv", result, "critical values of a key, a row a value", critical_columns},
         {"critical.json", result, "of each point how many critical values there are, or why none"},
         {"scan.h5", result, "the points of the scan and a sample of trajectories as datasets"},
         {"scan.json", result, "axes, counts, causes of failures, rate of what was missed"},

@@ -45,11 +45,6 @@ void append_place(std::string& text, const ScanPlan& plan, const scan::Point& po
     }
 }
 
-std::string between(const ScanPlan& plan, const scan::Curve& curve) {
-    return plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_a)] + "|" +
-           plan.columns.outcomes[static_cast<std::size_t>(curve.outcome_b)];
-}
-
 } // namespace
 
 std::string number_text(double value) {
@@ -146,7 +141,9 @@ void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, con
     std::string text = "curve,between," + axis_names(plan) + ",error\n";
     for (std::size_t i = 0; i < summary.curves.size(); ++i)
         for (const scan::BoundaryPoint& point : summary.curves[i].points) {
-            text += fmt::format("{},{}", i, between(plan, summary.curves[i]));
+            text += fmt::format("{},{}|{}", i,
+                                plan.columns.outcomes[static_cast<std::size_t>(summary.curves[i].outcome_a)],
+                                plan.columns.outcomes[static_cast<std::size_t>(summary.curves[i].outcome_b)]);
             for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
                 text += "," + number_text(point.at[k]);
             text += fmt::format(",{:.3g}\n", point.error);
@@ -154,34 +151,16 @@ void write_boundary(const std::filesystem::path& file, const ScanPlan& plan, con
     store::write_atomically(file, text);
 }
 
-namespace {
-
-constexpr std::size_t stored_times = 61;
-
-template<class Names>
-std::string joined(const Names& names) {
-    std::string text;
-    for (const auto& name : names)
-        text += (text.empty() ? "" : ",") + std::string(name);
-    return text;
-}
-
-} // namespace
-
 PointColumns::PointColumns(store::Hdf5Writer& h5, const ScanPlan& plan, std::int64_t rows)
-    : h5_(h5), plan_(plan), columns_(columns_of(plan)), rows_(static_cast<std::size_t>(rows)) {}
-
-std::vector<PointColumns::PointColumn> PointColumns::columns_of(const ScanPlan& plan) {
-    std::vector<PointColumn> columns;
+    : h5_(h5), plan_(plan), rows_(static_cast<std::size_t>(rows)) {
     for (std::size_t k = 0; k < plan.design.axes.size(); ++k)
-        columns.push_back({plan.design.axes[k].name,
-                           [&, k](const scan::Result& r) { return values_of(plan.design, r.point)[k]; }});
-    columns.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }});
-    columns.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }});
+        columns_.push_back({plan.design.axes[k].name,
+                            [&, k](const scan::Result& r) { return values_of(plan.design, r.point)[k]; }});
+    columns_.push_back({"outcome", [](const scan::Result& r) { return r.ok() ? r.outcome : -1.0; }});
+    columns_.push_back({"status", [](const scan::Result& r) { return static_cast<double>(r.status); }});
     for (std::size_t k = 0; k < plan.columns.observables.size(); ++k)
-        columns.push_back({plan.columns.observables[k],
-                           [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); }});
-    return columns;
+        columns_.push_back({plan.columns.observables[k],
+                            [k](const scan::Result& r) { return r.ok() ? r.values[k] : std::nan(""); }});
 }
 
 void PointColumns::add(std::span<const scan::Result> results) {
@@ -196,14 +175,14 @@ void PointColumns::add(std::span<const scan::Result> results) {
 void PointColumns::finish() {
     for (const scan::Axis& axis : plan_.design.axes)
         if (!axis.words.empty())
-            h5_.attribute("/points", axis.name + "_names", joined(axis.words));
-    h5_.attribute("/points", "outcome_names", joined(plan_.columns.outcomes));
-    h5_.attribute("/points", "status_names", joined(scan::status_names));
+            h5_.attribute("/points", axis.name + "_names", fmt::format("{}", fmt::join(axis.words, ",")));
+    h5_.attribute("/points", "outcome_names", fmt::format("{}", fmt::join(plan_.columns.outcomes, ",")));
+    h5_.attribute("/points", "status_names", fmt::format("{}", fmt::join(scan::status_names, ",")));
     std::vector<std::string> certificates;
     certificates.reserve(all_certificates.size());
     for (const Certificate certificate : all_certificates)
         certificates.push_back(to_string(certificate));
-    h5_.attribute("/points", "certificate_names", joined(certificates));
+    h5_.attribute("/points", "certificate_names", fmt::format("{}", fmt::join(certificates, ",")));
 }
 
 void TrajectorySample::add(const scan::Result& result) {
@@ -219,46 +198,34 @@ void TrajectorySample::add(const scan::Result& result) {
         kept_.pop();
 }
 
-std::vector<TrajectorySample::Stored> TrajectorySample::take() {
-    std::vector<Stored> found;
-    for (; !kept_.empty(); kept_.pop())
-        found.push_back(kept_.top().stored);
-    std::ranges::sort(found, {}, &Stored::row);
-    return found;
-}
-
-/// One column of the trajectories, [S][T] or [S][T][N].
-struct TrajectorySample::Paths {
-    std::vector<double> rows, t, x, y, theta;
-};
-
-void TrajectorySample::add_path(Paths& paths, const Stored& item, const ScanPlan& plan) {
-    const rods::RodResult run = trajectory_of(plan, item.result, stored_times);
-    const OutputUnits units = output_units(plan.base);
-    paths.rows.push_back(static_cast<double>(item.row));
-    const integrate::Solution& solution = run.solution;
-    for (std::size_t i = 0; i < stored_times; ++i) {
-        const bool there = i < solution.states.size();
-        const std::vector<double>& y = there ? solution.states[i] : solution.final_state;
-        paths.t.push_back((there ? solution.times[i] : solution.final_time) * units.time);
-        for (std::size_t rod = 0; rod < plan.base.rods.size(); ++rod) {
-            paths.x.push_back(y[3 * rod] * units.length);
-            paths.y.push_back(y[3 * rod + 1] * units.length);
-            paths.theta.push_back(y[3 * rod + 2]);
-        }
-    }
-}
-
 void TrajectorySample::write(store::Hdf5Writer& h5, const ScanPlan& plan) {
-    const std::vector<Stored> stored = take();
+    std::vector<Stored> stored;
+    for (; !kept_.empty(); kept_.pop())
+        stored.push_back(kept_.top().stored);
     if (stored.empty())
         return;
+    std::ranges::sort(stored, {}, &Stored::row);
     const OutputUnits units = output_units(plan.base);
-    const std::size_t rods = plan.base.rods.size();
-    Paths paths;
-    for (const Stored& item : stored)
-        add_path(paths, item, plan);
-    const std::size_t count = stored.size();
+    const std::size_t rods = plan.base.rods.size(), count = stored.size();
+    constexpr std::size_t stored_times = 61;
+    struct {
+        std::vector<double> rows, t, x, y, theta;
+    } paths; // columns, [S][T] or [S][T][N]
+    for (const Stored& item : stored) {
+        const rods::RodResult run = trajectory_of(plan, item.result, stored_times);
+        const integrate::Solution& solution = run.solution;
+        paths.rows.push_back(static_cast<double>(item.row));
+        for (std::size_t i = 0; i < stored_times; ++i) {
+            const bool there = i < solution.states.size();
+            const std::vector<double>& y = there ? solution.states[i] : solution.final_state;
+            paths.t.push_back((there ? solution.times[i] : solution.final_time) * units.time);
+            for (std::size_t rod = 0; rod < rods; ++rod) {
+                paths.x.push_back(y[3 * rod] * units.length);
+                paths.y.push_back(y[3 * rod + 1] * units.length);
+                paths.theta.push_back(y[3 * rod + 2]);
+            }
+        }
+    }
     h5.dataset("/trajectories/point", paths.rows, {count}, "");
     h5.dataset("/trajectories/t", paths.t, {count, stored_times}, units.time_name);
     h5.dataset("/trajectories/x", paths.x, {count, stored_times, rods}, units.length_name);

@@ -59,7 +59,6 @@ private:
         std::string name;
         std::function<double(const scan::Result&)> value;
     };
-    static std::vector<PointColumn> columns_of(const ScanPlan& plan);
 
     store::Hdf5Writer& h5_;
     const ScanPlan& plan_;
@@ -86,9 +85,6 @@ private:
         Stored stored;
         bool operator<(const RankedPoint& other) const { return rank < other.rank; }
     };
-    struct Paths;
-    std::vector<Stored> take();
-    static void add_path(Paths& paths, const Stored& item, const ScanPlan& plan);
 
     std::size_t count_;
     std::int64_t rows_ = 0;

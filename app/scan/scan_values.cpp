@@ -126,40 +126,31 @@ constexpr ColumnInfo others[] = {
     {"<k>_low", "1", "lower end of the 95 % interval of the share (Clopper and Pearson)"},
     {"<k>_high", "1", "upper end of the 95 % interval of the share (Clopper and Pearson)"}};
 
-/// Of a point, of several runs their means: of rods, and of beds what their rods do and their summaries tell.
-std::vector<ColumnInfo> numbers() {
-    std::vector<ColumnInfo> all;
-    const auto is_there = [&](std::string_view name) {
-        return std::ranges::find(all, name, &ColumnInfo::name) != all.end();
-    };
-    add_number_columns<EncounterEnd>(all);
-    add_number_columns<MetPair>(all);
-    add_number_columns<CaptureNumbers>(all);
-    std::vector<ColumnInfo> of_beds;
-    add_number_columns<PairNumbers>(of_beds);
-    for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
-        if (!number.scan_column.empty())
-            of_beds.push_back(column_info(number.scan_column, number.unit, number.meaning));
-    for (const ColumnInfo& column : of_beds)
-        if (!is_there(column.name))
-            all.push_back(column);
-    return all;
-}
-
-std::vector<ColumnInfo> with_errors() {
-    std::vector<ColumnInfo> columns(std::begin(others), std::end(others));
-    for (const ColumnInfo& column : numbers()) {
-        columns.push_back(column);
-        columns.push_back(column_info(std::string(column.name) + "_error", column.unit,
-                                      "standard error of the mean (empty: unknown)"));
-    }
-    return columns;
-}
-
 } // namespace
 
 std::span<const ColumnInfo> scan_columns() {
-    static const std::vector<ColumnInfo> columns = with_errors();
+    // The numbers of a point, of several runs their means: of rods, and of beds those of their rods and of
+    // their summaries.
+    static const std::vector<ColumnInfo> columns = [] {
+        std::vector<ColumnInfo> numbers, of_beds;
+        add_number_columns<EncounterEnd>(numbers);
+        add_number_columns<MetPair>(numbers);
+        add_number_columns<CaptureNumbers>(numbers);
+        add_number_columns<PairNumbers>(of_beds);
+        for (const SummaryNumber& number : summary_numbers({"<k>"}, true))
+            if (!number.scan_column.empty())
+                of_beds.push_back(column_info(number.scan_column, number.unit, number.meaning));
+        for (const ColumnInfo& column : of_beds)
+            if (std::ranges::find(numbers, column.name, &ColumnInfo::name) == numbers.end())
+                numbers.push_back(column);
+        std::vector<ColumnInfo> all(std::begin(others), std::end(others));
+        for (const ColumnInfo& column : numbers) {
+            all.push_back(column);
+            all.push_back(column_info(std::string(column.name) + "_error", column.unit,
+                                      "standard error of the mean (empty: unknown)"));
+        }
+        return all;
+    }();
     return columns;
 }
 

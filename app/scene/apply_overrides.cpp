@@ -13,14 +13,6 @@ namespace rodwake::scene {
 
 namespace {
 
-/// A number that TOML writes otherwise: .5, 5., 99999999999999999999.
-std::optional<double> plain_number(const std::string& text) {
-    double number = 0.0;
-    const auto [at, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool is_whole = at == text.data() + text.size() && error == std::errc{};
-    return is_whole ? std::optional(number) : std::nullopt;
-}
-
 std::string trimmed(const std::string& text) {
     const auto first = text.find_first_not_of(' ');
     return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
@@ -32,100 +24,6 @@ bool is_path(const std::string& path) {
     return segments.size() <= static_cast<std::size_t>(max_key_dots) &&
            std::none_of(segments.begin(), segments.end(), empty);
 }
-
-/// Goes through the document one path segment at a time.
-class Walker {
-public:
-    Walker(Node& root, const Override& item, Diagnostics& diagnostics)
-        : at_(&root), item_(item), diagnostics_(diagnostics) {}
-
-    void apply() {
-        if (!is_path(item_.path))
-            fail(fmt::format("{} is not a key such as \"coupling.kappa\"",
-                             describe_value(Node{{}, item_.path})));
-        else if (item_.unsets)
-            unset();
-        else
-            put();
-    }
-
-private:
-    void put() {
-        for (const auto& segment : split_path(item_.path))
-            if (!step(segment))
-                return;
-        *at_ = item_.value;
-    }
-
-    void unset() {
-        Node* parent = at_;
-        std::string last;
-        for (const auto& segment : split_path(item_.path)) {
-            parent = at_;
-            last = segment;
-            if (!is_there(segment) || !step(segment))
-                return;
-        }
-        if (auto* list = parent->as<Node::List>())
-            list->erase(list->begin() + list_index(last));
-        else
-            std::erase_if(*parent->as<Node::Table>(), [&](const Entry& entry) { return entry.key == last; });
-    }
-
-    /// Whether a table has this key; of a list and of a value `step` tells.
-    bool is_there(const std::string& segment) {
-        const auto* table = at_->as<Node::Table>();
-        if (!table || at_->find(segment))
-            return true;
-        std::vector<std::string_view> keys;
-        for (const Entry& entry : *table)
-            keys.push_back(entry.key);
-        return fail(fmt::format("nothing to unset: {} has no {}{}", walked_.empty() ? "the scene" : walked_,
-                                segment, did_you_mean(segment, keys)));
-    }
-
-    bool step(const std::string& segment) {
-        const bool moved = at_->as<Node::List>() ? into_list(segment) : into_table(segment);
-        walked_ += (walked_.empty() ? "" : ".") + segment;
-        return moved;
-    }
-
-    bool into_list(const std::string& segment) {
-        auto& list = *at_->as<Node::List>();
-        const long index = list_index(segment);
-        if (index < 0)
-            return fail(fmt::format("{} is a list: give an index from 0 after it, not {}", walked_,
-                                    in_quotes(segment)));
-        if (static_cast<std::size_t>(index) >= list.size())
-            return fail(
-                fmt::format("no entry {}: {} has {} (numbered from 0)", segment, walked_, list.size()));
-        at_ = &list[static_cast<std::size_t>(index)];
-        return true;
-    }
-
-    bool into_table(const std::string& segment) {
-        auto* table = at_->as<Node::Table>();
-        if (!table)
-            return fail(fmt::format("{} is not a table: {}", walked_, describe(*at_)));
-        Entry* entry = at_->find(segment);
-        if (!entry && list_index(segment) >= 0)
-            return fail(fmt::format("no entry {}: the scene has no such list", segment));
-        if (!entry)
-            entry = &table->emplace_back(Entry{segment, item_.place, Node{item_.place, Node::Table{}}});
-        at_ = &entry->value;
-        return true;
-    }
-
-    bool fail(const std::string& message) {
-        diagnostics_.add(item_.place, item_.path, message);
-        return false;
-    }
-
-    Node* at_;
-    std::string walked_;
-    const Override& item_;
-    Diagnostics& diagnostics_;
-};
 
 } // namespace
 
@@ -148,8 +46,10 @@ std::optional<Override> parse_override(const std::string& text, Diagnostics& dia
     std::string why;
     if (auto node = parse_toml_value(value, place, why))
         return Override{path, *node, place};
-    if (const auto number = plain_number(value))
-        return Override{path, Node{place, *number}, place};
+    double number = 0.0; // one that TOML writes otherwise: .5, 5., 99999999999999999999
+    const auto [rest, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (rest == value.data() + value.size() && error == std::errc{})
+        return Override{path, Node{place, number}, place};
     // A word or phrase that is meant as a string; a broken array or quoted string is not.
     const bool starts_toml = value.empty() || std::string("\"'[{").find(value.front()) != std::string::npos;
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
@@ -160,7 +60,54 @@ std::optional<Override> parse_override(const std::string& text, Diagnostics& dia
 }
 
 void apply_override(Node& root, const Override& item, Diagnostics& diagnostics) {
-    Walker(root, item, diagnostics).apply();
+    const auto fail = [&](const std::string& message) { diagnostics.add(item.place, item.path, message); };
+    if (!is_path(item.path))
+        return fail(
+            fmt::format("{} is not a key such as \"coupling.kappa\"", describe_value(Node{{}, item.path})));
+
+    // The document is walked one path segment at a time; tables on the way to a new value are made.
+    Node *at = &root, *parent = at;
+    std::string walked;
+    const std::vector<std::string> segments = split_path(item.path);
+    for (const std::string& segment : segments) {
+        parent = at;
+        const long index = list_index(segment);
+        if (auto* list = at->as<Node::List>()) {
+            if (index < 0)
+                return fail(fmt::format("{} is a list: give an index from 0 after it, not {}", walked,
+                                        in_quotes(segment)));
+            if (static_cast<std::size_t>(index) >= list->size())
+                return fail(
+                    fmt::format("no entry {}: {} has {} (numbered from 0)", segment, walked, list->size()));
+            at = &(*list)[static_cast<std::size_t>(index)];
+        } else {
+            auto* table = at->as<Node::Table>();
+            if (!table)
+                return fail(fmt::format("{} is not a table: {}", walked, describe(*at)));
+            Entry* entry = at->find(segment);
+            if (!entry && item.unsets) {
+                std::vector<std::string_view> keys;
+                for (const Entry& known : *table)
+                    keys.push_back(known.key);
+                return fail(fmt::format("nothing to unset: {} has no {}{}",
+                                        walked.empty() ? "the scene" : walked, segment,
+                                        did_you_mean(segment, keys)));
+            }
+            if (!entry && index >= 0)
+                return fail(fmt::format("no entry {}: the scene has no such list", segment));
+            if (!entry)
+                entry = &table->emplace_back(Entry{segment, item.place, Node{item.place, Node::Table{}}});
+            at = &entry->value;
+        }
+        walked += (walked.empty() ? "" : ".") + segment;
+    }
+    const std::string& last = segments.back();
+    if (!item.unsets)
+        *at = item.value;
+    else if (auto* list = parent->as<Node::List>())
+        list->erase(list->begin() + list_index(last));
+    else
+        std::erase_if(*parent->as<Node::Table>(), [&](const Entry& entry) { return entry.key == last; });
 }
 
 namespace {

@@ -14,24 +14,6 @@ namespace {
 constexpr double same_point = 1e-9;
 constexpr long max_grid_points = 4'000'000;
 
-/// Whether the scene has this table. One that could not be read is missing in the scene, not in the document.
-bool has_table(const Scene& scene, std::string_view name) {
-    const std::pair<std::string_view, bool> tables[] = {{"medium", scene.medium.has_value()},
-                                                        {"coupling", scene.coupling.has_value()},
-                                                        {"rods", !scene.rods.empty() && !scene.rods_random},
-                                                        {"rods_random", scene.rods_random.has_value()},
-                                                        {"rods_order", scene.rods_order.has_value()},
-                                                        {"rods_run", scene.rods_run.has_value()},
-                                                        {"field", scene.field.has_value()},
-                                                        {"granular", scene.granular.has_value()},
-                                                        {"tracks", scene.tracks.has_value()},
-                                                        {"measure", scene.measure.has_value()},
-                                                        {"fit", scene.fit.has_value()},
-                                                        {"variants", !scene.variants.empty()}};
-    const auto* found = std::ranges::find(tables, name, &std::pair<std::string_view, bool>::first);
-    return found != std::end(tables) && found->second;
-}
-
 class Checker {
 public:
     /// Without a document (null) no places are given.
@@ -70,8 +52,26 @@ public:
     }
 
     void values() {
-        if (!scene_.rods_random)
-            separations();
+        // The two rods that start nearest to each other must not start at one point, unless that is a
+        // contact.
+        const auto& rods = scene_.rods;
+        double smallest = HUGE_VAL;
+        std::size_t first = 0, second = 0;
+        for (std::size_t j = 1; j < rods.size() && !scene_.rods_random; ++j)
+            for (std::size_t i = 0; i < j; ++i) {
+                const auto &a = rods[i].position, &b = rods[j].position;
+                const double distance = std::hypot(a[0] - b[0], a[1] - b[1]);
+                if (distance < smallest)
+                    smallest = distance, first = i, second = j;
+            }
+        if (smallest < same_point && !(scene_.rods_run && scene_.rods_run->contact_distance)) {
+            const std::string a = fmt::format("rods.{}.position", first),
+                              b = fmt::format("rods.{}.position", second);
+            add(b,
+                fmt::format("{} and {} start at the same point", place_of(fmt::format("rods[{}]", first), a),
+                            place_of(fmt::format("rods[{}]", second), b)));
+        }
+
         if (scene_.field)
             field(*scene_.field);
         const auto report = [this](const std::string& path, const std::string& message) {
@@ -88,14 +88,37 @@ public:
         check_scan(scene_, report);
         unique_names(scene_.figures, "figures");
         unique_names(scene_.variants, "variants");
-        if (scene_.fit)
-            models(*scene_.fit);
+        if (!scene_.fit)
+            return;
+        const Fit& fit = *scene_.fit;
+        unique_names(fit.models, "fit.models");
+        for (std::size_t i = 0; i < fit.models.size(); ++i)
+            if (fit.models[i].name == fit.name)
+                add(fmt::format("fit.models.{}.name", i),
+                    fmt::format("the name \"{}\" is already taken by the fit itself (fit.name): choose "
+                                "another name, or set fit.name",
+                                fit.name));
     }
 
 private:
     bool has(std::string_view table) const {
+        // A table that could not be read is missing in the scene, not in the document.
+        const std::pair<std::string_view, bool> in_scene[] = {
+            {"medium", scene_.medium.has_value()},
+            {"coupling", scene_.coupling.has_value()},
+            {"rods", !scene_.rods.empty() && !scene_.rods_random},
+            {"rods_random", scene_.rods_random.has_value()},
+            {"rods_order", scene_.rods_order.has_value()},
+            {"rods_run", scene_.rods_run.has_value()},
+            {"field", scene_.field.has_value()},
+            {"granular", scene_.granular.has_value()},
+            {"tracks", scene_.tracks.has_value()},
+            {"measure", scene_.measure.has_value()},
+            {"fit", scene_.fit.has_value()},
+            {"variants", !scene_.variants.empty()}};
         if (!root_)
-            return has_table(scene_, table);
+            return std::ranges::any_of(in_scene,
+                                       [&](const auto& known) { return known == std::pair(table, true); });
         const Entry* entry = root_->find(table);
         const auto* list = entry ? entry->value.as<Node::List>() : nullptr;
         return entry && !(table == "rods" && list && list->empty());
@@ -114,38 +137,16 @@ private:
         return line > 0 ? fmt::format("{} (line {})", name, line) : name;
     }
 
-    void separations() {
-        const auto& rods = scene_.rods;
-        double smallest = HUGE_VAL;
-        std::size_t first = 0, second = 0;
-        for (std::size_t j = 1; j < rods.size(); ++j)
-            for (std::size_t i = 0; i < j; ++i) {
-                const auto &a = rods[i].position, &b = rods[j].position;
-                const double distance = std::hypot(a[0] - b[0], a[1] - b[1]);
-                if (distance < smallest) {
-                    smallest = distance;
-                    first = i;
-                    second = j;
-                }
-            }
-        report_separation(smallest, first, second);
-    }
-
-    void report_separation(double smallest, std::size_t i, std::size_t j) {
-        const std::string a = fmt::format("rods.{}.position", i), b = fmt::format("rods.{}.position", j);
-        const bool contact = scene_.rods_run && scene_.rods_run->contact_distance; // then it is at time 0
-        if (smallest < same_point && !contact)
-            add(b, fmt::format("{} and {} start at the same point", place_of(fmt::format("rods[{}]", i), a),
-                               place_of(fmt::format("rods[{}]", j), b)));
-    }
-
     void field(const Field& field) {
         if (field.x.empty() != field.y.empty())
             add(field.x.empty() ? "field.y" : "field.x", "field.x and field.y come together");
         else if (field.x.empty() && field.cuts.empty())
             add("field", "[field] has neither a grid (x and y) nor [[field.cuts]]: nothing to evaluate");
-        window(field.x, "field.x");
-        window(field.y, "field.y");
+        const auto report = [this](const std::string& path, const std::string& message) {
+            add(path, message);
+        };
+        check_window(field.x, "field.x", report);
+        check_window(field.y, "field.y", report);
         if (field.nx * field.ny > max_grid_points)
             add("field",
                 fmt::format("field: nx * ny is {}; at most {}", field.nx * field.ny, max_grid_points));
@@ -154,21 +155,6 @@ private:
                 add(fmt::format("field.cuts.{}.to", i),
                     fmt::format("field.cuts[{}]: from = {} must be below to = {}", i, field.cuts[i].from,
                                 field.cuts[i].to));
-    }
-
-    void window(const std::vector<double>& range, const std::string& path) {
-        if (range.size() == 2 && !(range[0] < range[1]))
-            add(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
-    }
-
-    void models(const Fit& fit) {
-        unique_names(fit.models, "fit.models");
-        for (std::size_t i = 0; i < fit.models.size(); ++i)
-            if (fit.models[i].name == fit.name)
-                add(fmt::format("fit.models.{}.name", i),
-                    fmt::format("the name \"{}\" is already taken by the fit itself (fit.name): choose "
-                                "another name, or set fit.name",
-                                fit.name));
     }
 
     template<class Named>
@@ -191,18 +177,17 @@ private:
 
 } // namespace
 
-void check(const Scene& scene, const Node& root, Diagnostics& diagnostics) {
+void check(const Scene& scene, const Node* root, Diagnostics& diagnostics) {
     const bool values_hold = diagnostics.empty();
-    Checker checker(scene, &root, diagnostics);
+    Checker checker(scene, root, diagnostics);
     checker.tables();
     if (values_hold)
         checker.values();
 }
 
-void check(const Scene& scene, Diagnostics& diagnostics) {
-    Checker checker(scene, nullptr, diagnostics);
-    checker.tables();
-    checker.values();
+void check_window(const std::vector<double>& range, const std::string& path, const Report& report) {
+    if (range.size() == 2 && !(range[0] < range[1]))
+        report(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
 }
 
 } // namespace rodwake::scene

@@ -8,20 +8,20 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace rodwake::scene {
 
-/// Reports tables and values that do not fit each other. `root` gives the places. Comparisons of values are
-/// left out while `problems` holds any: the values may be stand-ins.
-void check(const Scene& scene, const Node& root, Diagnostics& diagnostics);
-
-/// The same for a scene whose values hold and that no document is known of: problems are in scene.path as a
-/// whole.
-void check(const Scene& scene, Diagnostics& diagnostics);
+/// Reports tables and values that do not fit each other. `root` gives the places; without a document (null)
+/// diagnostics are of scene.path as a whole. Comparisons of values are left out if `diagnostics` holds any
+/// before: the values may be stand-ins.
+void check(const Scene& scene, const Node* root, Diagnostics& diagnostics);
 
 /// Receives the path of a key and a message for each contradiction.
 using Report = std::function<void(const std::string& path, const std::string& message)>;
 
+/// An axis of a window, [min, max].
+void check_window(const std::vector<double>& range, const std::string& path, const Report& report);
 void check_fit(const Scene& scene, const Report& report);  ///< [fit], and between it and the medium
 void check_fit_data(const Fit& fit, const Report& report); ///< what the data must be for the parameters
 void check_fit_maps(const Scene& scene, const Report& report);

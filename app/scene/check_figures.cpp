@@ -20,47 +20,6 @@ std::string_view missing(const Figure& figure, const FigureKind& kind, const Sce
     return "";
 }
 
-/// Keys that only some kinds have and that are not at their defaults.
-std::vector<std::string> changed_keys(const Figure& f) {
-    const Figure unset;
-    const std::pair<const char*, bool> keys[] = {
-        {"cut", f.cut != unset.cut},
-        {"component", f.component != unset.component},
-        {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
-        {"along", f.along != unset.along},
-        {"quantity", !f.quantity.empty() && f.quantity != figure_quantities().front()},
-        {"against", f.against != unset.against},
-        {"gammas", f.gammas != unset.gammas},
-        {"frame", f.frame != unset.frame},
-        {"colour", f.colour != unset.colour},
-        {"fps", f.fps != unset.fps},
-        {"profiles", f.profiles != unset.profiles},
-        {"residuals", f.residuals != unset.residuals},
-        {"parameter", f.parameter != unset.parameter},
-        {"cells", f.cells != unset.cells},
-        {"boundary", f.boundary != unset.boundary},
-        {"slices", f.slices != unset.slices},
-        {"column", f.column != unset.column},
-    };
-    std::vector<std::string> changed;
-    for (const auto& [name, differs] : keys)
-        if (differs)
-            changed.emplace_back(name);
-    return changed;
-}
-
-/// "kind movie", "kinds snapshot and movie", "kinds a, b and c"
-std::string list_of(std::vector<std::string> kinds) {
-    const std::string last = kinds.back();
-    kinds.pop_back();
-    return kinds.empty() ? "kind " + last : fmt::format("kinds {} and {}", comma_list(kinds), last);
-}
-
-void window(const std::vector<double>& range, const std::string& path, const Report& report) {
-    if (range.size() == 2 && !(range[0] < range[1]))
-        report(path, fmt::format("{}: min = {} must be below max = {}", path, range[0], range[1]));
-}
-
 /// Indices and names that point into other tables, which are there.
 void references(const Figure& figure, const std::string& path, const Scene& scene, const Report& report) {
     if (figure.kind == "cut" && static_cast<std::size_t>(figure.cut) >= scene.field->cuts.size())
@@ -83,14 +42,42 @@ void references(const Figure& figure, const std::string& path, const Scene& scen
 } // namespace
 
 void check_figures(const Scene& scene, const Report& report) {
+    const Figure unset;
     for (std::size_t i = 0; i < scene.figures.size(); ++i) {
         const Figure& figure = scene.figures[i];
         const std::string path = fmt::format("figures.{}", i);
-        window(figure.x, path + ".x", report);
-        window(figure.y, path + ".y", report);
-        for (const std::string& key : changed_keys(figure))
-            if (!has_key(figure, key))
-                report(path + "." + key, fmt::format("{} belongs to {} only", key, list_of(kinds_with(key))));
+        check_window(figure.x, path + ".x", report);
+        check_window(figure.y, path + ".y", report);
+
+        // Keys that only some kinds have must be at their defaults elsewhere.
+        const Figure& f = figure;
+        const std::pair<const char*, bool> changed[] = {{"cut", f.cut != unset.cut},
+                                                        {"component", f.component != unset.component},
+                                                        {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
+                                                        {"along", f.along != unset.along},
+                                                        {"quantity", !f.quantity.empty() && f.quantity != figure_quantities().front()},
+                                                        {"against", f.against != unset.against},
+                                                        {"gammas", f.gammas != unset.gammas},
+                                                        {"frame", f.frame != unset.frame},
+                                                        {"colour", f.colour != unset.colour},
+                                                        {"fps", f.fps != unset.fps},
+                                                        {"profiles", f.profiles != unset.profiles},
+                                                        {"residuals", f.residuals != unset.residuals},
+                                                        {"parameter", f.parameter != unset.parameter},
+                                                        {"cells", f.cells != unset.cells},
+                                                        {"boundary", f.boundary != unset.boundary},
+                                                        {"slices", f.slices != unset.slices},
+                                                        {"column", f.column != unset.column}};
+        for (const auto& [key, is_changed] : changed)
+            if (is_changed && !has_key(figure, key)) {
+                std::vector<std::string> kinds = kinds_with(key); // "kind movie", "kinds a, b and c"
+                const std::string last = kinds.back();
+                kinds.pop_back();
+                report(path + "." + key,
+                       fmt::format("{} belongs to {} only", key,
+                                   kinds.empty() ? "kind " + last
+                                                 : fmt::format("kinds {} and {}", comma_list(kinds), last)));
+            }
         if (figure.component == "U" && figure.kind != "displacement_map" && has_key(figure, "component"))
             report(path + ".component", "the size U belongs to kind displacement_map only: Ux or Uy");
         if (has_key(figure, "colour") && !shows(figure, FigureSubject::scan) && figure.colour != "order" &&

@@ -14,13 +14,6 @@ namespace rodwake::scene {
 
 namespace {
 
-template<class Table>
-void for_each_table(const std::vector<Table>& tables, const char* path,
-                    void (*check)(const Table&, const std::string&, const Report&), const Report& report) {
-    for (std::size_t i = 0; i < tables.size(); ++i)
-        check(tables[i], fmt::format("{}.{}", path, i), report);
-}
-
 /// Each parameter is free, fixed or tied, and only one of them; ties are to free ones.
 void roles(const Fit& fit, const Report& report) {
     for (const auto& [name, value] : fit.fixed)
@@ -49,16 +42,13 @@ void roles(const Fit& fit, const Report& report) {
         unused("bounds", name);
 }
 
-/// Where the physics allows a value: eta > -1; lengths, alpha and moduli > 0.
-double lowest(const std::string& name) {
+/// The physics bounds values from below: eta > -1; lengths, alpha and moduli > 0.
+void value(const std::string& path, const std::string& name, double value, const Report& report) {
     static const std::vector<std::string> positive = {"xi",  "alpha",     "c11",           "c22",
                                                       "c66", "drag_area", "stall_overlap", "mobility_ratio"};
-    return name == "eta" ? -1.0 : contains(positive, name) ? 0.0 : -HUGE_VAL;
-}
-
-void value(const std::string& path, const std::string& name, double value, const Report& report) {
-    if (!(value > lowest(name)))
-        report(path, fmt::format("{} = {:g}: {} must be above {:g}", path, value, name, lowest(name)));
+    const double lowest = name == "eta" ? -1.0 : contains(positive, name) ? 0.0 : -HUGE_VAL;
+    if (!(value > lowest))
+        report(path, fmt::format("{} = {:g}: {} must be above {:g}", path, value, name, lowest));
 }
 
 void values(const Fit& fit, const Report& report) {
@@ -73,28 +63,25 @@ void values(const Fit& fit, const Report& report) {
             value(fmt::format("fit.compare.{}.values.{}", i, name), name, number, report);
 }
 
-void start_within(const Fit& fit, const std::string& name, const Report& report) {
-    const auto bounds = fit_bounds(fit, name);
-    const auto given = fit.start.find(name);
-    const double start = given == fit.start.end() ? fit_default_start(fit, name) : given->second;
-    if (!bounds || (bounds->low <= start && start <= bounds->high) || !(bounds->low < bounds->high))
-        return;
-    const bool by_default = !fit.bounds.contains(name);
-    report(
-        given == fit.start.end() ? "fit.bounds." + name : "fit.start." + name,
-        fmt::format("{} starts at {:g}{}, outside its {}bounds [{:g}, {:g}]: change fit.start or fit.bounds",
-                    name, start, given == fit.start.end() ? " (default)" : "", by_default ? "default " : "",
-                    bounds->low, bounds->high));
-}
-
 void bounds(const Fit& fit, const Report& report) {
     for (const auto& [name, interval] : fit.bounds)
         if (!(interval.low < interval.high))
             report("fit.bounds." + name,
                    fmt::format("bounds of {} are reversed: low = {:g} must be below high = {:g}", name,
                                interval.low, interval.high));
-    for (const auto& name : fit.parameters)
-        start_within(fit, name, report);
+    for (const auto& name : fit.parameters) {
+        const auto bounds = fit_bounds(fit, name);
+        const auto given = fit.start.find(name);
+        const bool by_default = given == fit.start.end();
+        const double start = by_default ? fit_default_start(fit, name) : given->second;
+        if (!bounds || (bounds->low <= start && start <= bounds->high) || !(bounds->low < bounds->high))
+            continue;
+        report((by_default ? "fit.bounds." : "fit.start.") + name,
+               fmt::format("{} starts at {:g}{}, outside its {}bounds [{:g}, {:g}]: change fit.start or "
+                           "fit.bounds",
+                           name, start, by_default ? " (default)" : "",
+                           fit.bounds.contains(name) ? "" : "default ", bounds->low, bounds->high));
+    }
     for (const auto& name : fit.parameters)
         if (fitting::is_global(fit.search.algorithm) && !fit_bounds(fit, name))
             report("fit.method",
@@ -103,18 +90,8 @@ void bounds(const Fit& fit, const Report& report) {
                                name));
 }
 
-void likelihood(const Fit& fit, const Report& report) {
-    for (std::size_t i = 0; i < fit.likelihood.size(); ++i)
-        if (!fit_is_free(fit, fit.likelihood[i]))
-            report(fmt::format("fit.likelihood.{}", i),
-                   fmt::format("{} is not among fit.parameters: nothing to profile", fit.likelihood[i]));
-}
-
 void compare(const Fit& fit, const Report& report) {
-    const auto known = [&](const std::string& name) {
-        const bool medium = (name == "xi" || name == "alpha") && fit_knows_xi(fit);
-        return fit_has(fit, name) || medium;
-    };
+
     for (std::size_t i = 0; i < fit.compare.size(); ++i) {
         const auto& values = fit.compare[i].values;
         const std::string path = fmt::format("fit.compare.{}.values", i);
@@ -130,7 +107,7 @@ void compare(const Fit& fit, const Report& report) {
         if (values.contains("xi") && values.contains("alpha"))
             report(path, "give xi or alpha = f_over_mu/xi, not both");
         for (const auto& [name, number] : values)
-            if (!known(name))
+            if (!fit_has(fit, name) && !((name == "xi" || name == "alpha") && fit_knows_xi(fit)))
                 report(fmt::format("{}.{}", path, name),
                        fmt::format("{} is not a parameter of this fit; it has {}", name,
                                    comma_list(fit_used(fit))));
@@ -153,30 +130,6 @@ void medium(const Scene& scene, const Report& report) {
                    comma_list(fit_used(fit))));
 }
 
-/// Tracks of rods with bodies.
-void tracks_of_bodies(const Scene& scene, const Report& report) {
-    const Fit& fit = *scene.fit;
-    for (const char* name : {"stall_overlap", "mobility_ratio"})
-        if (fit_has(fit, name) && !scene.body)
-            report("fit.parameters", fmt::format("{} is of rods with bodies: give [body]", name));
-    for (const char* name : {"D_r", "D_t"})
-        if (fit_has(fit, name) && scene.body && !fit.trajectories.empty())
-            report("fit.parameters",
-                   fmt::format("{} of rods with bodies cannot be fitted, because their contacts are not "
-                               "linear in what noise moves them: leave it out, or [body]",
-                               name));
-}
-
-void box(const Scene& scene, const Report& report) {
-    if (!scene.fit->box || !scene.granular || !scene.fit->box->square())
-        return;
-    const BoxSize& bed = scene.granular->box;
-    if (bed.fit || bed.x != bed.y)
-        report("fit.box",
-               "is one side and granular.box is a rectangle: give its two sides (rodwake check prints "
-               "those that \"fit\" finds), or leave fit.box out (infinite plane)");
-}
-
 } // namespace
 
 void check_fit(const Scene& scene, const Report& report) {
@@ -184,7 +137,11 @@ void check_fit(const Scene& scene, const Report& report) {
     if (!scene.fit)
         return;
     const Fit& fit = *scene.fit;
-    box(scene, report);
+    if (fit.box && fit.box->square() && scene.granular &&
+        (scene.granular->box.fit || scene.granular->box.x != scene.granular->box.y))
+        report("fit.box",
+               "is one side and granular.box is a rectangle: give its two sides (rodwake check prints "
+               "those that \"fit\" finds), or leave fit.box out (infinite plane)");
     roles(fit, report);
     values(fit, report);
     bounds(fit, report);
@@ -202,10 +159,21 @@ void check_fit(const Scene& scene, const Report& report) {
                                "[low, high]",
                                name));
     }
-    likelihood(fit, report);
+    for (std::size_t i = 0; i < fit.likelihood.size(); ++i)
+        if (!fit_is_free(fit, fit.likelihood[i]))
+            report(fmt::format("fit.likelihood.{}", i),
+                   fmt::format("{} is not among fit.parameters: nothing to profile", fit.likelihood[i]));
     compare(fit, report);
     check_fit_data(fit, report);
-    tracks_of_bodies(scene, report);
+    for (const char* name : {"stall_overlap", "mobility_ratio"})
+        if (fit_has(fit, name) && !scene.body)
+            report("fit.parameters", fmt::format("{} is of rods with bodies: give [body]", name));
+    for (const char* name : {"D_r", "D_t"})
+        if (fit_has(fit, name) && scene.body && !fit.trajectories.empty())
+            report("fit.parameters",
+                   fmt::format("{} of rods with bodies cannot be fitted, because their contacts are not "
+                               "linear in what noise moves them: leave it out, or [body]",
+                               name));
     check_fit_maps(scene, report);
     check_posterior(fit, report);
 }
@@ -248,13 +216,6 @@ std::string lacks(const Fit& fit, const std::string& name) {
     return has_profiles(fit, nullptr, fitted_only) ? "" : fmt::format("[[fit.profiles]]{}", role);
 }
 
-std::string place_of(const Fit& fit, const std::string& name) {
-    const auto at = std::ranges::find(fit.parameters, name);
-    if (at != fit.parameters.end())
-        return fmt::format("fit.parameters.{}", at - fit.parameters.begin());
-    return (fit.fixed.contains(name) ? "fit.fixed." : "fit.tied.") + name;
-}
-
 void wanted(const Fit& fit, const Report& report) {
     if (!has_profiles(fit, nullptr, true) && fit.trajectories.empty() && fit.maps.empty())
         return report("fit",
@@ -266,8 +227,13 @@ void wanted(const Fit& fit, const Report& report) {
             "fit.parameters",
             "fit.parameters is empty: name at least one parameter (only fits of tracks alone may have none)");
     for (const std::string& name : fit_used(fit))
-        if (const std::string what = lacks(fit, name); !what.empty())
-            report(place_of(fit, name), fmt::format("no data depend on {}: it needs {}", name, what));
+        if (const std::string what = lacks(fit, name); !what.empty()) {
+            const auto at = std::ranges::find(fit.parameters, name);
+            report(at != fit.parameters.end()
+                       ? fmt::format("fit.parameters.{}", at - fit.parameters.begin())
+                       : (fit.fixed.contains(name) ? "fit.fixed." : "fit.tied.") + name,
+                   fmt::format("no data depend on {}: it needs {}", name, what));
+        }
 }
 
 void needed(const Fit& fit, const Report& report) {
@@ -298,34 +264,6 @@ void needed(const Fit& fit, const Report& report) {
          "unit for the former and in f/mu for the latter");
 }
 
-/// A likelihood of its own needs the errors of the measurement.
-void noise(const Fit& fit, const Report& report) {
-    if (!fit_has(fit, "D_r") && !fit_has(fit, "D_t"))
-        return;
-    for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
-        if (!fit.trajectories[i].sigma_position || !fit.trajectories[i].sigma_heading)
-            report(fmt::format("fit.trajectories.{}", i),
-                   "fitting D_r or D_t needs known measurement errors: set sigma_position and sigma_heading "
-                   "in [[fit.trajectories]]");
-    if (fit.search.loss != fitting::Loss::squares)
-        report("fit.loss", "D_r and D_t can only be fitted with loss = \"squares\" (Gaussian errors)");
-}
-
-void trajectory(const FitTrajectory& t, const std::string& path, const Report& report) {
-    if (t.sigma_position.has_value() != t.sigma_heading.has_value())
-        report(path, "sigma_position and sigma_heading come together");
-    if (t.contact_time && !t.contact_distance)
-        report(path + ".contact_time", "contact_time needs contact_distance, at which the rods meet");
-    if (t.sigma_contact && !t.contact_time)
-        report(path + ".sigma_contact", "sigma_contact belongs to contact_time");
-}
-
-void profile(const FitProfile& p, const std::string& path, const Report& report) {
-    if (p.range.size() == 2 && !(p.range[0] < p.range[1]))
-        report(path + ".range", fmt::format("range must go from a lower to a higher position; it is [{}, {}]",
-                                            p.range[0], p.range[1]));
-}
-
 /// Reports a key of [fit] that is given without the data it belongs to.
 void stray(bool given, const char* name, const char* data, const Report& report) {
     if (given)
@@ -338,7 +276,17 @@ void stray(bool given, const char* name, const char* data, const Report& report)
 void check_fit_data(const Fit& fit, const Report& report) {
     wanted(fit, report);
     needed(fit, report);
-    noise(fit, report);
+    // Noise has a likelihood of its own, which needs the errors of the measurement.
+    if (fit_has(fit, "D_r") || fit_has(fit, "D_t")) {
+        for (std::size_t i = 0; i < fit.trajectories.size(); ++i)
+            if (!fit.trajectories[i].sigma_position || !fit.trajectories[i].sigma_heading)
+                report(fmt::format("fit.trajectories.{}", i),
+                       "fitting D_r or D_t needs known measurement errors: set sigma_position and "
+                       "sigma_heading in [[fit.trajectories]]");
+        if (fit.search.loss != fitting::Loss::squares)
+            report("fit.loss", "D_r and D_t can only be fitted with loss = \"squares\" (Gaussian errors)");
+    }
+
     const Fit unset;
     if (fit.profiles.empty()) {
         stray(fit.core != unset.core, "core", "profiles", report);
@@ -352,8 +300,22 @@ void check_fit_data(const Fit& fit, const Report& report) {
         report("fit.loss_width", "loss_width belongs to loss = \"huber\" and \"cauchy\" only");
     if (fit.length_unit.empty())
         report("fit.length_unit", "length_unit must not be empty");
-    for_each_table(fit.profiles, "fit.profiles", profile, report);
-    for_each_table(fit.trajectories, "fit.trajectories", trajectory, report);
+    for (std::size_t i = 0; i < fit.profiles.size(); ++i)
+        if (const std::vector<double>& range = fit.profiles[i].range;
+            range.size() == 2 && !(range[0] < range[1]))
+            report(fmt::format("fit.profiles.{}.range", i),
+                   fmt::format("range must go from a lower to a higher position; it is [{}, {}]", range[0],
+                               range[1]));
+    for (std::size_t i = 0; i < fit.trajectories.size(); ++i) {
+        const FitTrajectory& t = fit.trajectories[i];
+        const std::string path = fmt::format("fit.trajectories.{}", i);
+        if (t.sigma_position.has_value() != t.sigma_heading.has_value())
+            report(path, "sigma_position and sigma_heading come together");
+        if (t.contact_time && !t.contact_distance)
+            report(path + ".contact_time", "contact_time needs contact_distance, at which the rods meet");
+        if (t.sigma_contact && !t.contact_time)
+            report(path + ".sigma_contact", "sigma_contact belongs to contact_time");
+    }
 }
 
 namespace {
@@ -366,12 +328,10 @@ void needed_by_maps(const Fit& fit, const Report& report) {
             report("fit.parameters", std::string(text) + " (in fit.parameters, fit.fixed or fit.tied)");
     };
     if (fit_is_isotropic(fit)) {
-        const auto refuse = [&](const char* name) {
+
+        for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
             need(!fit_has(fit, name),
                  fmt::format("maps with f_over_mu and eta are in units of mu: leave out {}", name).c_str());
-        };
-        for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
-            refuse(name);
         need(fit_has(fit, "f_over_mu"), "maps with eta need f_over_mu");
         need(fit_has(fit, "xi") + fit_has(fit, "alpha") + fit_has(fit, "drag_area") < 2,
              "give one of xi, alpha and drag_area");
@@ -391,19 +351,24 @@ void needed_by_maps(const Fit& fit, const Report& report) {
         need(fit_has(fit, name), fmt::format("maps need {}", name).c_str());
 }
 
-/// What the run measures of itself.
-void measured_by_run(const Scene& scene, const Report& report) {
-    const Fit& fit = *scene.fit;
-    const std::string path = "fit.measured_drag", name = "drag_area";
-    if (!fit.measured_drag)
-        return;
-    if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
-        report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
-    if (!scene.measure || !scene.measure->mechanics)
-        report(path, name + " is measured by measure.mechanics, which this scene does not set");
-}
+} // namespace
 
-void fixed_errors(const Fit& fit, const Report& report) {
+void check_fit_maps(const Scene& scene, const Report& report) {
+    const Fit& fit = *scene.fit;
+    if (fit.measured_drag) {
+        const std::string path = "fit.measured_drag", name = "drag_area";
+        if (fit_is_free(fit, name) || fit.fixed.contains(name) || fit.tied.contains(name))
+            report(path, name + " is measured and also fitted, fixed or tied: leave it out of one of them");
+        if (!scene.measure || !scene.measure->mechanics)
+            report(path, name + " is measured by measure.mechanics, which this scene does not set");
+    }
+    const Fit unset;
+    if (fit.maps.empty()) {
+        stray(fit.rod_length != unset.rod_length, "rod_length", "maps", report);
+        stray(fit.source_width != unset.source_width, "source_width", "maps", report);
+        stray(!fit.masks.empty(), "masks", "maps", report);
+    }
+    needed_by_maps(fit, report);
     for (const auto& [name, error] : fit.fixed_errors) {
         const std::string path = "fit.fixed_errors." + name;
         if (!fit.fixed.contains(name))
@@ -416,39 +381,19 @@ void fixed_errors(const Fit& fit, const Report& report) {
                                "exact",
                                path, error));
     }
-}
-
-void mask(const FitMask& item, const std::string& path, const Report& report) {
-    if (item.sector.size() == 2 && !(item.sector[0] >= 0.0 && item.sector[0] < item.sector[1] &&
-                                     item.sector[1] <= std::numbers::pi + 1e-9))
-        report(
-            path + ".sector",
-            fmt::format("sector must go from a lower to a higher angle within 0 and 180 deg (pi rad); it is "
-                        "[{:g}, {:g}] rad",
-                        item.sector[0], item.sector[1]));
-}
-
-void map(const FitMap& item, const std::string& path, const Report& report) {
-    for (const double side : item.box)
-        if (!(side > 0.0))
-            report(path + ".box", fmt::format("{}.box: a side is {:g}; both must be above 0", path, side));
-}
-
-} // namespace
-
-void check_fit_maps(const Scene& scene, const Report& report) {
-    const Fit& fit = *scene.fit;
-    measured_by_run(scene, report);
-    const Fit unset;
-    if (fit.maps.empty()) {
-        stray(fit.rod_length != unset.rod_length, "rod_length", "maps", report);
-        stray(fit.source_width != unset.source_width, "source_width", "maps", report);
-        stray(!fit.masks.empty(), "masks", "maps", report);
-    }
-    needed_by_maps(fit, report);
-    fixed_errors(fit, report);
-    for_each_table(fit.masks, "fit.masks", mask, report);
-    for_each_table(fit.maps, "fit.maps", map, report);
+    for (std::size_t i = 0; i < fit.masks.size(); ++i)
+        if (const std::vector<double>& sector = fit.masks[i].sector;
+            sector.size() == 2 &&
+            !(sector[0] >= 0.0 && sector[0] < sector[1] && sector[1] <= std::numbers::pi + 1e-9))
+            report(
+                fmt::format("fit.masks.{}.sector", i),
+                fmt::format("sector must go from a lower to a higher angle within 0 and 180 deg (pi rad); it "
+                            "is [{:g}, {:g}] rad",
+                            sector[0], sector[1]));
+    for (std::size_t i = 0; i < fit.maps.size(); ++i)
+        for (const double side : fit.maps[i].box)
+            if (const std::string path = fmt::format("fit.maps.{}.box", i); !(side > 0.0))
+                report(path, fmt::format("{}: a side is {:g}; both must be above 0", path, side));
 }
 
 } // namespace rodwake::scene

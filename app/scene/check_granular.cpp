@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 namespace rodwake::scene {
 
@@ -92,42 +94,6 @@ void times(const Granular& bed, const Report& report) {
     interval("table", bed.output.table.value_or(0.01), max_rows);
 }
 
-void body_force(const Granular& bed, const Report& report) {
-    if (!bed.body_force)
-        return;
-    const granular::BodyForce& force = *bed.body_force;
-    const auto belongs = [&](bool given, const char* name) {
-        if (given)
-            report(std::string("granular.body_force.") + name,
-                   fmt::format("{} belongs to kind = \"gaussian\" only", name));
-    };
-    if (force.kind == granular::BodyForceKind::gaussian) {
-        if (!(force.width > 0.0))
-            report("granular.body_force.width", "kind = \"gaussian\" needs width, above 0");
-        return;
-    }
-    belongs(force.width != 0.0, "width");
-    belongs(force.speed != 0.0, "speed");
-    belongs(!force.place.empty(), "position");
-}
-
-void rods(const Granular& bed, const Report& report) {
-    const granular::RodShape unset;
-    for (std::size_t i = 0; i < bed.rods.size(); ++i)
-        if (const auto& shape = bed.rods[i].shape;
-            shape.taper == granular::Taper::linear && shape.segments != unset.segments)
-            report(fmt::format("granular.rods.{}.segments", i),
-                   "segments belong to taper = \"stepwise\" only");
-}
-
-void radii(const Scene& scene, const Report& report) {
-    if (scene.scales && scene.scales->bead_radius != scene.granular->bead_radius)
-        report("granular.bead_radius",
-               fmt::format(
-                   "granular.bead_radius is {:g} m and scales.bead_radius {:g} m: \"a\" would be two lengths",
-                   scene.granular->bead_radius, scene.scales->bead_radius));
-}
-
 } // namespace
 
 double default_gap(const Granular& bed) {
@@ -144,12 +110,33 @@ double time_step(const Granular& bed) {
 void check_granular(const Scene& scene, const Report& report) {
     if (!scene.granular)
         return;
-    start(*scene.granular, report);
-    room(*scene.granular, report);
-    times(*scene.granular, report);
-    rods(*scene.granular, report);
-    body_force(*scene.granular, report);
-    radii(scene, report);
+    const Granular& bed = *scene.granular;
+    start(bed, report);
+    room(bed, report);
+    times(bed, report);
+    const granular::RodShape unset;
+    for (std::size_t i = 0; i < bed.rods.size(); ++i)
+        if (const auto& shape = bed.rods[i].shape;
+            shape.taper == granular::Taper::linear && shape.segments != unset.segments)
+            report(fmt::format("granular.rods.{}.segments", i),
+                   "segments belong to taper = \"stepwise\" only");
+    if (bed.body_force) {
+        const granular::BodyForce& force = *bed.body_force;
+        const bool gaussian = force.kind == granular::BodyForceKind::gaussian;
+        if (gaussian && !(force.width > 0.0))
+            report("granular.body_force.width", "kind = \"gaussian\" needs width, above 0");
+        const std::pair<const char*, bool> given[] = {
+            {"width", force.width != 0.0}, {"speed", force.speed != 0.0}, {"position", !force.place.empty()}};
+        for (const auto& [name, is_given] : given)
+            if (is_given && !gaussian)
+                report(std::string("granular.body_force.") + name,
+                       fmt::format("{} belongs to kind = \"gaussian\" only", name));
+    }
+    if (scene.scales && scene.scales->bead_radius != bed.bead_radius)
+        report("granular.bead_radius",
+               fmt::format(
+                   "granular.bead_radius is {:g} m and scales.bead_radius {:g} m: \"a\" would be two lengths",
+                   bed.bead_radius, scene.scales->bead_radius));
 }
 
 namespace {
@@ -183,19 +170,6 @@ void rods(const Measure& m, const Granular& bed, const Report& report) {
                fmt::format("there is no rod {}: granular.rods has {} (numbered from 0)", m.rod, count));
 }
 
-/// What takes more than a few frames. Of a trajectory from elsewhere the number is not known here.
-void frames(const Measure& m, double intervals, const Report& report) {
-    constexpr double least = 32.0; // of microrheology
-    const double count = std::floor(intervals * (1.0 + 1e-9)) + 1.0;
-    if (m.microrheology && m.trajectory.empty() && count >= 1.0 && count < least)
-        report(
-            "measure.microrheology",
-            fmt::format(
-                "microrheology needs at least {:g} frames, and there are {:g}: shorten measure.interval or "
-                "granular.output.frames, or run longer",
-                least, count));
-}
-
 void times(const Measure& m, const Granular& bed, const Report& report) {
     const double interval = m.interval.value_or(bed.output.frames.value_or(bed.duration / 100.0));
     if (m.interval && *m.interval < time_step(bed))
@@ -218,7 +192,16 @@ void times(const Measure& m, const Granular& bed, const Report& report) {
                                "of {:g} s",
                                *m.order_interval, interval));
     }
-    frames(m, (bed.duration - m.from) / interval, report);
+    // The number of frames of a trajectory from elsewhere is not known here.
+    constexpr double least = 32.0; // of microrheology
+    const double count = std::floor((bed.duration - m.from) / interval * (1.0 + 1e-9)) + 1.0;
+    if (m.microrheology && m.trajectory.empty() && count >= 1.0 && count < least)
+        report(
+            "measure.microrheology",
+            fmt::format(
+                "microrheology needs at least {:g} frames, and there are {:g}: shorten measure.interval or "
+                "granular.output.frames, or run longer",
+                least, count));
     if (m.flow && m.flow_lag > m.block)
         report("measure.flow_lag",
                fmt::format("flow_lag = {:g} s is longer than block = {:g} s", m.flow_lag, m.block));
@@ -264,39 +247,6 @@ void currents(const Measure& m, const Granular& bed, const Report& report) {
                            bed.duration - m.from, m.block));
 }
 
-void headings(const Measure& m, const Granular& bed, const Report& report) {
-    const double measured = bed.duration - m.from, high = heading_lag_high(m, measured);
-    if (m.heading_lag_high && 2.0 * high > m.block)
-        report("measure.heading_lag_high",
-               fmt::format("heading_lag_high = {:g} s is longer than half of block = {:g} s", high, m.block));
-    if (m.heading_lag_low && *m.heading_lag_low >= high)
-        report("measure.heading_lag_low",
-               fmt::format("heading_lag_low = {:g} s must be below the longest lag of {:g} s{}",
-                           *m.heading_lag_low, high, m.heading_lag_high ? "" : ", a quarter of block"));
-    if (m.heading_diffusion && m.trajectory.empty() && measured < 2.0 * high)
-        report("measure.heading_diffusion",
-               fmt::format("lags up to {:g} s need twice as much, and {:g} s are measured: shorten "
-                           "measure.heading_lag_high or run longer",
-                           high, measured));
-}
-
-/// What is measured by nearest images and wave vectors of the box.
-void periodic_only(const Measure& m, const Report& report) {
-    const struct {
-        const char *key, *what;
-        bool wanted;
-    } keys[] = {{"displacement", "displacement = \"density\"",
-                 m.displacement == measure::DisplacementMethod::density},
-                {"mechanics", "mechanics", m.mechanics},
-                {"phonons", "phonons", m.phonons}};
-    for (const auto& item : keys)
-        if (item.wanted)
-            report(std::string("measure.") + item.key,
-                   fmt::format("{} is measured in a periodic box, and this bed has a wall: leave it out, or "
-                               "give granular.box instead of [granular.container]",
-                               item.what));
-}
-
 /// What is defined for beads of one size on a lattice only.
 void equal_beads_only(const Measure& m, const Report& report) {
     const struct {
@@ -320,47 +270,67 @@ void equal_beads_only(const Measure& m, const Report& report) {
                                item.why));
 }
 
-/// Of the box, or of what the container fits into, m; endless where that is not known.
-double shorter_side(const Granular& bed) {
-    if (!bed.container)
-        return bed.box.shorter();
-    if (!bed.container->sides.empty())
-        return std::ranges::min(bed.container->sides);
-    return bed.container->radius ? 2.0 * *bed.container->radius : HUGE_VAL;
-}
-
-void lengths(const Measure& m, const Granular& bed, const Report& report) {
-    const double side = shorter_side(bed);
-    const auto want_below = [&](const std::optional<double>& value, const char* key, double most,
-                                const char* why) {
-        if (value && *value > most)
-            report(std::string("measure.") + key,
-                   fmt::format("{} = {:g} m: at most {:g} m, {}", key, *value, most, why));
-    };
-    want_below(m.spacing, "spacing", side / 4.0, "a quarter of the box");
-    want_below(m.flow_spacing, "flow_spacing", side / 4.0, "a quarter of the box");
-    want_below(m.order_cutoff, "order_cutoff", side / 4.0, "a quarter of the box");
-    want_below(m.marked_within, "marked_within", side / 2.0, "half the box");
-    want_below(m.profile_offset, "profile_offset", side / 2.0, "half the box");
-    want_below(m.far_from, "far_from", 0.45 * side, "0.45 of the box: beyond it hardly a bead is left");
-    if (m.order_cutoff && m.order_neighbours == measure::Neighbours::delaunay)
-        report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
-}
-
 } // namespace
 
 void check_measure(const Scene& scene, const Report& report) {
     if (!scene.measure || !scene.granular)
         return;
-    rods(*scene.measure, *scene.granular, report);
-    times(*scene.measure, *scene.granular, report);
-    currents(*scene.measure, *scene.granular, report);
-    headings(*scene.measure, *scene.granular, report);
-    if (scene.granular->container)
-        periodic_only(*scene.measure, report);
-    if (!bead_mix(*scene.granular).one_size())
-        equal_beads_only(*scene.measure, report);
-    lengths(*scene.measure, *scene.granular, report);
+    const Measure& m = *scene.measure;
+    const Granular& bed = *scene.granular;
+    rods(m, bed, report);
+    times(m, bed, report);
+    currents(m, bed, report);
+
+    // Lags of the headings.
+    const double measured = bed.duration - m.from, high = heading_lag_high(m, measured);
+    if (m.heading_lag_high && 2.0 * high > m.block)
+        report("measure.heading_lag_high",
+               fmt::format("heading_lag_high = {:g} s is longer than half of block = {:g} s", high, m.block));
+    if (m.heading_lag_low && *m.heading_lag_low >= high)
+        report("measure.heading_lag_low",
+               fmt::format("heading_lag_low = {:g} s must be below the longest lag of {:g} s{}",
+                           *m.heading_lag_low, high, m.heading_lag_high ? "" : ", a quarter of block"));
+    if (m.heading_diffusion && m.trajectory.empty() && measured < 2.0 * high)
+        report("measure.heading_diffusion",
+               fmt::format("lags up to {:g} s need twice as much, and {:g} s are measured: shorten "
+                           "measure.heading_lag_high or run longer",
+                           high, measured));
+
+    // Nearest images and wave vectors are those of a box.
+    const std::tuple<const char*, const char*, bool> periodic_only[] = {
+        {"displacement", "displacement = \"density\"",
+         m.displacement == measure::DisplacementMethod::density},
+        {"mechanics", "mechanics", m.mechanics},
+        {"phonons", "phonons", m.phonons}};
+    for (const auto& [key, what, wanted] : periodic_only)
+        if (bed.container && wanted)
+            report(std::string("measure.") + key,
+                   fmt::format("{} is measured in a periodic box, and this bed has a wall: leave it out, or "
+                               "give granular.box instead of [granular.container]",
+                               what));
+    if (!bead_mix(bed).one_size())
+        equal_beads_only(m, report);
+
+    // Lengths are compared with the shorter side of the box, or of what the container fits into, m; endless
+    // where that is not known.
+    double side = bed.box.shorter();
+    if (bed.container)
+        side = !bed.container->sides.empty() ? std::ranges::min(bed.container->sides)
+               : bed.container->radius       ? 2.0 * *bed.container->radius
+                                             : HUGE_VAL;
+    const std::tuple<const std::optional<double>&, const char*, double, const char*> lengths[] = {
+        {m.spacing, "spacing", side / 4.0, "a quarter of the box"},
+        {m.flow_spacing, "flow_spacing", side / 4.0, "a quarter of the box"},
+        {m.order_cutoff, "order_cutoff", side / 4.0, "a quarter of the box"},
+        {m.marked_within, "marked_within", side / 2.0, "half the box"},
+        {m.profile_offset, "profile_offset", side / 2.0, "half the box"},
+        {m.far_from, "far_from", 0.45 * side, "0.45 of the box: beyond it hardly a bead is left"}};
+    for (const auto& [value, key, most, why] : lengths)
+        if (value && *value > most)
+            report(std::string("measure.") + key,
+                   fmt::format("{} = {:g} m: at most {:g} m, {}", key, *value, most, why));
+    if (m.order_cutoff && m.order_neighbours == measure::Neighbours::delaunay)
+        report("measure.order_cutoff", "order_cutoff belongs to order_neighbours = \"cutoff\" only");
 }
 
 } // namespace rodwake::scene

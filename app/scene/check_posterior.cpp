@@ -6,11 +6,7 @@
 
 namespace rodwake::scene {
 
-namespace {
-
-using fitting::Prior, fitting::PriorKind;
-
-} // namespace
+using fitting::PriorKind;
 
 void check_posterior(const Fit& fit, const Report& report) {
     if (!fit.posterior)

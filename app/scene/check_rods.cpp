@@ -42,21 +42,6 @@ void bodies(const Scene& scene, const Report& report) {
     }
 }
 
-/// Newton's dense matrix, and its factors.
-void memory(const Scene& scene, const Report& report) {
-    constexpr std::size_t most = 9000; // 0.65 GB
-    const RodsRun& run = *scene.rods_run;
-    const std::size_t size = rods::state_size(run.form, scene.rods.size());
-    if ((run.method == integrate::Method::bdf || run.form == rods::Formulation::dae) && size > most)
-        report("rods_run.method",
-               fmt::format(
-                   "rods_run.method: \"bdf\" keeps dense matrices of {0} x {0} numbers for {1} rods in form "
-                   "\"{2}\", {3:.2g} GB each: at most {4} rods; \"erk\" takes any number",
-                   size, scene.rods.size(), rods::to_string(run.form),
-                   8e-9 * static_cast<double>(size) * static_cast<double>(size),
-                   most / rods::state_size(run.form, 1)));
-}
-
 /// Noise has a method of its own.
 void noise(const Scene& scene, const Report& report) {
     const RodsRun& run = *scene.rods_run;
@@ -155,40 +140,22 @@ void check_rods(const Scene& scene, const Report& report) {
     };
     want_plane(run.turning_tolerance > 0.0, "turning_tolerance");
     want_plane(run.precision != elastic::Accuracy::full, "precision");
-    memory(scene, report);
+    // Newton's method has a dense matrix, and its factors.
+    constexpr std::size_t most = 9000; // 0.65 GB
+    const std::size_t size = rods::state_size(run.form, scene.rods.size());
+    if ((run.method == integrate::Method::bdf || run.form == rods::Formulation::dae) && size > most)
+        report("rods_run.method",
+               fmt::format(
+                   "rods_run.method: \"bdf\" keeps dense matrices of {0} x {0} numbers for {1} rods in form "
+                   "\"{2}\", {3:.2g} GB each: at most {4} rods; \"erk\" takes any number",
+                   size, scene.rods.size(), rods::to_string(run.form),
+                   8e-9 * static_cast<double>(size) * static_cast<double>(size),
+                   most / rods::state_size(run.form, 1)));
     if (noisy(scene) || (scene.noise && scene.scan)) // whose points may have noise
         noise(scene, report);
 }
 
 namespace {
-
-void measured(const Scene& scene, const Report& report) {
-    if (!scene.medium->measured)
-        report("medium.field",
-               "medium.field = \"measured\" needs [medium.measured] with file, the measure.h5 of "
-               "rodwake measure");
-    if (!scene.scales)
-        report("medium.field",
-               "medium.field = \"measured\" needs [scales] with f_over_mu: what f/mu is in the "
-               "bed that was measured");
-    if (scene.medium->fitted)
-        report("medium.field",
-               "medium.field = \"measured\" needs eta and xi of its own for theory beyond the "
-               "measured edge: medium.fitted = true takes them from [fit]");
-}
-
-/// The rods' run as a dynamic medium can take it.
-void dynamic_run(const RodsRun& run, const Report& report) {
-    if (run.method)
-        report("rods_run.method",
-               fmt::format("rods_run.method = \"{}\": with medium.field = \"dynamic\" rods and medium "
-                           "are integrated by a method of their own; leave it out, or \"auto\"",
-                           integrate::to_string(*run.method)));
-    if (run.form != rods::Formulation::angle)
-        report("rods_run.form",
-               fmt::format("rods_run.form = \"{}\": medium.field = \"dynamic\" takes \"angle\"",
-                           rods::to_string(run.form)));
-}
 
 void dynamic(const Scene& scene, const Report& report) {
     const Medium& m = *scene.medium;
@@ -211,8 +178,18 @@ void dynamic(const Scene& scene, const Report& report) {
     if (noisy(scene))
         report("noise", "[noise] cannot be combined with medium.field = \"dynamic\": rods with noise are "
                         "integrated in the exact field, a table or a measured one; leave one out");
-    if (scene.rods_run)
-        dynamic_run(*scene.rods_run, report);
+    if (!scene.rods_run)
+        return;
+    const RodsRun& run = *scene.rods_run;
+    if (run.method)
+        report("rods_run.method",
+               fmt::format("rods_run.method = \"{}\": with medium.field = \"dynamic\" rods and medium "
+                           "are integrated by a method of their own; leave it out, or \"auto\"",
+                           integrate::to_string(*run.method)));
+    if (run.form != rods::Formulation::angle)
+        report("rods_run.form",
+               fmt::format("rods_run.form = \"{}\": medium.field = \"dynamic\" takes \"angle\"",
+                           rods::to_string(run.form)));
 }
 
 /// What gamma_flow and the rows need of the medium.
@@ -236,22 +213,29 @@ void turning(const Scene& scene, const Report& report) {
                "\"exact\", or leave gamma_rows out");
 }
 
-/// Tables have the symmetries of the square.
-void table(const Medium& m, const Report& report) {
-    if (m.periodic && !m.periodic->square())
-        report("medium.field",
-               fmt::format("medium.field = \"table\": tables are of square boxes, and medium.periodic is {}; "
-                           "take \"exact\"",
-                           to_string(*m.periodic)));
-}
-
 } // namespace
 
 void check_medium(const Scene& scene, const Report& report) {
-    if (scene.medium && scene.medium->field == FieldBackend::measured)
-        measured(scene, report);
-    if (scene.medium && scene.medium->field == FieldBackend::table)
-        table(*scene.medium, report);
+    if (scene.medium && scene.medium->field == FieldBackend::measured) {
+        const std::string path = "medium.field";
+        if (!scene.medium->measured)
+            report(path, "medium.field = \"measured\" needs [medium.measured] with file, the measure.h5 of "
+                         "rodwake measure");
+        if (!scene.scales)
+            report(path, "medium.field = \"measured\" needs [scales] with f_over_mu: what f/mu is in the "
+                         "bed that was measured");
+        if (scene.medium->fitted)
+            report(path, "medium.field = \"measured\" needs eta and xi of its own for theory beyond the "
+                         "measured edge: medium.fitted = true takes them from [fit]");
+    }
+
+    // Tables have the symmetries of the square.
+    if (scene.medium && scene.medium->field == FieldBackend::table && scene.medium->periodic &&
+        !scene.medium->periodic->square())
+        report("medium.field",
+               fmt::format("medium.field = \"table\": tables are of square boxes, and medium.periodic is {}; "
+                           "take \"exact\"",
+                           to_string(*scene.medium->periodic)));
     if (scene.medium && scene.medium->is_dynamic())
         dynamic(scene, report);
     if (scene.coupling)

@@ -17,33 +17,6 @@ std::vector<std::string> keys_of(const ScanAxis& axis) {
     return axis.key.empty() ? axis.keys : std::vector{axis.key};
 }
 
-std::string cannot_vary(const std::string& key, ScanSubject subject) {
-    if (key == "granular.runs")
-        return "granular.runs is how many runs each point of the scan has: set it in [granular]";
-    return key + " is not what a scan" +
-           (subject == ScanSubject::beds
-                ? " of beds can vary: points depend on [granular] without runs, output and restart_from"
-                : " can vary: points depend on [medium], [coupling], [[rods]] and [rods_run]");
-}
-
-bool check_names(const ScanAxis& axis, ScanSubject subject, const std::string& path, const Report& report) {
-    if (axis.key.empty() == axis.keys.empty()) {
-        report(path, fmt::format("{}: give key, or keys for several that vary together", path));
-        return false;
-    }
-    if (!axis.factor.empty() && axis.factor.size() != axis.keys.size()) {
-        report(path + ".factor", fmt::format("{}.factor has {} numbers for {} keys", path, axis.factor.size(),
-                                             axis.keys.size()));
-        return false;
-    }
-    for (const std::string& key : keys_of(axis))
-        if (!can_vary(key, subject)) {
-            report(path, path + ": " + cannot_vary(key, subject));
-            return false;
-        }
-    return true;
-}
-
 /// A number as written; nothing for a string (it may carry a unit) or a flag.
 std::optional<double> number_of(const Value& value) {
     if (const auto* real = std::get_if<double>(&value))
@@ -66,8 +39,26 @@ void check_ends(const ScanAxis& axis, const std::string& path, const Report& rep
 
 void check_axis(const Scene& scene, const ScanAxis& axis, const std::string& path, const Report& report) {
     const Scan& scan = *scene.scan;
-    if (!check_names(axis, scan_subject(scene), path, report))
-        return;
+    const ScanSubject subject = scan_subject(scene);
+    if (axis.key.empty() == axis.keys.empty())
+        return report(path, fmt::format("{}: give key, or keys for several that vary together", path));
+    if (!axis.factor.empty() && axis.factor.size() != axis.keys.size())
+        return report(path + ".factor", fmt::format("{}.factor has {} numbers for {} keys", path,
+                                                    axis.factor.size(), axis.keys.size()));
+    for (const std::string& key : keys_of(axis)) {
+        if (key == "granular.runs")
+            return report(path, path +
+                                    ": granular.runs is how many runs each point of the scan has: set it in "
+                                    "[granular]");
+        if (!can_vary(key, subject))
+            return report(
+                path, fmt::format("{}: {} is not what a scan{}", path, key,
+                                  subject == ScanSubject::beds
+                                      ? " of beds can vary: points depend on [granular] without runs, output "
+                                        "and restart_from"
+                                      : " can vary: points depend on [medium], [coupling], [[rods]] and "
+                                        "[rods_run]"));
+    }
     const bool range = axis.from && axis.to, any = axis.from || axis.to,
                grid = scan.design == ScanDesign::grid || scan.design == ScanDesign::critical;
     if (axis.values.empty() != range || (any && !range))

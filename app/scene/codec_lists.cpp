@@ -123,17 +123,16 @@ struct As<Words> : Whole<Words> {
     static bool read(const Input& in, Words& value) {
         const auto* list = list_of(in, "names");
         value.clear();
-        for (std::size_t i = 0; list && i < list->size(); ++i)
-            add(in.at((*list)[i], fmt::format("[{}]", i)), value);
+        for (std::size_t i = 0; list && i < list->size(); ++i) {
+            const Input at = in.at((*list)[i], fmt::format("[{}]", i));
+            std::string name;
+            if (!codec_of<std::string>().parse(at, &name))
+                continue;
+            if (contains(value, name))
+                at.wrong("is in the list already");
+            value.push_back(name);
+        }
         return list && value.size() == list->size();
-    }
-    static void add(const Input& in, Words& value) {
-        std::string name;
-        if (!codec_of<std::string>().parse(in, &name))
-            return;
-        if (contains(value, name))
-            in.wrong("is in the list already");
-        value.push_back(name);
     }
     static std::string text(const Key&, const Words& value, const Units&) {
         std::string inner;
@@ -200,8 +199,25 @@ struct Item<fitting::Prior> {
         if (!table)
             return in.wrong_type("expected a prior such as { kind = \"normal\", mean = 1.0, sd = 0.2 }");
         bool is_right = true;
-        for (const Entry& item : *table)
-            is_right &= read_key(in.at(item.value, "." + item.key), item, value);
+        for (const Entry& item : *table) {
+            const Input at = in.at(item.value, "." + item.key);
+            if (item.key == "kind") {
+                const auto* word = word_of(at, prior_kinds);
+                if (word)
+                    value.kind =
+                        static_cast<fitting::PriorKind>(std::ranges::find(prior_kinds, *word) - prior_kinds);
+                is_right &= word != nullptr;
+            } else if (item.key == "low" || item.key == "high") {
+                is_right &= quantity(at, (item.key == "low" ? value.low : value.high).emplace());
+            } else if (item.key == "mean" || item.key == "sd") {
+                is_right &= quantity(at, item.key == "sd" ? value.sd : value.mean);
+            } else {
+                in.faults.add(item.key_place, at.below,
+                              fmt::format(": unknown key {}{}. Known keys: {}", in_quotes(item.key),
+                                          did_you_mean(item.key, prior_keys), comma_list(prior_keys)));
+                is_right = false;
+            }
+        }
         return is_right;
     }
     static std::string text(const fitting::Prior& prior) {
@@ -218,25 +234,6 @@ struct Item<fitting::Prior> {
             add("sd", prior.sd);
         }
         return "{ " + inner + " }";
-    }
-
-private:
-    static bool read_key(const Input& in, const Entry& item, fitting::Prior& value) {
-        if (item.key == "kind") {
-            const auto* word = word_of(in, prior_kinds);
-            if (word)
-                value.kind =
-                    static_cast<fitting::PriorKind>(std::ranges::find(prior_kinds, *word) - prior_kinds);
-            return word;
-        }
-        if (item.key == "low" || item.key == "high")
-            return quantity(in, (item.key == "low" ? value.low : value.high).emplace());
-        if (item.key == "mean" || item.key == "sd")
-            return quantity(in, item.key == "sd" ? value.sd : value.mean);
-        in.faults.add(item.key_place, in.below,
-                      fmt::format(": unknown key {}{}. Known keys: {}", in_quotes(item.key),
-                                  did_you_mean(item.key, prior_keys), comma_list(prior_keys)));
-        return false;
     }
 };
 

@@ -34,46 +34,6 @@ namespace {
 
 constexpr std::string_view usual_box = "78 a"; // "fit" alone: the paper's
 
-// Numbers.
-
-std::string expected_number(Dimension dimension) {
-    static constexpr const char* examples[] = {
-        "",       "0.4 mm",      "5 s",        "2.8 mm/s",    "0.5 1/s",
-        "30 deg", "2700 kg/m^3", "9.81 m/s^2", "0.01 mm^2/s", "2 1/mm"};
-    if (dimension == Dimension::none)
-        return "expected a number";
-    return fmt::format("expected {} (a number, or a string such as \"{}\")", name_of(dimension),
-                       examples[static_cast<std::size_t>(dimension)]);
-}
-
-/// Reads a string with a unit; otherwise returns false and adds a diagnostic.
-bool worded(const Input& in, double& value) {
-    const Dimension dimension = in.key.dimension;
-    const auto* word = in.node.as<std::string>();
-    if (!word || !in.units || dimension == Dimension::none)
-        return in.wrong_type(expected_number(in.units ? dimension : Dimension::none));
-    const Quantity found = parse_quantity(*word, dimension, *in.units);
-    if (found.needs_scales)
-        in.faults.add_missing_scales(in.node.place, in.below,
-                                     fmt::format(" = {}: a physical unit", describe_value(in.node)));
-    else if (!found.value)
-        in.wrong_type(fmt::format("expected {}", name_of(dimension)), found.why);
-    value = found.value.value_or(value);
-    return found.value.has_value();
-}
-
-bool number(const Input& in, double& value) {
-    if (const auto* whole = in.node.as<std::int64_t>())
-        value = static_cast<double>(*whole);
-    else if (const auto* real = in.node.as<double>())
-        value = *real;
-    else
-        return worded(in, value);
-    if (in.units)
-        value = to_reduced(value, in.key.dimension, *in.units);
-    return true;
-}
-
 std::string number_type(const Key& key) {
     const std::string name = name_of(key.dimension);
     return key.dimension == Dimension::none ? "number" : name.substr(name.find(' ') + 1);
@@ -87,9 +47,34 @@ std::string sides_text(const Key& key, double x, double y, const Units& units) {
 } // namespace
 
 bool quantity(const Input& in, double& value) {
+    const Dimension dimension = in.key.dimension;
+    const auto* whole = in.node.as<std::int64_t>();
+    const auto* real = in.node.as<double>();
+    const auto* word = in.node.as<std::string>();
     double found = 0.0;
-    if (!number(in, found))
-        return false;
+    if (whole || real) {
+        found = whole ? static_cast<double>(*whole) : *real;
+        if (in.units)
+            found = to_reduced(found, dimension, *in.units);
+    } else if (!in.units || dimension == Dimension::none) {
+        return in.wrong_type("expected a number");
+    } else if (!word) {
+        static constexpr const char* examples[] = {
+            "",       "0.4 mm",      "5 s",        "2.8 mm/s",    "0.5 1/s",
+            "30 deg", "2700 kg/m^3", "9.81 m/s^2", "0.01 mm^2/s", "2 1/mm"};
+        return in.wrong_type(fmt::format("expected {} (a number, or a string such as \"{}\")",
+                                         name_of(dimension), examples[static_cast<std::size_t>(dimension)]));
+    } else {
+        const Quantity read = parse_quantity(*word, dimension, *in.units);
+        if (read.needs_scales)
+            in.faults.add_missing_scales(in.node.place, in.below,
+                                         fmt::format(" = {}: a physical unit", describe_value(in.node)));
+        else if (!read.value)
+            in.wrong_type(fmt::format("expected {}", name_of(dimension)), read.why);
+        if (!read.value)
+            return false;
+        found = *read.value;
+    }
     if (!in.key.range.contains(found)) // not so nan and inf
         return in.wrong(in.key.fault(found));
     value = found;

@@ -63,18 +63,6 @@ void Diagnostics::throw_if_any() const {
         throw SceneError(list_, unstored_);
 }
 
-namespace {
-
-/// " ([coupling] has it)" for a key that stands in the wrong table.
-std::string where_it_belongs(const std::string& name) {
-    for (const auto& known : scene_keys())
-        if (known.name == name && !known.table.empty())
-            return fmt::format(" ([{}] has it)", known.table);
-    return "";
-}
-
-} // namespace
-
 std::string one_of_text(Names legal, std::string_view found) {
     return fmt::format("must be one of {}{}", comma_list(legal), did_you_mean(found, legal));
 }
@@ -86,10 +74,17 @@ std::string unknown_key_text(const std::string& title, const std::string& name, 
                 "{} {}: large deviations of a rod's speed were measured up to version 0.3 only, which "
                 "is tag v0.3.0; leave the key out",
                 title, name);
-    const std::string near = did_you_mean(name, known);
-    return fmt::format(
-        "{} {}{}. Known keys: {}", title.empty() ? "unknown table or key" : title + " unknown key",
-        describe_value(Node{{}, name}), near.empty() ? where_it_belongs(name) : near, comma_list(known));
+    std::string near = did_you_mean(name, known);
+    if (near.empty()) { // it may stand in the wrong table
+        const std::vector<KeyInfo> keys = scene_keys();
+        const auto other = std::ranges::find_if(
+            keys, [&](const KeyInfo& one) { return one.name == name && !one.table.empty(); });
+        if (other != keys.end())
+            near = fmt::format(" ([{}] has it)", other->table);
+    }
+    return fmt::format("{} {}{}. Known keys: {}",
+                       title.empty() ? "unknown table or key" : title + " unknown key",
+                       describe_value(Node{{}, name}), near, comma_list(known));
 }
 
 } // namespace rodwake::scene

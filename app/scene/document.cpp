@@ -1,7 +1,7 @@
 #include "rodwake/scene/document.hpp"
 
 #include "diagnostics.hpp"
-#include "documented.hpp"
+
 #include "fields.hpp"
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"
@@ -31,23 +31,6 @@ std::string markdown_cell(std::string_view text) {
 }
 
 namespace {
-
-std::string table_text(const TableInfo& table) {
-    std::string text =
-        table.path.empty() ? "\n## Top level\n" : fmt::format("\n## `{}`\n", table_header(table.path));
-    if (!table.meaning.empty())
-        text += "\n" + table.meaning + "\n";
-    for (const auto& note : table.notes)
-        text += "\n" + note + "\n";
-    if (table.keys.empty()) // tables only
-        return text;
-    text += "\n| key | type | unit | default | legal | meaning | example |\n|---|---|---|---|---|---|---|\n";
-    for (const auto& k : table.keys)
-        text += fmt::format("| `{}` | {} | {} | {} | {} | {} | `{}` |\n", k.name, k.type,
-                            markdown_cell(k.unit), markdown_cell(k.default_value), markdown_cell(k.legal),
-                            markdown_cell(k.meaning), markdown_cell(k.example));
-    return text;
-}
 
 constexpr const char* introduction = R"md(# Scene reference
 
@@ -92,11 +75,9 @@ the [files](files.md) in the next column. The [scene reference](scene.md#figures
 
 } // namespace
 
-std::vector<TableInfo> scene_tables() { return documented(); }
-
 std::vector<KeyInfo> scene_keys() {
     std::vector<KeyInfo> keys;
-    for (const auto& table : documented())
+    for (const auto& table : scene_tables())
         keys.insert(keys.end(), table.keys.begin(), table.keys.end());
     return keys;
 }
@@ -119,8 +100,22 @@ std::optional<KeyInfo> key_info(const std::string& key) {
 
 std::string scene_reference() {
     std::string text = introduction;
-    for (const auto& table : documented())
-        text += table_text(table);
+    for (const TableInfo& table : scene_tables()) {
+        text +=
+            table.path.empty() ? "\n## Top level\n" : fmt::format("\n## `{}`\n", table_header(table.path));
+        if (!table.meaning.empty())
+            text += "\n" + table.meaning + "\n";
+        for (const auto& note : table.notes)
+            text += "\n" + note + "\n";
+        if (table.keys.empty()) // tables only
+            continue;
+        text +=
+            "\n| key | type | unit | default | legal | meaning | example |\n|---|---|---|---|---|---|---|\n";
+        for (const auto& k : table.keys)
+            text += fmt::format("| `{}` | {} | {} | {} | {} | {} | `{}` |\n", k.name, k.type,
+                                markdown_cell(k.unit), markdown_cell(k.default_value), markdown_cell(k.legal),
+                                markdown_cell(k.meaning), markdown_cell(k.example));
+    }
     std::string rows = "\n## Parameters of `[fit]`\n\n| name | meaning |\n|---|---|\n";
     for (const FitParameter& parameter : fit_parameter_list())
         rows += fmt::format("| `{}` | {} |\n", parameter.name, parameter.meaning);
@@ -169,7 +164,42 @@ public:
 
 protected:
     void visit(const Key& key, void* value, const Codec& codec) override {
-        add(key, codec.describe(key, value));
+        const Description said = codec.describe(key, value);
+
+        // A plain number has one unit in reduced scenes and one in SI scenes.
+        std::string reduced = reduced_unit(key.dimension), si = si_unit(key.dimension);
+        if (key.dimension == Dimension::length && units_.is_own())
+            reduced = si = units_.own;
+        else if (!units_.reduced_words)
+            reduced = si;
+
+        // The meaning of a figure's key begins with the kinds that have it.
+        std::string meaning(key.meaning);
+        if (!path_.empty() && path_.back() == "figures[]")
+            if (const auto kinds = kinds_with(key.name); !kinds.empty())
+                meaning =
+                    fmt::format("{} {}: {}", kinds.size() > 1 ? "kinds" : "kind", comma_list(kinds), meaning);
+
+        KeyInfo info{path_.empty() ? "" : path_.back(),
+                     std::string(key.name),
+                     said.type,
+                     reduced == si ? si : reduced + "; si: " + si,
+                     said.fallback,
+                     said.legal,
+                     meaning,
+                     std::string(key.example_value)};
+        info.symbol = key.symbol_tex;
+        info.unit_reduced = reduced;
+        info.unit_si = si;
+        info.is_required = key.is_required;
+        info.choices.assign(key.choices.begin(), key.choices.end());
+        info.choices.insert(info.choices.end(), said.choices.begin(), said.choices.end());
+        if (said.has_range) {
+            info.low = key.range.low;
+            info.high = key.range.high;
+            info.is_low_legal = !key.range.open_low;
+        }
+        current().keys.push_back(std::move(info));
     }
     int form_given(Forms forms) override {
         std::string text;
@@ -186,12 +216,9 @@ protected:
     void leave() override { path_.pop_back(); }
 
 private:
-    std::string path_of(std::string_view name) const {
-        return path_.empty() ? std::string(name) : fmt::format("{}.{}", path_.back(), name);
-    }
-
     bool open(const Key& key, std::string_view ending) {
-        path_.push_back(path_of(key.name).append(ending));
+        path_.push_back(fmt::format("{}{}{}{}", path_.empty() ? "" : path_.back(), path_.empty() ? "" : ".",
+                                    key.name, ending));
         tables_.push_back({path_.back(), std::string(key.meaning), {}, {}});
         return true;
     }
@@ -204,47 +231,6 @@ private:
         return tables_.front();
     }
 
-    /// What a plain number is in: in reduced scenes and in SI scenes.
-    std::pair<std::string, std::string> units_of(Dimension dimension) const {
-        const std::string reduced = reduced_unit(dimension), si = si_unit(dimension);
-        if (dimension == Dimension::length && units_.is_own())
-            return {std::string(units_.own), std::string(units_.own)};
-        return {units_.reduced_words ? reduced : si, si};
-    }
-
-    /// Of a figure's keys with the kinds that have it.
-    std::string meaning_of(const Key& key) const {
-        const bool figure = !path_.empty() && path_.back() == "figures[]";
-        const auto kinds = figure ? kinds_with(key.name) : std::vector<std::string>{};
-        if (kinds.empty())
-            return std::string(key.meaning);
-        return fmt::format("{} {}: {}", kinds.size() > 1 ? "kinds" : "kind", comma_list(kinds), key.meaning);
-    }
-
-    void add(const Key& key, const Description& said) {
-        const auto [reduced, si] = units_of(key.dimension);
-        KeyInfo info{path_.empty() ? "" : path_.back(),
-                     std::string(key.name),
-                     said.type,
-                     reduced == si ? si : reduced + "; si: " + si,
-                     said.fallback,
-                     said.legal,
-                     meaning_of(key),
-                     std::string(key.example_value)};
-        info.symbol = key.symbol_tex;
-        info.unit_reduced = reduced;
-        info.unit_si = si;
-        info.is_required = key.is_required;
-        info.choices.assign(key.choices.begin(), key.choices.end());
-        info.choices.insert(info.choices.end(), said.choices.begin(), said.choices.end());
-        if (said.has_range) {
-            info.low = key.range.low;
-            info.high = key.range.high;
-            info.is_low_legal = !key.range.open_low;
-        }
-        current().keys.push_back(std::move(info));
-    }
-
     std::vector<TableInfo> tables_;
     std::vector<std::string> path_;
     Units units_;
@@ -252,7 +238,7 @@ private:
 
 } // namespace
 
-std::vector<TableInfo> documented() {
+std::vector<TableInfo> scene_tables() {
     Scene scene;
     Documenter documenter;
     fields(documenter, scene);

@@ -11,42 +11,6 @@ namespace {
 using enum Dimension;
 using granular::RodKind, granular::Taper;
 
-long default_spheres(RodKind kind) { return static_cast<long>(default_shape(kind).spheres); }
-double default_thickness(RodKind kind) { return default_shape(kind).thick_diameter; }
-
-template<class T>
-std::optional<T> unless(T value, T fallback) {
-    return value == fallback ? std::nullopt : std::optional(value);
-}
-
-/// Keys whose default depends on the kind; one that has its default is left to follow the kind.
-void kind_fields(Visitor& v, granular::RodShape& rod) {
-    auto spheres = unless(static_cast<long>(rod.spheres), default_spheres(rod.kind));
-    auto thick = unless(rod.thick_diameter, default_thickness(rod.kind));
-    v(key("kind")
-          .doc("motile: tapers from one end to the other; apolar: from the middle to both ends")
-          .example("\"motile\""),
-      choice(rod.kind, {{"motile", RodKind::motile}, {"apolar", RodKind::apolar}}));
-    v(key("spheres")
-          .within(1, 1000)
-          .absent("12; apolar: 13")
-          .doc("overlapping spheres in a row; apolar: an odd number, an even row has no middle and starts to "
-               "move")
-          .example("13"),
-      spheres);
-    v(key("thick_diameter")
-          .unit(length)
-          .above(0.0, 1.0)
-          .absent("1.1 mm; apolar: 0.95 mm, the middle of the motile rod")
-          .doc("motile: of the thick end; apolar: of the middle")
-          .example("\"1.1 mm\""),
-      thick);
-    v.derive([&] {
-        rod.spheres = static_cast<std::size_t>(spheres.value_or(default_spheres(rod.kind)));
-        rod.thick_diameter = thick.value_or(default_thickness(rod.kind));
-    });
-}
-
 } // namespace
 
 void fields(Visitor& v, GranularRod& rod) {
@@ -68,7 +32,38 @@ void fields(Visitor& v, GranularRod& rod) {
                "pinned")
           .example("\"1 mm/s\""),
       rod.imposed_speed);
-    kind_fields(v, rod.shape);
+    // The defaults of two keys depend on the kind; one that has its default is left to follow the kind.
+    granular::RodShape& shape = rod.shape;
+    const granular::RodShape usual = default_shape(shape.kind);
+    std::optional<long> spheres;
+    std::optional<double> thick;
+    if (shape.spheres != usual.spheres)
+        spheres = static_cast<long>(shape.spheres);
+    if (shape.thick_diameter != usual.thick_diameter)
+        thick = shape.thick_diameter;
+    v(key("kind")
+          .doc("motile: tapers from one end to the other; apolar: from the middle to both ends")
+          .example("\"motile\""),
+      choice(shape.kind, {{"motile", RodKind::motile}, {"apolar", RodKind::apolar}}));
+    v(key("spheres")
+          .within(1, 1000)
+          .absent("12; apolar: 13")
+          .doc("overlapping spheres in a row; apolar: an odd number, an even row has no middle and starts to "
+               "move")
+          .example("13"),
+      spheres);
+    v(key("thick_diameter")
+          .unit(length)
+          .above(0.0, 1.0)
+          .absent("1.1 mm; apolar: 0.95 mm, the middle of the motile rod")
+          .doc("motile: of the thick end; apolar: of the middle")
+          .example("\"1.1 mm\""),
+      thick);
+    v.derive([&] {
+        const granular::RodShape fallback = default_shape(shape.kind);
+        shape.spheres = spheres ? static_cast<std::size_t>(*spheres) : fallback.spheres;
+        shape.thick_diameter = thick.value_or(fallback.thick_diameter);
+    });
     v(key("thin_diameter").unit(length).above(0.0, 1.0).doc("of the thin end or ends").example("\"0.8 mm\""),
       rod.shape.thin_diameter);
     v(key("length").unit(length).above(0.0, 1.0).doc("end to end").example("\"4.5 mm\""), rod.shape.length);

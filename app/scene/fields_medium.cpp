@@ -15,22 +15,6 @@ using enum Dimension;
 /// The keys of [medium] that give eta. A resolved scene has eta itself.
 struct EtaForms {
     std::optional<double> eta, poisson_ratio, lame_lambda, bulk_modulus, mu;
-
-    /// eta of the given form, an index into eta_forms.
-    double value(int form) const {
-        switch (form) {
-        case 0:
-            return eta.value_or(1.0);
-        case 1:
-            return elastic::eta_from_poisson_ratio(poisson_ratio.value_or(0.0));
-        case 2:
-            return elastic::eta_from_lame(lame_lambda.value_or(0.0), mu.value_or(1.0));
-        case 3:
-            return elastic::eta_from_bulk_modulus(bulk_modulus.value_or(1.0), mu.value_or(1.0));
-        default:
-            return 1.0;
-        }
-    }
 };
 
 constexpr KeyAlternative eta_forms[] = {
@@ -75,8 +59,15 @@ void eta_keys(Visitor& v, EtaForms& k, bool written) {
       k.mu);
 }
 
+/// Sets eta from the given form, an index into eta_forms.
 void resolve_eta(Visitor& v, const EtaForms& keys, int form, Medium& medium) try {
-    const double eta = keys.value(form);
+    double eta = keys.eta.value_or(1.0);
+    if (form == 1)
+        eta = elastic::eta_from_poisson_ratio(keys.poisson_ratio.value_or(0.0));
+    if (form == 2)
+        eta = elastic::eta_from_lame(keys.lame_lambda.value_or(0.0), keys.mu.value_or(1.0));
+    if (form == 3)
+        eta = elastic::eta_from_bulk_modulus(keys.bulk_modulus.value_or(1.0), keys.mu.value_or(1.0));
     elastic::validate({eta, 1.0});
     medium.eta = eta;
 } catch (const InputError& error) { // a bad eta by itself has been reported by its range

@@ -16,39 +16,6 @@ namespace {
 using enum Dimension;
 using integrate::Method;
 
-using Times = std::optional<std::vector<double>>;
-
-/// Whether the times are in order; if not, it is reported.
-bool increasing(Visitor& v, const std::vector<double>& times, double t_end) {
-    for (std::size_t i = 0; i < times.size(); ++i)
-        if (times[i] > t_end || (i > 0 && times[i] <= times[i - 1])) {
-            v.complain("output_times", fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
-                                                   "within 0 <= t <= t_end = {}",
-                                                   i, times[i], t_end));
-            return false;
-        }
-    return true;
-}
-
-Times listed_times(Visitor& v, std::vector<double> times, double t_end) {
-    if (!increasing(v, times, t_end))
-        return std::nullopt;
-    if (!times.empty() && times.front() == 0.0)
-        times.erase(times.begin()); // the start is stored in any case
-    if (times.empty() || times.back() < t_end)
-        times.push_back(t_end);
-    return times;
-}
-
-Times even_times(Visitor& v, std::optional<double> interval, double t_end) {
-    const double step = interval.value_or(t_end / default_outputs);
-    if (step <= t_end && t_end / step <= max_outputs)
-        return output_grid(step, t_end);
-    v.complain("output_interval",
-               fmt::format("is {} f/(mu v0): must be between t_end/1000000 and t_end = {}", step, t_end));
-    return std::nullopt;
-}
-
 /// The ways to say how long a run is and when it is stored, in the order of resolve_run's cases.
 constexpr KeyAlternative run_forms[] = {
     {"t_end"}, {"t_end", "output_interval"}, {"t_end", "output_times"}, {"output_times"}};
@@ -68,62 +35,29 @@ void resolve_run(Visitor& v, RodsRun& run, const RunTimes& given, int form) {
         return v.complain("output_times", "has no entry above 0, so the run has no end: give t_end");
     if (!(t_end > 0.0)) // reported already
         return;
-    Times times = form < 2 ? even_times(v, given.interval, t_end) : listed_times(v, given.times, t_end);
-    if (!times)
-        return;
+    std::vector<double> times = given.times;
+    if (form < 2) {
+        const double step = given.interval.value_or(t_end / default_outputs);
+        if (!(step <= t_end && t_end / step <= max_outputs))
+            return v.complain(
+                "output_interval",
+                fmt::format("is {} f/(mu v0): must be between t_end/1000000 and t_end = {}", step, t_end));
+        times = output_grid(step, t_end);
+    } else {
+        for (std::size_t i = 0; i < times.size(); ++i)
+            if (times[i] > t_end || (i > 0 && times[i] <= times[i - 1]))
+                return v.complain("output_times",
+                                  fmt::format("entry {} is {} f/(mu v0): times must increase strictly "
+                                              "within 0 <= t <= t_end = {}",
+                                              i, times[i], t_end));
+        if (!times.empty() && times.front() == 0.0)
+            times.erase(times.begin()); // the start is stored in any case
+        if (times.empty() || times.back() < t_end)
+            times.push_back(t_end);
+    }
     run.t_end = t_end;
     run.t_end_from_outputs = from_outputs;
-    run.output_times = std::move(*times);
-}
-
-/// Written as an interval where the times are a grid; the default grid is left to follow t_end.
-RunTimes times_of(const RodsRun& run) {
-    const auto grid = grid_interval(run.output_times, run.t_end);
-    const bool is_default = grid && *grid == run.t_end / default_outputs;
-    RunTimes given;
-    if (!run.t_end_from_outputs && run.t_end > 0.0)
-        given.t_end = run.t_end;
-    if (run.t_end_from_outputs || !grid)
-        given.times = run.output_times;
-    else if (!is_default)
-        given.interval = grid;
-    return given;
-}
-
-void time_fields(Visitor& v, RunTimes& given) {
-    v(key("t_end")
-          .symbol("t_\\mathrm{end}")
-          .unit(time)
-          .above(0.0)
-          .absent("the last of output_times")
-          .doc("end of the run; needed unless output_times are given")
-          .example("30.0"),
-      given.t_end);
-    v(key("output_times")
-          .unit(time)
-          .within(0.0, 1e12)
-          .items(1, static_cast<std::size_t>(max_outputs))
-          .doc("times to store, strictly increasing up to t_end; 0 and t_end are stored in any case")
-          .example("[10.0, 20.0, 30.0]"),
-      given.times);
-    v(key("output_interval")
-          .unit(time)
-          .above(0.0)
-          .absent(given.times.empty() ? "t_end / 200" : "")
-          .doc("store i * output_interval and t_end; at most 1000000 times")
-          .example("0.5"),
-      given.interval);
-}
-
-/// Not every method can take every form.
-void check_form(Visitor& v, const RodsRun& run) {
-    if (run.form == rods::Formulation::director && run.method == Method::adams)
-        v.complain("form",
-                   "\"director\" is put back to length 1 after each step, which method \"adams\" does not "
-                   "allow: set method to \"bdf\", \"erk\" or \"auto\"");
-    if (run.form == rods::Formulation::dae && run.method && run.method != Method::bdf)
-        v.complain("form",
-                   "\"dae\" is solved by backward differentiation only: set method to \"bdf\" or \"auto\"");
+    run.output_times = std::move(times);
 }
 
 /// Coordinates matter on the scale of f/mu, headings on that of a radian.
@@ -152,8 +86,18 @@ void solver_fields(Visitor& v, RodsRun& run) {
           .doc("absolute tolerance of the local error, reduced units")
           .example("1e-10"),
       atol);
-    v.derive([&] { check_form(v, run); });
-    v.derive([&] { run.atol = atol.value_or(default_atol(run.rtol)); });
+    v.derive([&] {
+        if (run.form == rods::Formulation::director && run.method == Method::adams)
+            v.complain(
+                "form",
+                "\"director\" is put back to length 1 after each step, which method \"adams\" does not "
+                "allow: set method to \"bdf\", \"erk\" or \"auto\"");
+        if (run.form == rods::Formulation::dae && run.method && run.method != Method::bdf)
+            v.complain(
+                "form",
+                "\"dae\" is solved by backward differentiation only: set method to \"bdf\" or \"auto\"");
+        run.atol = atol.value_or(default_atol(run.rtol));
+    });
     v(key("turning_tolerance")
           .unit(rate)
           .within(0.0, 1e3)
@@ -277,9 +221,39 @@ void fields(Visitor& v, RandomRods& random, const std::optional<Body>& body) {
 
 void fields(Visitor& v, RodsRun& run) {
     const bool with_times = v.wants(run_forms); // up to a million times to look through
-    RunTimes given = with_times ? times_of(run) : RunTimes{};
-    if (with_times)
-        time_fields(v, given);
+    RunTimes given;
+    if (with_times) {
+        // Written as an interval where the times are a grid; the default grid is left to follow t_end.
+        const auto grid = grid_interval(run.output_times, run.t_end);
+        if (!run.t_end_from_outputs && run.t_end > 0.0)
+            given.t_end = run.t_end;
+        if (run.t_end_from_outputs || !grid)
+            given.times = run.output_times;
+        else if (*grid != run.t_end / default_outputs)
+            given.interval = grid;
+        v(key("t_end")
+              .symbol("t_\\mathrm{end}")
+              .unit(time)
+              .above(0.0)
+              .absent("the last of output_times")
+              .doc("end of the run; needed unless output_times are given")
+              .example("30.0"),
+          given.t_end);
+        v(key("output_times")
+              .unit(time)
+              .within(0.0, 1e12)
+              .items(1, static_cast<std::size_t>(max_outputs))
+              .doc("times to store, strictly increasing up to t_end; 0 and t_end are stored in any case")
+              .example("[10.0, 20.0, 30.0]"),
+          given.times);
+        v(key("output_interval")
+              .unit(time)
+              .above(0.0)
+              .absent(given.times.empty() ? "t_end / 200" : "")
+              .doc("store i * output_interval and t_end; at most 1000000 times")
+              .example("0.5"),
+          given.interval);
+    }
     v(key("contact_distance")
           .unit(length)
           .above(0.0)

@@ -173,23 +173,16 @@ namespace {
 
 constexpr std::string_view bed_table = "granular.";
 
-bool varies_bed(const ScanAxis& axis) {
-    return axis.key.starts_with(bed_table) ||
-           std::ranges::any_of(axis.keys, [](const std::string& key) { return key.starts_with(bed_table); });
-}
-
-template<std::size_t N>
-bool is_of(std::string_view key, const std::array<std::string_view, N>& beginnings) {
-    return std::ranges::any_of(beginnings, [&](std::string_view text) { return key.starts_with(text); });
-}
-
 } // namespace
 
 ScanSubject scan_subject(const Scene& scene) {
     if (!scene.granular || !scene.scan)
         return ScanSubject::rods;
-    return !scene.rods_run || std::ranges::any_of(scene.scan->axes, varies_bed) ? ScanSubject::beds
-                                                                                : ScanSubject::rods;
+    const auto of_bed = [](const std::string& key) { return key.starts_with(bed_table); };
+    const bool varies_bed = std::ranges::any_of(scene.scan->axes, [&](const ScanAxis& axis) {
+        return of_bed(axis.key) || std::ranges::any_of(axis.keys, of_bed);
+    });
+    return !scene.rods_run || varies_bed ? ScanSubject::beds : ScanSubject::rods;
 }
 
 bool can_vary(std::string_view key, ScanSubject subject) {
@@ -200,8 +193,9 @@ bool can_vary(std::string_view key, ScanSubject subject) {
         "scan.", "figures.", "variants.", "field.", "granular.", "measure.", "fit.", "title", "schema",
         // a scan takes the exact field, and its table has no order of rods
         "medium.field", "medium.table.", "medium.measured.", "medium.dynamic.", "rods_order."};
-    return subject == ScanSubject::beds ? key.starts_with(bed_table) && !is_of(key, not_of_beds)
-                                        : !is_of(key, not_of_rods);
+    const auto begins = [&](std::string_view text) { return key.starts_with(text); };
+    return subject == ScanSubject::beds ? begins(bed_table) && std::ranges::none_of(not_of_beds, begins)
+                                        : std::ranges::none_of(not_of_rods, begins);
 }
 
 } // namespace rodwake::scene

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace rodwake::scene {
 
@@ -232,31 +233,20 @@ void check_tracks(const Scene& scene, const Report& report) {
         report("tracks.window", "a rectangle is [x0, y0, x1, y1] with x0 below x1 and y0 below y1");
 }
 
-namespace {
-
-/// Of [measure], what cannot be had of tracks.
-struct OfBedsOnly {
-    const char* key;
-    bool (*is_asked)(const Measure&);
-};
-constexpr OfBedsOnly of_beds_only[] = {
-    {"force", [](const Measure& m) { return m.force; }},
-    {"phonons", [](const Measure& m) { return m.phonons; }},
-    {"mechanics", [](const Measure& m) { return m.mechanics; }},
-    {"trajectory", [](const Measure& m) { return !m.trajectory.empty(); }}};
-
-} // namespace
-
 void check_measured_tracks(const Scene& scene, const Report& report) {
     if (!scene.measure || !scene.tracks)
         return;
     const Measure& m = *scene.measure;
-    for (const OfBedsOnly& of : of_beds_only)
-        if (of.is_asked(m))
-            report(std::string("measure.") + of.key,
+    const std::pair<const char*, bool> of_beds_only[] = {{"force", m.force},
+                                                         {"phonons", m.phonons},
+                                                         {"mechanics", m.mechanics},
+                                                         {"trajectory", !m.trajectory.empty()}};
+    for (const auto& [key, is_asked] : of_beds_only)
+        if (is_asked)
+            report(std::string("measure.") + key,
                    fmt::format("{} needs a bed ([granular]), because it uses forces or velocities, and "
                                "[tracks] contain only positions and headings; leave it out",
-                               of.key));
+                               key));
     if (!m.order && !m.microrheology && !m.displacement && !m.flow && !m.pairs && !m.heading_diffusion)
         report("measure", "[measure] lists nothing that can be measured on tracks: give order, "
                           "microrheology, displacement, flow, pairs or heading_diffusion");

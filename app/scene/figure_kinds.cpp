@@ -10,7 +10,10 @@ namespace {
 
 using enum FigureSubject;
 
-bool is_measured(const Scene& s, bool Measure::*what) { return s.measure && (*s.measure).*what; }
+template<bool Measure::*what>
+bool is_measured(const Scene& s, const Figure&) {
+    return s.measure && (*s.measure).*what;
+}
 
 constexpr FigureNeed grid{"[field] with x and y",
                           [](const Scene& s, const Figure&) { return s.field && !s.field->x.empty(); }};
@@ -44,25 +47,15 @@ constexpr FigureNeed last_period{"granular.output.last_period = true", [](const 
                                  }};
 constexpr FigureNeed variants{"[[variants]]: a point each",
                               [](const Scene& s, const Figure&) { return !s.variants.empty(); }};
-constexpr FigureNeed order{"measure.order = true",
-                           [](const Scene& s, const Figure&) { return is_measured(s, &Measure::order); }};
-constexpr FigureNeed microrheology{"measure.microrheology = true", [](const Scene& s, const Figure&) {
-                                       return is_measured(s, &Measure::microrheology);
-                                   }};
-constexpr FigureNeed flow{"measure.flow = true",
-                          [](const Scene& s, const Figure&) { return is_measured(s, &Measure::flow); }};
-constexpr FigureNeed pairs{"measure.pairs = true",
-                           [](const Scene& s, const Figure&) { return is_measured(s, &Measure::pairs); }};
-constexpr FigureNeed force{"measure.force = true",
-                           [](const Scene& s, const Figure&) { return is_measured(s, &Measure::force); }};
-constexpr FigureNeed phonons{"measure.phonons = true",
-                             [](const Scene& s, const Figure&) { return is_measured(s, &Measure::phonons); }};
-constexpr FigureNeed mechanics{"measure.mechanics = true", [](const Scene& s, const Figure&) {
-                                   return is_measured(s, &Measure::mechanics);
-                               }};
-constexpr FigureNeed heading_diffusion{"measure.heading_diffusion = true", [](const Scene& s, const Figure&) {
-                                           return is_measured(s, &Measure::heading_diffusion);
-                                       }};
+constexpr FigureNeed order{"measure.order = true", is_measured<&Measure::order>};
+constexpr FigureNeed microrheology{"measure.microrheology = true", is_measured<&Measure::microrheology>};
+constexpr FigureNeed flow{"measure.flow = true", is_measured<&Measure::flow>};
+constexpr FigureNeed pairs{"measure.pairs = true", is_measured<&Measure::pairs>};
+constexpr FigureNeed force{"measure.force = true", is_measured<&Measure::force>};
+constexpr FigureNeed phonons{"measure.phonons = true", is_measured<&Measure::phonons>};
+constexpr FigureNeed mechanics{"measure.mechanics = true", is_measured<&Measure::mechanics>};
+constexpr FigureNeed heading_diffusion{"measure.heading_diffusion = true",
+                                       is_measured<&Measure::heading_diffusion>};
 constexpr FigureNeed displacement{"measure.displacement", [](const Scene& s, const Figure&) {
                                       return s.measure && s.measure->displacement;
                                   }};

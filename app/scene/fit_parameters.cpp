@@ -10,8 +10,6 @@
 
 namespace rodwake::scene {
 
-namespace {} // namespace
-
 const std::vector<FitParameter>& fit_parameter_list() {
     static const std::vector<FitParameter> list = {
         {"f_over_mu", "f/\\mu", "force of the rod over the shear modulus, a length"},

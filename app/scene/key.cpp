@@ -12,15 +12,6 @@ namespace {
 
 constexpr std::size_t max_text_bytes = 300;
 
-/// Letters, digits, '_', '-' and inner '.', so that it is the same file on every system.
-bool usable_as_file_name(const std::string& text) {
-    const auto plain = [](unsigned char c) {
-        return (c < 128 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
-    };
-    return !text.empty() && text.size() <= 64 && text.front() != '.' && text.front() != '-' &&
-           std::all_of(text.begin(), text.end(), plain);
-}
-
 /// 1e+12 rather than 1000000000000.
 std::string bound(double value) {
     return std::abs(value) < 1e7 ? fmt::format("{}", value) : fmt::format("{:g}", value);
@@ -45,7 +36,12 @@ std::string Key::fault(double value) const {
 }
 
 std::string Key::fault(const std::string& text) const {
-    if (is_file_name && !usable_as_file_name(text))
+    // Letters, digits, '_', '-' and inner '.' are the same file on every system.
+    const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+        return (c < 128 && std::isalnum(c)) || c == '_' || c == '-' || c == '.';
+    });
+    if (is_file_name &&
+        (text.empty() || text.size() > 64 || text.front() == '.' || text.front() == '-' || !plain))
         return "must be usable as a file name: letters, digits, _ - . and at most 64 of them";
     return text.size() > max_text_bytes || std::any_of(text.begin(), text.end(),
                                                        [](unsigned char c) { return c < 0x20 || c == 0x7F; })

@@ -31,16 +31,6 @@ struct InlineText {
     }
 };
 
-/// At most 40 bytes, cut between UTF-8 characters.
-std::string shortened(std::string text) {
-    if (text.size() <= 40)
-        return text;
-    std::size_t end = 36;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
-        --end;
-    return text.substr(0, end) + "...";
-}
-
 } // namespace
 
 const Entry* Node::find(std::string_view key) const { return const_cast<Node*>(this)->find(key); }
@@ -87,7 +77,13 @@ std::string describe_value(const Node& node) {
         return fmt::format("an array of {}", list->size());
     if (node.as<Node::Date>())
         return "a date or time";
-    return shortened(to_inline(node));
+    const std::string text = to_inline(node);
+    if (text.size() <= 40)
+        return text;
+    std::size_t end = 36; // cut between UTF-8 characters
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
+        --end;
+    return text.substr(0, end) + "...";
 }
 
 std::string describe(const Node& node) {

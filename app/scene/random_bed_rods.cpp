@@ -10,23 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 namespace rodwake::scene {
 
 namespace {
-
-/// The rectangle [0, x] x [0, y] in which rods may lie; nothing if the scene has none yet.
-std::optional<std::array<double, 2>> sides_of(const Granular& bed) {
-    std::array<double, 2> sides{bed.box.x, bed.box.y};
-    if (bed.container && bed.container->kind == granular::ContainerKind::circle)
-        sides = {2.0 * bed.container->radius.value_or(0.0), 2.0 * bed.container->radius.value_or(0.0)};
-    else if (bed.container && bed.container->sides.size() == 2)
-        sides = {bed.container->sides[0], bed.container->sides[1]};
-    const bool sound =
-        std::ranges::all_of(sides, [](double side) { return side > 0.0 && std::isfinite(side); });
-    return sound && !bed.box.fit ? std::optional(sides) : std::nullopt;
-}
 
 /// A rod in plan view.
 struct PlanRod {
@@ -86,14 +73,19 @@ granular::RodShape default_shape(granular::RodKind kind) {
 std::vector<GranularRod> random_bed_rods(const Granular& bed) {
     constexpr int tries = 20'000;
     const RandomBedRods& random = *bed.rods_random;
-    const auto sides = sides_of(bed);
-    if (!sides)
+    // Rods lie in the rectangle [0, x] x [0, y], if the scene has one yet.
+    std::array<double, 2> sides{bed.box.x, bed.box.y};
+    if (bed.container && bed.container->kind == granular::ContainerKind::circle)
+        sides.fill(2.0 * bed.container->radius.value_or(0.0));
+    else if (bed.container && bed.container->sides.size() == 2)
+        sides = {bed.container->sides[0], bed.container->sides[1]};
+    if (bed.box.fit ||
+        !std::ranges::all_of(sides, [](double side) { return side > 0.0 && std::isfinite(side); }))
         return {};
     const granular::RodShape shape = default_shape(random.kind);
     const granular::Clump clump = granular::make_clump(shape);
     // In a container images are so far away that they are none.
-    const PeriodicBox box{(bed.container ? 3.0 : 1.0) * (*sides)[0],
-                          (bed.container ? 3.0 : 1.0) * (*sides)[1]};
+    const PeriodicBox box{(bed.container ? 3.0 : 1.0) * sides[0], (bed.container ? 3.0 : 1.0) * sides[1]};
     const double apart = std::max(random.min_separation, 1e-6 * bed.bead_radius);
     RandomStream stream(static_cast<std::uint64_t>(random.seed));
     std::vector<PlanRod> placed;
@@ -101,11 +93,11 @@ std::vector<GranularRod> random_bed_rods(const Granular& bed) {
     for (long k = 0; k < random.count; ++k) {
         bool found = false;
         for (int i = 0; i < tries && !found; ++i) {
-            const double x = stream.uniform(0.0, (*sides)[0]), y = stream.uniform(0.0, (*sides)[1]),
+            const double x = stream.uniform(0.0, sides[0]), y = stream.uniform(0.0, sides[1]),
                          heading = random.heading + stream.uniform(-random.spread, random.spread);
             const auto [sine, cosine] = repeatable::sin_cos(heading);
             const PlanRod row{x, y, cosine, sine};
-            found = (!bed.container || gap_to_wall(row, clump, bed.container->kind, *sides) > apart) &&
+            found = (!bed.container || gap_to_wall(row, clump, bed.container->kind, sides) > apart) &&
                     std::ranges::all_of(placed, [&](const PlanRod& other) {
                         return gap_between(row, other, clump, box, apart) > apart;
                     });

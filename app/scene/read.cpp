@@ -21,7 +21,7 @@ Scene resolve(const Node& root, Diagnostics& diagnostics) {
     Reader reader(root, diagnostics);
     fields(reader, scene);
     reader.finish();
-    check(scene, root, diagnostics);
+    check(scene, &root, diagnostics);
     return scene;
 }
 
@@ -39,29 +39,6 @@ void add_new(const Diagnostics& own, const std::string& when, Diagnostics& diagn
         }
 }
 
-/// Applies one variant to the document and reports what is wrong with it beyond what is wrong already.
-void check_variant(Node root, const Node& variant, const std::string& path, Diagnostics& diagnostics) {
-    const Entry* set = variant.find("set");
-    if (!set)
-        return;
-    Diagnostics own;
-    for (const auto& item : variant_overrides(set->value))
-        apply_override(root, item, own);
-    resolve(root, own);
-    add_new(own, "with " + path + " applied: ", diagnostics);
-}
-
-void check_variants(const Node& root, const Scene& scene, Diagnostics& diagnostics) {
-    if (scene.variants.empty()) // none, or too many: reported
-        return;
-    const auto& listed = *root.find("variants")->value.as<Node::List>();
-    Node base = root;
-    remove_key(base, "variants");
-    remove_key(base, "figures");
-    for (std::size_t i = 0; i < listed.size(); ++i)
-        check_variant(base, listed[i], fmt::format("variants[{}]", i), diagnostics);
-}
-
 /// Names in a list, or keys of a table, of [fit].
 std::vector<std::string> names_in(const Node& fit, std::string_view key) {
     std::vector<std::string> names;
@@ -74,40 +51,6 @@ std::vector<std::string> names_in(const Node& fit, std::string_view key) {
             if (const auto* name = node.as<std::string>())
                 names.push_back(*name);
     return names;
-}
-
-/// What [fit] says of parameters that a rival has not; what the rival itself says of them stays, to be
-/// refused.
-void drop_unused(Node& fit, const std::vector<std::string>& used, const std::vector<Override>& set) {
-    const auto unused = [&](const std::string& path, const std::string& name) {
-        return !contains(used, name) && std::ranges::find(set, path + name, &Override::path) == set.end();
-    };
-    const auto drop = [&](Node& from, const char* key, const std::string& path) {
-        Entry* entry = from.find(key);
-        if (auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
-            std::erase_if(*table, [&](const Entry& item) { return unused(path, item.key); });
-        if (auto* list = entry ? entry->value.as<Node::List>() : nullptr)
-            std::erase_if(*list, [&](const Node& node) {
-                const auto* name = node.as<std::string>();
-                return name && unused(path, *name);
-            });
-    };
-    drop(fit, "start", "fit.start.");
-    drop(fit, "bounds", "fit.bounds.");
-    drop(fit, "likelihood", "fit.likelihood.");
-}
-
-/// Only what is fitted has a prior.
-void drop_priors(Node& fit, const std::vector<Override>& set) {
-    const std::vector<std::string> fitted = names_in(fit, "parameters");
-    Entry* posterior = fit.find("posterior");
-    Entry* priors = posterior ? posterior->value.find("priors") : nullptr;
-    if (auto* table = priors ? priors->value.as<Node::Table>() : nullptr)
-        std::erase_if(*table, [&](const Entry& entry) {
-            return !contains(fitted, entry.key) && std::ranges::none_of(set, [&](const Override& item) {
-                return item.path.starts_with("fit.posterior.priors." + entry.key);
-            });
-        });
 }
 
 /// The parameter of a fit that a key of the physics stands for, and its value.
@@ -155,23 +98,38 @@ Node model_document(Node root, const std::vector<Override>& set, Diagnostics& di
             held && !contains(used(), held->first) && !(held->first == "alpha" && contains(used(), "xi")))
             apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
                            diagnostics);
-    drop_unused(root.find("fit")->value, used(), set);
-    drop_priors(root.find("fit")->value, set);
-    return root;
-}
+    // What [fit] says of parameters that the rival has not goes; what the rival itself says of them stays, to
+    // be
+    // refused.
+    Node& own = root.find("fit")->value;
+    const auto set_by_rival = [&](const std::string& path) {
+        return std::ranges::find(set, path, &Override::path) != set.end();
+    };
+    for (const char* key : {"start", "bounds", "likelihood"}) {
+        const auto unused = [&, names = used()](const std::string& name) {
+            return !contains(names, name) && !set_by_rival(fmt::format("fit.{}.{}", key, name));
+        };
+        Entry* entry = own.find(key);
+        if (auto* table = entry ? entry->value.as<Node::Table>() : nullptr)
+            std::erase_if(*table, [&](const Entry& item) { return unused(item.key); });
+        if (auto* list = entry ? entry->value.as<Node::List>() : nullptr)
+            std::erase_if(*list, [&](const Node& node) {
+                const auto* name = node.as<std::string>();
+                return name && unused(*name);
+            });
+    }
 
-/// The key by which a rival has other data than the fit as written; null: none.
-const char* other_data(const Fit& fit, const Fit& rival) {
-    const std::pair<const char*, bool> keys[] = {
-        {"profiles", fit.profiles != rival.profiles},
-        {"trajectories", fit.trajectories != rival.trajectories},
-        {"maps", fit.maps != rival.maps},
-        {"masks", fit.masks != rival.masks},
-        {"core", fit.core != rival.core},
-        {"independent_spacing", fit.independent_spacing != rival.independent_spacing},
-        {"length_unit", fit.length_unit != rival.length_unit}};
-    const auto* const at = std::ranges::find(keys, true, &std::pair<const char*, bool>::second);
-    return at == std::end(keys) ? nullptr : at->first;
+    // Only what is fitted has a prior.
+    const std::vector<std::string> fitted = names_in(own, "parameters");
+    Entry* posterior = own.find("posterior");
+    Entry* priors = posterior ? posterior->value.find("priors") : nullptr;
+    if (auto* table = priors ? priors->value.as<Node::Table>() : nullptr)
+        std::erase_if(*table, [&](const Entry& entry) {
+            return !contains(fitted, entry.key) && std::ranges::none_of(set, [&](const Override& item) {
+                return item.path.starts_with("fit.posterior.priors." + entry.key);
+            });
+        });
+    return root;
 }
 
 /// How it is sampled makes no other model.
@@ -198,12 +156,22 @@ void check_models(const Node& root, const Scene& scene, Diagnostics& diagnostics
         add_new(own, "with " + path + " applied: ", diagnostics);
         if (!own.empty() || !rival.fit)
             continue;
-        if (const char* key = other_data(*scene.fit, *rival.fit))
+        const Fit &fit = *scene.fit, &other = *rival.fit;
+        const std::pair<const char*, bool> data[] = {
+            {"profiles", fit.profiles != other.profiles},
+            {"trajectories", fit.trajectories != other.trajectories},
+            {"maps", fit.maps != other.maps},
+            {"masks", fit.masks != other.masks},
+            {"core", fit.core != other.core},
+            {"independent_spacing", fit.independent_spacing != other.independent_spacing},
+            {"length_unit", fit.length_unit != other.length_unit}};
+        const auto* const changed = std::ranges::find(data, true, &std::pair<const char*, bool>::second);
+        if (changed != std::end(data))
             diagnostics.add(
                 set->key_place, path + ".set",
                 fmt::format("{}.set changes the data (fit.{}): models can only be compared on the "
                             "same data; leave it out, or make a separate fit",
-                            path, key));
+                            path, changed->first));
         const auto same = std::ranges::find(seen, model_of(*rival.fit));
         if (same != seen.end())
             diagnostics.add(
@@ -282,7 +250,23 @@ Scene parse_scene(std::string_view text, std::string name, std::span<const std::
     if (!root)
         diagnostics.throw_if_any();
     Scene scene = resolve(*root, diagnostics);
-    check_variants(*root, scene, diagnostics);
+    // Each variant is applied to the document, and what is wrong with it beyond what is wrong already
+    // reported.
+    if (!scene.variants.empty()) { // none, or too many: reported
+        Node base = *root;
+        remove_key(base, "variants");
+        remove_key(base, "figures");
+        const auto& listed = *root->find("variants")->value.as<Node::List>();
+        for (std::size_t i = 0; i < listed.size(); ++i)
+            if (const Entry* set = listed[i].find("set")) {
+                Node variant = base;
+                Diagnostics own;
+                for (const auto& item : variant_overrides(set->value))
+                    apply_override(variant, item, own);
+                resolve(variant, own);
+                add_new(own, fmt::format("with variants[{}] applied: ", i), diagnostics);
+            }
+    }
     check_models(*root, scene, diagnostics);
     diagnostics.throw_if_any();
     scene.path = std::move(name);

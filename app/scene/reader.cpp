@@ -79,13 +79,9 @@ void Reader::leave() {
     const OpenTable& frame = frames_.back();
     for (const auto& entry : *frame.table->as<Node::Table>())
         if (!contains(frame.known, entry.key))
-            unknown_key(frame, entry);
+            diagnostics_.add(entry.key_place, path_of(entry.key),
+                             unknown_key_text(frame.title, entry.key, frame.known));
     frames_.pop_back();
-}
-
-void Reader::unknown_key(const OpenTable& frame, const Entry& entry) {
-    diagnostics_.add(entry.key_place, path_of(entry.key),
-                     unknown_key_text(frame.title, entry.key, frame.known));
 }
 
 void Reader::use_units(const Units& units) {
@@ -114,26 +110,22 @@ int Reader::form_given(Forms forms) {
     if (names.empty())
         diagnostics_.add(table.place, frames_.back().path,
                          fmt::format("{} needs one of {}", frames_.back().path, forms_text(forms)));
-    else if (form < 0)
-        report_forms(names, forms);
-    return form;
-}
-
-void Reader::report_forms(std::span<const std::string_view> given, Forms forms) {
-    const Node& table = *frames_.back().table;
-    std::string locations;
-    const Entry* last = table.find(given.front());
-    for (const auto name : given) {
-        const Entry* entry = table.find(name);
-        locations +=
-            fmt::format("{}{}{}", locations.empty() ? "" : " and ", name,
-                        entry->key_place.line > 0 ? fmt::format(" (line {})", entry->key_place.line) : "");
-        if (entry->key_place.line > last->key_place.line)
-            last = entry;
+    else if (form < 0) {
+        std::string locations;
+        const Entry* last = table.find(names.front());
+        for (const auto name : names) {
+            const Entry* entry = table.find(name);
+            const long line = entry->key_place.line;
+            locations += fmt::format("{}{}{}", locations.empty() ? "" : " and ", name,
+                                     line > 0 ? fmt::format(" (line {})", line) : "");
+            if (line > last->key_place.line)
+                last = entry;
+        }
+        diagnostics_.add(
+            last->key_place, path_of(last->key),
+            fmt::format("{} gives {}: give one of {}", frames_.back().path, locations, forms_text(forms)));
     }
-    diagnostics_.add(
-        last->key_place, path_of(last->key),
-        fmt::format("{} gives {}: give one of {}", frames_.back().path, locations, forms_text(forms)));
+    return form;
 }
 
 void Reader::complain(std::string_view name, const std::string& message) {

@@ -43,8 +43,6 @@ private:
                             const std::string& message) override;
     void wrong_type(const Node& node, const std::string& path, const std::string& expected);
     void missing_scales(const SourcePosition& place, const std::string& path, const std::string& what);
-    void report_forms(std::span<const std::string_view> given, Forms forms);
-    void unknown_key(const OpenTable& frame, const Entry& entry);
 
     Diagnostics& diagnostics_;
     std::vector<OpenTable> frames_;

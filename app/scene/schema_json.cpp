@@ -1,7 +1,8 @@
-#include "documented.hpp"
+
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"
 #include "rodwake/core/json_text.hpp"
+#include "rodwake/scene/document.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -23,7 +24,7 @@ SchemaList list_of(const char* name, const Json& entries) {
 
 std::string schema_json(std::span<const SchemaList> more) {
     Json tables = Json::array(), keys = Json::array(), figures = Json::array(), parameters = Json::array();
-    for (const TableInfo& table : documented()) {
+    for (const TableInfo& table : scene_tables()) {
         if (!table.path.empty())
             tables.push_back({{"table", table.path}, {"meaning", table.meaning}});
         for (const KeyInfo& key : table.keys) {

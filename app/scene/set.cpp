@@ -10,33 +10,20 @@
 
 namespace rodwake::scene {
 
-namespace {
-
-SetterTarget target_of(const std::string& key) {
-    SetterTarget target{key, {}};
-    for (const std::string& segment : split_path(key))
-        target.path.push_back({segment, list_index(segment)});
-    return target;
-}
-
-std::optional<std::string> repeated(std::span<const std::string> keys) {
-    for (std::size_t i = 0; i < keys.size(); ++i)
-        if (std::ranges::find(keys.first(i), keys[i]) != keys.first(i).end())
-            return keys[i] + " is set twice";
-    return std::nullopt;
-}
-
-} // namespace
-
 ValueSetter compile_setter(const Scene& scene, std::span<const std::string> keys) {
     auto targets = std::make_shared<std::vector<SetterTarget>>();
-    std::ranges::transform(keys, std::back_inserter(*targets), target_of);
+    for (const std::string& key : keys) {
+        SetterTarget& target = targets->emplace_back(SetterTarget{key, {}});
+        for (const std::string& segment : split_path(key))
+            target.path.push_back({segment, list_index(segment)});
+    }
     Scene copy = scene; // a field list may change what it visits
     Setter setter(*targets);
     fields(setter, copy);
     auto error = setter.finish();
-    if (!error)
-        error = repeated(keys);
+    for (std::size_t i = 0; i < keys.size() && !error; ++i)
+        if (std::ranges::find(keys.first(i), keys[i]) != keys.first(i).end())
+            error = keys[i] + " is set twice";
     if (error)
         throw InputError(*error);
     return ValueSetter(std::move(targets));
@@ -78,7 +65,7 @@ Value ValueSetter::held(const Value& written, std::size_t which) const {
 
 std::vector<Diagnostic> validate(const Scene& scene) {
     Diagnostics diagnostics;
-    check(scene, diagnostics);
+    check(scene, nullptr, diagnostics);
     return diagnostics.list();
 }
 

@@ -86,25 +86,21 @@ bool Setter::enter_entry(const Key& key, std::size_t index) {
 void Setter::leave() {
     const VisitedTable frame = frames_.back();
     for (TargetProgress& p : progress_)
-        if (!p.is_done && p.matched == frame.depth)
-            not_found(p);
+        if (!p.is_done && p.matched == frame.depth) {
+            p.is_done = true;
+            if (!is_compiling()) {
+                fail(fmt::format("the scene has no key {}", p.target->key));
+                continue;
+            }
+            const bool is_entry = frame.depth > 0 && p.target->path[frame.depth - 1].index >= 0;
+            const std::string path = p.target->path_text(is_entry ? frame.depth - 1 : frame.depth);
+            const char *open = is_entry ? "[[" : "[", *close = is_entry ? "]]" : "]";
+            fail(unknown_key_text(path.empty() ? "" : open + path + close, p.target->path[frame.depth].name,
+                                  std::span(known_).subspan(frame.first_known)));
+        }
     given_.resize(frame.first_given);
     known_.resize(frame.first_known);
     frames_.pop_back();
-}
-
-void Setter::not_found(TargetProgress& p) {
-    const VisitedTable& frame = frames_.back();
-    p.is_done = true;
-    const std::string& name = p.target->path[frame.depth].name;
-    const bool is_entry = frame.depth > 0 && p.target->path[frame.depth - 1].index >= 0;
-    const std::string path = p.target->path_text(is_entry ? frame.depth - 1 : frame.depth);
-    const char *open = is_entry ? "[[" : "[", *close = is_entry ? "]]" : "]";
-    if (is_compiling())
-        fail(unknown_key_text(path.empty() ? "" : open + path + close, name,
-                              std::span(known_).subspan(frame.first_known)));
-    else
-        fail(fmt::format("the scene has no key {}", p.target->key));
 }
 
 void Setter::use_units(const Units& units) {
@@ -120,11 +116,6 @@ bool Setter::wants(Forms forms) const {
                           return form.has(p.target->path[depth].name);
                       });
            });
-}
-
-void Setter::note_given(const Key& key, bool is_present, bool is_overriding) {
-    if (is_overriding || (is_present && key.is_written))
-        given_.push_back({key.name, is_overriding});
 }
 
 int Setter::form_given(Forms forms) {
@@ -153,27 +144,31 @@ void Setter::complain(std::string_view key, const std::string& message) {
 
 void Setter::visit(const Key& key, void* value, const Codec& codec) {
     const bool is_target = here(key, [&](TargetProgress& p) {
-        const Value* given = take(key, p, value, codec);
-        if (!given)
+        p.is_done = true;
+        const auto number = static_cast<std::size_t>(&p - progress_.data());
+        if (const std::string why = misfit(key, p, value, codec); !why.empty())
+            return fail(why);
+        if (!is_compiling()) {
+            current_ = &p;
+            const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, values_[number]);
+            codec.set({key, node, nullptr, *this}, value, p.target->path);
             return;
-        current_ = &p;
-        const Node node = std::visit([](const auto& v) { return Node{{}, v}; }, *given);
-        codec.set({key, node, nullptr, *this}, value, p.target->path);
+        }
+
+        // The target is only looked up, and learns what it is.
+        SetterTarget& target = found_[number];
+        if (key.is_unit)
+            fail(fmt::format(
+                "{} defines the units of the scene, so it can only be set before the numbers are read",
+                target.key));
+        target.is_quantity = codec.is_quantity();
+        target.dimension = key.dimension;
+        target.units = units_;
     });
     if (!is_target && !key.is_written && codec.depth() == 0 && codec.is_quantity())
         codec.clear(value); // an alternative, as if the scene had been written and read
-    note_given(key, codec.is_present(value), is_target);
-}
-
-const Value* Setter::take(const Key& key, TargetProgress& p, const void* value, const Codec& codec) {
-    p.is_done = true;
-    if (const std::string why = misfit(key, p, value, codec); !why.empty())
-        fail(why);
-    else if (is_compiling())
-        learn(key, p, codec.is_quantity());
-    else
-        return &values_[static_cast<std::size_t>(&p - progress_.data())];
-    return nullptr;
+    if (is_target || (key.is_written && codec.is_present(value)))
+        given_.push_back({key.name, is_target});
 }
 
 std::string Setter::misfit(const Key& key, const TargetProgress& p, const void* value,
@@ -190,17 +185,6 @@ std::string Setter::misfit(const Key& key, const TargetProgress& p, const void* 
         return fmt::format("{} has several values: give one of them by an index from 0 or a name",
                            target.path_text());
     return rest == 0 ? "" : codec.misses(key, value, target.path);
-}
-
-void Setter::learn(const Key& key, const TargetProgress& p, bool is_quantity) {
-    SetterTarget& target = found_[static_cast<std::size_t>(&p - progress_.data())];
-    if (key.is_unit)
-        fail(fmt::format(
-            "{} defines the units of the scene, so it can only be set before the numbers are read",
-            target.key));
-    target.is_quantity = is_quantity;
-    target.dimension = key.dimension;
-    target.units = units_;
 }
 
 void Setter::add(const SourcePosition&, const std::string& below, const std::string& message) {

@@ -71,16 +71,14 @@ private:
             }
         return any;
     }
-    /// The new value of this key; null if the target was only looked up, or is wrong.
-    const Value* take(const Key& key, TargetProgress& p, const void* value, const Codec& codec);
+
     /// What is wrong with what the target has below this key; empty: nothing.
     std::string misfit(const Key& key, const TargetProgress& p, const void* value, const Codec& codec) const;
-    void learn(const Key& key, const TargetProgress& p, bool is_quantity);
-    void note_given(const Key& key, bool is_present, bool is_overriding);
+
     void add(const SourcePosition& position, const std::string& below, const std::string& message) override;
 
     bool enter(std::size_t segments, const Key& key, long index);
-    void not_found(TargetProgress& p);
+
     std::string frame_path() const;
     void fail(const std::string& message);
 

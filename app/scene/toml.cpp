@@ -23,11 +23,17 @@ struct Converter {
 
     Node convert(const toml::node& from) const {
         Node node{place(from.source()), Node::Date{}};
-        if (const auto* table = from.as_table())
-            node.value = convert_table(*table);
-        else if (const auto* array = from.as_array())
-            node.value = convert_array(*array);
-        else if (const auto* text = from.as_string())
+        if (const auto* table = from.as_table()) {
+            auto& entries = node.value.emplace<Node::Table>();
+            entries.reserve(table->size());
+            for (const auto& [key, value] : *table)
+                entries.push_back({std::string(key.str()), place(key.source()), convert(value)});
+        } else if (const auto* array = from.as_array()) {
+            auto& list = node.value.emplace<Node::List>();
+            list.reserve(array->size());
+            for (const auto& item : *array)
+                list.push_back(convert(item));
+        } else if (const auto* text = from.as_string())
             node.value = text->get();
         else if (const auto* integer = from.as_integer())
             node.value = integer->get();
@@ -37,29 +43,7 @@ struct Converter {
             node.value = flag->get();
         return node;
     }
-
-    Node::Table convert_table(const toml::table& from) const {
-        Node::Table table;
-        table.reserve(from.size());
-        for (const auto& [key, value] : from)
-            table.push_back({std::string(key.str()), place(key.source()), convert(value)});
-        return table;
-    }
-
-    Node::List convert_array(const toml::array& from) const {
-        Node::List list;
-        list.reserve(from.size());
-        for (const auto& item : from)
-            list.push_back(convert(item));
-        return list;
-    }
 };
-
-/// What toml++ quotes from the file.
-std::string what_is_quoted(const std::string& why) {
-    const auto begin = why.find('\''), end = why.find('\'', begin + 1);
-    return end == std::string::npos ? "" : why.substr(begin + 1, end - begin - 1);
-}
 
 } // namespace
 
@@ -80,7 +64,9 @@ std::optional<Node> parse_toml(std::string_view text, const std::string& name, D
         return Converter{source}.convert(toml::parse(text));
     } catch (const toml::parse_error& error) {
         const auto at = error.source().begin;
-        const std::string why(error.description()), number = what_is_quoted(why);
+        const std::string why(error.description()); // quotes the file
+        const auto begin = why.find('\''), end = why.find('\'', begin + 1);
+        const std::string number = end == std::string::npos ? "" : why.substr(begin + 1, end - begin - 1);
         diagnostics.add({source, at.line, at.column}, "",
                         is_too_large(number) ? number + " is too large for a number, which ends at 1.8e308"
                                              : "not valid TOML: " + why);
@@ -108,67 +94,44 @@ std::optional<Node> parse_toml_value(std::string_view text, const SourcePosition
     }
 }
 
-namespace {
-
-/// Walks over TOML text, skipping comments and the insides of strings.
-class Scanner {
-public:
-    explicit Scanner(std::string_view text) : text_(text) {}
-
-    std::optional<TextPosition> find_deep_key() {
-        int dots = 0;
-        while (at_ < text_.size()) {
-            const char c = text_[at_];
-            if (c == '#')
-                skip_comment();
-            else if (c == '"' || c == '\'')
-                skip_string(c);
-            else {
-                if (c == '.' && ++dots > max_key_dots)
-                    return position_;
-                if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos)
-                    dots = 0;
-                advance();
-            }
-        }
-        return std::nullopt;
-    }
-
-private:
-    void advance(std::size_t count = 1) {
-        for (; count > 0 && at_ < text_.size(); --count, ++at_)
-            if (text_[at_] == '\n')
-                position_ = {position_.line + 1, 1};
+std::optional<TextPosition> find_deep_key(std::string_view text) {
+    TextPosition position;
+    std::size_t at = 0;
+    const auto advance = [&](std::size_t count) {
+        for (; count > 0 && at < text.size(); --count, ++at)
+            if (text[at] == '\n')
+                position = {position.line + 1, 1};
             else
-                ++position_.column;
-    }
-
-    void skip_comment() {
-        while (at_ < text_.size() && text_[at_] != '\n')
-            advance();
-    }
-
-    void skip_string(char quote) {
-        const char triple[] = {quote, quote, quote};
-        const std::string_view fence(triple, 3);
-        const bool multi_line = text_.substr(at_, 3) == fence;
-        const std::string_view end = multi_line ? fence : fence.substr(0, 1);
-        advance(end.size());
-        while (at_ < text_.size() && text_.substr(at_, end.size()) != end) {
-            if (!multi_line && text_[at_] == '\n')
-                return; // unterminated: the parser stops here, too
-            advance(quote == '"' && text_[at_] == '\\' ? 2 : 1);
+                ++position.column;
+    };
+    int dots = 0;
+    while (at < text.size()) {
+        const char c = text[at];
+        if (c == '#') { // a comment
+            while (at < text.size() && text[at] != '\n')
+                advance(1);
+        } else if (c == '"' || c == '\'') { // a string of one line or several
+            const std::string fence(3, c);
+            const bool multi_line = text.substr(at, 3) == fence;
+            const std::string end = multi_line ? fence : fence.substr(0, 1);
+            advance(end.size());
+            bool closed = true;
+            while (closed && at < text.size() && text.substr(at, end.size()) != end) {
+                closed = multi_line || text[at] != '\n'; // unterminated: the parser stops here, too
+                if (closed)
+                    advance(c == '"' && text[at] == '\\' ? 2 : 1);
+            }
+            if (closed)
+                advance(end.size());
+        } else {
+            if (c == '.' && ++dots > max_key_dots)
+                return position;
+            if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos)
+                dots = 0;
+            advance(1);
         }
-        advance(end.size());
     }
-
-    std::string_view text_;
-    std::size_t at_ = 0;
-    TextPosition position_;
-};
-
-} // namespace
-
-std::optional<TextPosition> find_deep_key(std::string_view text) { return Scanner(text).find_deep_key(); }
+    return std::nullopt;
+}
 
 } // namespace rodwake::scene

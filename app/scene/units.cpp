@@ -2,6 +2,7 @@
 
 #include "node.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -68,13 +69,6 @@ bool usable(const UnitWord& unit, const Units& units) {
     return units.reduced_words || unit.kind != UnitKind::reduced || unit.dimension == Dimension::angle;
 }
 
-const UnitWord* find_word(const std::string& word, const Units& units) {
-    for (const auto& unit : words)
-        if (word == unit.word && usable(unit, units))
-            return &unit;
-    return nullptr;
-}
-
 double si_to_reduced(double value, Dimension dimension, const Scales& scales) {
     switch (dimension) {
     case Dimension::length:
@@ -121,17 +115,6 @@ double reduced_to_si(double value, Dimension dimension, const Scales& scales) {
     return value;
 }
 
-/// "12.5 mm" into 12.5 and "mm"; false if it does not start with a finite number.
-bool split_quantity(const std::string& text, double& number, std::string& word) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc{} || !std::isfinite(number))
-        return false;
-    word.assign(end, text.data() + text.size());
-    word.erase(0, word.find_first_not_of(' '));
-    word.erase(word.find_last_not_of(' ') + 1);
-    return true;
-}
-
 Quantity failure(std::string why) { return {std::nullopt, false, std::move(why)}; }
 
 } // namespace
@@ -157,21 +140,26 @@ std::string si_unit(Dimension dimension) {
 }
 
 Quantity parse_quantity(const std::string& text, Dimension dimension, const Units& units) {
-    double number = 0.0;
-    std::string word;
     std::string known;
     for (const auto& unit : words)
         if (unit.dimension == dimension && usable(unit, units))
             known += (known.empty() ? "" : ", ") + std::string(unit.word);
-    if (!split_quantity(text, number, word))
+    // "12.5 mm" is split into 12.5 and "mm".
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (error != std::errc{} || !std::isfinite(number))
         return failure("a string must be a finite number and a unit: " + known);
+    std::string word(end, text.data() + text.size());
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
     if (word.empty())
         return failure("a string needs a unit: " + known);
     const bool of_data = units.is_own() && dimension == Dimension::length;
     if (of_data && word == units.word)
         return {number, false, ""};
-    const UnitWord* unit = find_word(word, units);
-    if (!unit)
+    const auto* const unit = std::ranges::find_if(
+        words, [&](const UnitWord& one) { return word == one.word && usable(one, units); });
+    if (unit == words.end())
         return failure(fmt::format("unknown unit {}; known: {}", in_quotes(word), known));
     if (unit->dimension != dimension)
         return failure(fmt::format("{} is {}; known: {}", in_quotes(word), name_of(unit->dimension), known));

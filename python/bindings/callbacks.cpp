@@ -15,31 +15,25 @@ std::string shown(py::handle value) {
     return text + " (" + std::string(py::str(py::type::handle_of(value).attr("__name__"))) + ")";
 }
 
-/// A number as Python has it: an object that knows itself as a float. Not None, text or a complex number.
-bool is_float_like(py::handle value) {
-    return PyComplex_Check(value.ptr()) == 0 && py::hasattr(value, "__float__");
-}
-
-/// Masks are dropped by the conversion to an array.
-bool has_mask(py::handle value) {
-    const PyTypeObject* type = Py_TYPE(value.ptr());
-    return type != &PyList_Type && type != &PyFloat_Type &&
-           type != reinterpret_cast<PyTypeObject*>(py::detail::npy_api::get().PyArray_Type_) &&
-           py::hasattr(value, "_mask") &&
-           py::module_::import("numpy").attr("ma").attr("is_masked")(value).cast<bool>();
-}
-
-/// An array whose elements are real numbers, or nothing. `kinds`: those of NumPy that are.
+/// An array whose elements are real numbers as Python has them, objects that know themselves as a float (not
+/// None, text or complex numbers), or nothing. `kinds`: those of NumPy that are.
 std::optional<Array> converted(py::handle value, std::string_view kinds) {
     const py::array plain(py::reinterpret_borrow<py::object>(value));
     const char kind = plain.dtype().kind();
     if (kind == 'O')
         for (const py::handle element : plain.attr("flat"))
-            if (!is_float_like(element))
+            if (PyComplex_Check(element.ptr()) != 0 || !py::hasattr(element, "__float__"))
                 return std::nullopt;
-    if (kinds.find(kind) == std::string_view::npos || has_mask(value))
+    if (kinds.find(kind) == std::string_view::npos)
         return std::nullopt;
-    return Array(plain);
+
+    // Masks are dropped by the conversion to an array.
+    const PyTypeObject* type = Py_TYPE(value.ptr());
+    const bool masked = type != &PyList_Type && type != &PyFloat_Type &&
+                        type != reinterpret_cast<PyTypeObject*>(py::detail::npy_api::get().PyArray_Type_) &&
+                        py::hasattr(value, "_mask") &&
+                        py::module_::import("numpy").attr("ma").attr("is_masked")(value).cast<bool>();
+    return masked ? std::nullopt : std::optional(Array(plain));
 }
 
 } // namespace

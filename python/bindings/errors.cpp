@@ -22,19 +22,15 @@ void raise(const char* name, const std::exception& error) {
     raise(name, error_class(name)(printable(error.what())));
 }
 
-void raise_scene_error(const scene::SceneError& error) {
-    const py::object problem = error_class("Problem");
-    py::list problems;
-    for (const scene::Diagnostic& p : error.diagnostics())
-        problems.append(problem(printable(p.file), p.line, p.column, p.key, printable(p.message)));
-    raise("SceneError", error_class("SceneError")(printable(error.what()), problems));
-}
-
 void translate(std::exception_ptr thrown) {
     try {
         std::rethrow_exception(std::move(thrown));
     } catch (const scene::SceneError& error) {
-        raise_scene_error(error);
+        const py::object problem = error_class("Problem");
+        py::list problems;
+        for (const scene::Diagnostic& p : error.diagnostics())
+            problems.append(problem(printable(p.file), p.line, p.column, p.key, printable(p.message)));
+        raise("SceneError", error_class("SceneError")(printable(error.what()), problems));
     } catch (const InputError& error) {
         raise("InputError", error);
     } catch (const RunError& error) {

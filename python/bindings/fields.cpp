@@ -101,13 +101,7 @@ public:
             wakes_.push_back(field->wake(rod.heading));
     }
 
-    void add(std::size_t from, std::size_t to) const {
-        for (std::size_t i = from; i < to; ++i)
-            add_point(i);
-    }
-
-private:
-    void add_point(std::size_t i) const {
+    void add(std::size_t i) const {
         elastic::SymmetricTensor strain;
         elastic::Vector vector;
         for (std::size_t k = 0; k < wakes_.size(); ++k) {
@@ -127,6 +121,7 @@ private:
         row[1] = vector.y;
     }
 
+private:
     const Request& r_;
     FieldRequest request_;
     std::vector<std::shared_ptr<const elastic::Wake>> wakes_;
@@ -181,7 +176,7 @@ private:
             if (batched_)
                 add_batch(r_, kernel_, i, i + 1);
             else
-                one_by_one_->add(i, i + 1);
+                one_by_one_->add(i);
             return true;
         } catch (const InputError&) { // too near a rod for numbers, or too far
             return false;
@@ -219,16 +214,6 @@ std::size_t evaluate_attended(const Request& r) {
     return evaluate(r, stopped);
 }
 
-/// As NumPy warns of 0/0, at the line that called rodwake.
-void warn(const char* name, std::size_t singular, std::size_t points) {
-    if (singular > 0 &&
-        PyErr_WarnFormat(PyExc_RuntimeWarning, 3,
-                         "%s: NaN at %zu of %zu points, which are at a rod, where its field is singular, or "
-                         "farther from it than 1e300 xi",
-                         name, singular, points) != 0)
-        throw py::error_already_set();
-}
-
 std::vector<Source> sources_of(const Array& rods) {
     std::vector<Source> sources;
     for (py::ssize_t i = 0; i < rods.shape(0); ++i)
@@ -243,7 +228,14 @@ Array field(const char* name, Quantity quantity, const Array& x, const Array& y,
         medium, quantity, sources_of(rods), numbers(x), numbers(y), {}, std::max<std::size_t>(threads, 1)};
     Array out({x.size(), static_cast<py::ssize_t>(request.width())});
     request.out = {out.mutable_data(), static_cast<std::size_t>(out.size())};
-    warn(name, evaluate_attended(request), request.x.size());
+    // It warns as NumPy does of 0/0, at the line that called rodwake.
+    if (const std::size_t singular = evaluate_attended(request);
+        singular > 0 &&
+        PyErr_WarnFormat(PyExc_RuntimeWarning, 3,
+                         "%s: NaN at %zu of %zu points, which are at a rod, where its field is singular, or "
+                         "farther from it than 1e300 xi",
+                         name, singular, request.x.size()) != 0)
+        throw py::error_already_set();
     return out;
 }
 

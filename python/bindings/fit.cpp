@@ -87,28 +87,19 @@ app::FitMapData map_of(const std::string& name, std::size_t table, const MapTupl
     return out;
 }
 
-/// What only the program does with maps.
-void refuse_systematics(const scene::Fit& keys) {
-    if (!keys.fixed_errors.empty() || keys.masks.size() > 1)
-        throw InputError("fixed_errors and more masks than one are worked out by rodwake fit alone: write "
-                         "the scene and use rodwake.Scene.run");
-}
-
-void require_speeds(const scene::Fit& keys) {
-    const bool moving =
-        scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
-    for (const scene::FitMap& map : keys.maps)
-        if (moving && !map.speed)
-            throw InputError(map.name + ": zeta, rho and eta_s go with the rod's speed: give speed");
-}
-
 } // namespace
 
 app::FitPlan fit_plan(const scene::Scene& scene, const std::vector<ProfileTuple>& profiles,
                       const std::vector<TrackTuple>& tracks, const std::vector<MapTuple>& maps) {
     const scene::Fit& keys = scene.fit.value();
-    refuse_systematics(keys);
-    require_speeds(keys);
+    if (!keys.fixed_errors.empty() || keys.masks.size() > 1)
+        throw InputError("fixed_errors and more masks than one are worked out by rodwake fit alone: write "
+                         "the scene and use rodwake.Scene.run");
+    const bool moving =
+        scene::fit_has(keys, "zeta") || scene::fit_has(keys, "rho") || scene::fit_has(keys, "eta_s");
+    for (const scene::FitMap& map : keys.maps)
+        if (moving && !map.speed)
+            throw InputError(map.name + ": zeta, rho and eta_s go with the rod's speed: give speed");
     app::FitInputs inputs;
     for (std::size_t i = 0; i < profiles.size(); ++i)
         inputs.profiles.emplace_back(profile_of(keys.profiles.at(i), profiles[i], keys.independent_spacing));
@@ -127,28 +118,6 @@ struct FitResult {
     double seconds = 0.0; ///< CPU time of the search and of profile likelihoods on this thread
 };
 
-/// The search, and what the program makes of its end; of one that failed the report alone.
-void search(FitResult& result, const fitting::Method& method) {
-    const fitting::Problem& problem = result.plan.problem;
-    const Stopwatch watch;
-    fitting::Fit fit = fitting::fit(problem, method);
-    result.seconds = watch.seconds();
-    if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2)) {
-        result.results.report = fitting::report(problem, fit);
-        result.results.fit = std::move(fit);
-        return;
-    }
-    result.results = app::fit_results(result.plan, std::move(fit));
-    const Stopwatch more;
-    for (const std::string& name : result.plan.keys.likelihood) {
-        const auto at = std::ranges::find(problem.parameters, name, &fitting::Parameter::name);
-        result.results.likelihood.emplace(
-            name, fitting::profile_likelihood(problem, method, result.results.fit,
-                                              static_cast<std::size_t>(at - problem.parameters.begin())));
-    }
-    result.seconds += more.seconds();
-}
-
 FitResult fit(app::FitPlan plan, std::size_t threads, double limit) {
     FitResult result{std::move(plan), {}};
     std::atomic<bool> stopped = false;
@@ -157,7 +126,29 @@ FitResult fit(app::FitPlan plan, std::size_t threads, double limit) {
     fitting::Method method = result.plan.method;
     method.threads = std::max<std::size_t>(threads, 1);
     method.stop_requested = [&] { return stopped || elapsed() > std::chrono::duration<double>(limit); };
-    attended([&] { search(result, method); }, [] {}, [&] { stopped = true; });
+    // The search, and what the program makes of its end; of one that failed the report alone.
+    const auto search = [&] {
+        const fitting::Problem& problem = result.plan.problem;
+        const Stopwatch watch;
+        fitting::Fit found = fitting::fit(problem, method);
+        result.seconds = watch.seconds();
+        if (found.termination == fitting::Termination::failed || !std::isfinite(found.chi2)) {
+            result.results.report = fitting::report(problem, found);
+            result.results.fit = std::move(found);
+            return;
+        }
+        result.results = app::fit_results(result.plan, std::move(found));
+        const Stopwatch more;
+        for (const std::string& name : result.plan.keys.likelihood) {
+            const auto at = std::ranges::find(problem.parameters, name, &fitting::Parameter::name);
+            result.results.likelihood.emplace(
+                name, fitting::profile_likelihood(problem, method, result.results.fit,
+                                                  static_cast<std::size_t>(at - problem.parameters.begin())));
+        }
+        result.seconds += more.seconds();
+    };
+    attended(
+        search, [] {}, [&] { stopped = true; });
     return result;
 }
 

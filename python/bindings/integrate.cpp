@@ -128,48 +128,6 @@ RodEquations equations(const py::object& poses, const py::object& medium, const 
 /// name, value(t, y), direction, terminal, candidate_time(t_before, y_before, t, y)
 using EventTuple = std::tuple<std::string, py::function, std::string, bool, std::optional<py::function>>;
 
-struct Options {
-    std::string method;
-    double rtol;
-    std::optional<double> atol;
-    long max_steps;
-    double max_step;
-};
-
-integrate::OdeOptions ode_options(const Options& given, Interrupt& interrupt) {
-    integrate::OdeOptions options;
-    options.method = method_of(given.method).value_or(integrate::Method::adams);
-    options.rtol = given.rtol;
-    options.atol = given.atol.value_or(given.rtol / 100.0);
-    options.max_steps = given.max_steps;
-    options.max_step = given.max_step;
-    options.stop_requested = [&] { return interrupt(); };
-    return options;
-}
-
-integrate::OdeProblem problem_with(const py::object& rhs, const Array& y0, double t0,
-                                   const std::optional<py::function>& jacobian,
-                                   const std::vector<EventTuple>& events, Callbacks& calls) {
-    integrate::OdeProblem problem;
-    if (py::isinstance<RodEquations>(rhs))
-        problem = rhs.cast<const RodEquations&>().problem;
-    else
-        problem.rhs = rate_of(rhs.cast<py::function>(), calls);
-    if (jacobian)
-        problem.jacobian = jacobian_of(*jacobian, calls);
-    const std::size_t size = problem.initial_state.size();
-    if (size > 0)
-        require_size(y0, size, "y0 has");
-    problem.initial_state = copied(y0);
-    problem.start_time = t0;
-    for (const auto& [name, value, direction, terminal, candidate] : events) {
-        const std::string event = "events[" + std::to_string(problem.events.size()) + "]";
-        problem.events.push_back({name, value_of(value, event, calls), crossing_of(direction), terminal,
-                                  candidate_time_of(candidate, event, calls)});
-    }
-    return problem;
-}
-
 /// t, y (T, n), final_time, final_state, hits [(event, time, state)], status, message, statistics
 py::tuple to_tuple(integrate::Solution&& s) {
     const auto columns = static_cast<py::ssize_t>(s.final_state.size());
@@ -191,8 +149,31 @@ py::tuple solve(const py::object& rhs, const Array& y0, const Array& times, doub
                 double max_step) {
     Callbacks calls;
     Interrupt interrupt;
-    const integrate::OdeOptions options = ode_options({method, rtol, atol, max_steps, max_step}, interrupt);
-    const integrate::OdeProblem problem = problem_with(rhs, y0, t0, jacobian, events, calls);
+    integrate::OdeOptions options;
+    options.method = method_of(method).value_or(integrate::Method::adams);
+    options.rtol = rtol;
+    options.atol = atol.value_or(rtol / 100.0);
+    options.max_steps = max_steps;
+    options.max_step = max_step;
+    options.stop_requested = [&] { return interrupt(); };
+
+    // The equations are those of rods, or the user's; both take the user's events.
+    integrate::OdeProblem problem;
+    if (py::isinstance<RodEquations>(rhs))
+        problem = rhs.cast<const RodEquations&>().problem;
+    else
+        problem.rhs = rate_of(rhs.cast<py::function>(), calls);
+    if (jacobian)
+        problem.jacobian = jacobian_of(*jacobian, calls);
+    if (const std::size_t size = problem.initial_state.size(); size > 0)
+        require_size(y0, size, "y0 has");
+    problem.initial_state = copied(y0);
+    problem.start_time = t0;
+    for (const auto& [name, value, direction, terminal, candidate] : events) {
+        const std::string event = "events[" + std::to_string(problem.events.size()) + "]";
+        problem.events.push_back({name, value_of(value, event, calls), crossing_of(direction), terminal,
+                                  candidate_time_of(candidate, event, calls)});
+    }
     integrate::Solution solution;
     {
         const py::gil_scoped_release release;

@@ -27,25 +27,19 @@ py::object sides_of(const Medium& m) {
                            : py::object(py::make_tuple(m.box->x, m.box->y));
 }
 
-double eta_of(const Number& eta, const Number& poisson_ratio) {
-    if (eta && poisson_ratio)
-        throw InputError("eta and poisson_ratio are two names of one number: give one of them");
-    return poisson_ratio ? elastic::eta_from_poisson_ratio(*poisson_ratio) : eta.value_or(1.0);
-}
-
-double xi_of(const Number& xi, const Number& alpha) {
-    if (xi && alpha)
-        throw InputError("xi and alpha = 1/xi are two names of one number: give one of them");
-    return alpha ? elastic::xi_from_alpha(*alpha) : xi.value_or(1.0);
-}
-
 Medium make_medium(const py::object& eta, const py::object& xi, const py::object& alpha,
                    const py::object& poisson_ratio, const py::object& periodic) {
     const auto number = [](const char* name, const py::object& given, double above) {
         return argument("maybe", name, given, py::arg("above") = above).cast<Number>();
     };
-    const Medium medium{{eta_of(number("eta", eta, -1.0), number("poisson_ratio", poisson_ratio, -1.0)),
-                         xi_of(number("xi", xi, 0.0), number("alpha", alpha, 0.0))},
+    const Number own_eta = number("eta", eta, -1.0), ratio = number("poisson_ratio", poisson_ratio, -1.0);
+    if (own_eta && ratio)
+        throw InputError("eta and poisson_ratio are two names of one number: give one of them");
+    const Number own_xi = number("xi", xi, 0.0), inverse = number("alpha", alpha, 0.0);
+    if (own_xi && inverse)
+        throw InputError("xi and alpha = 1/xi are two names of one number: give one of them");
+    const Medium medium{{ratio ? elastic::eta_from_poisson_ratio(*ratio) : own_eta.value_or(1.0),
+                         inverse ? elastic::xi_from_alpha(*inverse) : own_xi.value_or(1.0)},
                         box_of(periodic)};
     validate(medium.elastic);
     return medium;

@@ -26,21 +26,6 @@ struct Ensemble {
     py::ssize_t rods() const { return static_cast<py::ssize_t>(problem.rods.size()); }
 };
 
-rods::Noise noise_of(const rods::RodProblem& problem, double rotational, double translational,
-                     std::optional<double> time_step, std::uint64_t seed) {
-    const double step = time_step ? *time_step : rods::suitable_time_step(problem, rotational);
-    return {rotational, translational, step, seed};
-}
-
-/// As in the program: criteria and number of steps are those of a scene with [noise].
-rods::RodOptions options_of(const rods::RodProblem& problem, long max_steps) {
-    scene::RodsRun run;
-    run.max_steps = max_steps;
-    rods::RodOptions options = app::rod_options(run, problem);
-    options.criteria = rods::noisy_criteria;
-    return options;
-}
-
 Ensemble simulate_noise(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2,
                         double t_end, const std::optional<Array>& output_times,
                         std::optional<double> contact_distance, double rotational, double translational,
@@ -54,12 +39,17 @@ Ensemble simulate_noise(const Array& poses, const Medium* medium, double kappa, 
     std::atomic<bool> stopped = false;
     attended(
         [&] {
-            out.plan.noise = noise_of(out.problem, rotational, translational, time_step, seed);
+            const double step = time_step ? *time_step : rods::suitable_time_step(out.problem, rotational);
+            out.plan.noise = {rotational, translational, step, seed};
             out.plan.runs = runs;
             out.plan.capture_error = capture_error;
             out.plan.most_runs = most_runs;
             out.sums = rods::no_runs(out.problem);
-            rods::RodOptions options = options_of(out.problem, max_steps);
+            // As in the program: criteria and number of steps are those of a scene with [noise].
+            scene::RodsRun run;
+            run.max_steps = max_steps;
+            rods::RodOptions options = app::rod_options(run, out.problem);
+            options.criteria = rods::noisy_criteria;
             options.ode.stop_requested = [&] { return stopped.load(); };
             app::run_wanted(out.problem, options, out.plan, std::max<std::size_t>(threads, 1), out.sums);
         },

@@ -5,6 +5,7 @@
 #include "bind.hpp"
 #include "fit.hpp"
 #include "rodwake/app/design_models.hpp"
+#include "rodwake/core/error.hpp"
 #include "rodwake/core/parallel.hpp"
 #include "rodwake/fitting/fit.hpp"
 #include "signals.hpp"
@@ -50,27 +51,6 @@ std::pair<Array, Array> log_densities(const FitProblem& problem, const Array& ro
     return {array_of(std::move(prior), shape), array_of(std::move(likelihood), shape)};
 }
 
-fitting::Posterior sampled(const FitProblem& problem, std::size_t threads) {
-    const scene::FitPosterior& keys = problem.plan.keys.posterior.value();
-    std::atomic<bool> stopped = false;
-    fitting::Method search = problem.plan.method;
-    fitting::PosteriorMethod method{
-        .chains = keys.chains, .samples = keys.samples, .evidence = keys.evidence};
-    method.seed = search.seed;
-    method.threads = search.threads = std::max<std::size_t>(threads, 1);
-    method.stop_requested = search.stop_requested = [&] { return stopped.load(); };
-    std::optional<fitting::Posterior> found;
-    attended(
-        [&] {
-            const fitting::Fit fit = fitting::fit(problem.plan.problem, search);
-            if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2))
-                throw RunError("posterior: the fit that the samples begin from failed: " + fit.reason);
-            found = fitting::sample(problem.plan.problem, fit_priors(problem.plan), fit.values, method);
-        },
-        [] {}, [&] { stopped = true; });
-    return found.value();
-}
-
 Array chains_of(const std::vector<std::vector<double>>& chains) {
     std::vector<double> flat;
     for (const auto& chain : chains)
@@ -82,7 +62,24 @@ Array chains_of(const std::vector<std::vector<double>>& chains) {
 /// Marginals by `make`, samples of each parameter, log likelihoods, log evidence with its error or None,
 /// share of the steps taken by each chain, remarks.
 py::tuple posterior(const FitProblem& problem, std::size_t threads, const py::object& make) {
-    const fitting::Posterior found = sampled(problem, threads);
+    const scene::FitPosterior& keys = problem.plan.keys.posterior.value();
+    std::atomic<bool> stopped = false;
+    fitting::Method search = problem.plan.method;
+    fitting::PosteriorMethod method{
+        .chains = keys.chains, .samples = keys.samples, .evidence = keys.evidence};
+    method.seed = search.seed;
+    method.threads = search.threads = std::max<std::size_t>(threads, 1);
+    method.stop_requested = search.stop_requested = [&] { return stopped.load(); };
+    std::optional<fitting::Posterior> sampled;
+    attended(
+        [&] {
+            const fitting::Fit fit = fitting::fit(problem.plan.problem, search);
+            if (fit.termination == fitting::Termination::failed || !std::isfinite(fit.chi2))
+                throw RunError("posterior: the fit that the samples begin from failed: " + fit.reason);
+            sampled = fitting::sample(problem.plan.problem, fit_priors(problem.plan), fit.values, method);
+        },
+        [] {}, [&] { stopped = true; });
+    const fitting::Posterior& found = sampled.value();
     const std::vector<std::string> names = names_of(problem);
     py::list marginals, samples;
     for (std::size_t k = 0; k < names.size(); ++k) {

@@ -18,34 +18,6 @@ namespace {
 
 using Number = std::optional<double>;
 
-/// As the results of a run have it: the output times, then the end if it is another time (contact, failure).
-struct Path {
-    std::vector<double> times, poses; ///< [T], [T][N][3]
-};
-
-Path path_of(const integrate::Solution& solution) {
-    Path path{solution.times, {}};
-    for (const std::vector<double>& state : solution.states)
-        path.poses.insert(path.poses.end(), state.begin(), state.end());
-    if (path.times.empty() || solution.final_time > path.times.back()) {
-        path.times.push_back(solution.final_time);
-        path.poses.insert(path.poses.end(), solution.final_state.begin(), solution.final_state.end());
-    }
-    return path;
-}
-
-/// As in the program: criteria, tolerances and method are those of a scene with these values.
-rods::RodOptions options_of(const rods::RodProblem& problem, const std::string& method,
-                            const std::string& form, double rtol, Number atol, long max_steps) {
-    scene::RodsRun run;
-    run.method = method_of(method);
-    run.form = form_of(form);
-    run.rtol = rtol;
-    run.atol = atol.value_or(rtol / 100.0);
-    run.max_steps = max_steps;
-    return app::rod_options(run, problem);
-}
-
 struct Run {
     Array t, poses; ///< (T,), (T, N, 3)
     rods::RodOutcome outcome;
@@ -55,16 +27,6 @@ struct Run {
 
     std::size_t rods() const { return static_cast<std::size_t>(poses.shape(1)); }
 };
-
-Run run_of(Path path, std::size_t rods, rods::RodOutcome outcome, bool has_contact_distance) {
-    const auto rows = static_cast<py::ssize_t>(path.times.size());
-    Run run;
-    run.t = array_of(std::move(path.times), {rows});
-    run.poses = array_of(std::move(path.poses), {rows, static_cast<py::ssize_t>(rods), 3});
-    run.outcome = std::move(outcome);
-    run.has_contact_distance = has_contact_distance;
-    return run;
-}
 
 Run simulate(const Array& poses, const Medium* medium, double kappa, double gamma1, double gamma2,
              double t_end, const std::optional<Array>& output_times, Number contact_distance,
@@ -84,15 +46,35 @@ Run simulate(const Array& poses, const Medium* medium, double kappa, double gamm
     std::string chosen;
     {
         const py::gil_scoped_release release;
-        rods::RodOptions options = options_of(problem, method, form, rtol, atol, max_steps);
+        // As in the program: criteria, tolerances and method are those of a scene with these values.
+        scene::RodsRun keys;
+        keys.method = method_of(method);
+        keys.form = form_of(form);
+        keys.rtol = rtol;
+        keys.atol = atol.value_or(rtol / 100.0);
+        keys.max_steps = max_steps;
+        rods::RodOptions options = app::rod_options(keys, problem);
         options.ode.stop_requested = [&] { return interrupt(); };
         result = rods::simulate_certified(problem, options);
         chosen = to_string(options.ode.method);
     }
     interrupt.rethrow();
     const integrate::Solution& solution = result.solution;
-    Run run = run_of(path_of(solution), problem.rods.size(), std::move(result.outcome),
-                     contact_distance.has_value());
+    // As the results of a run have it: the output times, then the end if it is another time (contact,
+    // failure).
+    std::vector<double> times = solution.times, path; // [T], [T][N][3]
+    for (const std::vector<double>& state : solution.states)
+        path.insert(path.end(), state.begin(), state.end());
+    if (times.empty() || solution.final_time > times.back()) {
+        times.push_back(solution.final_time);
+        path.insert(path.end(), solution.final_state.begin(), solution.final_state.end());
+    }
+    const auto rows = static_cast<py::ssize_t>(times.size());
+    Run run;
+    run.t = array_of(std::move(times), {rows});
+    run.poses = array_of(std::move(path), {rows, static_cast<py::ssize_t>(problem.rods.size()), 3});
+    run.outcome = std::move(result.outcome);
+    run.has_contact_distance = contact_distance.has_value();
     run.status = to_string(solution.status.termination);
     run.message = solution.status.message();
     run.method = std::move(chosen);

@@ -9,6 +9,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <cstring>
 #include <type_traits>
 
@@ -36,7 +37,8 @@ std::vector<Record> unpacked(const py::bytes& bytes) {
 /// What a process needs to evaluate points that it is sent. Pinned: the evaluator refers to the plan.
 class PointEvaluator {
 public:
-    PointEvaluator(const scene::Scene& scene, const std::filesystem::path& folder) : plan_(plan_of(scene)) {
+    PointEvaluator(const scene::Scene& scene, const std::filesystem::path& folder)
+        : plan_(app::make_plan(scene, std::array{app::Stage::scan})) {
         context_.threads = 1;
         evaluate_ = app::point_evaluator(*plan_.scan, folder, context_);
     }
@@ -54,11 +56,6 @@ public:
     }
 
 private:
-    static app::Plan plan_of(const scene::Scene& scene) {
-        constexpr app::Stage stage[] = {app::Stage::scan};
-        return app::make_plan(scene, stage);
-    }
-
     app::Plan plan_;
     app::RunContext context_;
     scan::Evaluate evaluate_;

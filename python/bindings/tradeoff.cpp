@@ -82,8 +82,36 @@ public:
             seconds = watch.seconds();
         }
         interrupt_.rethrow();
-        py::dict answer = evaluate_ ? of_points(points) : of_run(run);
+        py::dict answer;
         answer["seconds"] = seconds;
+        if (!evaluate_) {
+            const integrate::Status& status = run.solution.status;
+            std::vector<double> path;
+            for (const std::vector<double>& state : run.solution.states)
+                path.insert(path.end(), state.begin(), state.end());
+            answer["stopped"] = status.termination == integrate::Termination::interrupted;
+            answer["failure"] = status.ok() ? "" : "failed: " + status.flag;
+            answer["ending"] = static_cast<int>(run.outcome.ending);
+            answer["time"] = run.outcome.time;
+            answer["rhs_evaluations"] = run.solution.statistics.rhs_evaluations;
+            answer["final_state"] = table_of(std::vector(run.solution.final_state), 1);
+            answer["path"] = table_of(std::move(path), run.solution.states.size());
+            return answer;
+        }
+        std::vector<double> values, good, ending;
+        for (const scan::Result& point : points) {
+            const auto last =
+                static_cast<std::ptrdiff_t>(plan_.scan->columns.observables.size()) + point.values.begin();
+            values.insert(values.end(), point.values.begin(), last);
+            good.push_back(point.ok());
+            ending.push_back(point.outcome);
+        }
+        answer["stopped"] = std::ranges::any_of(
+            points, [](const scan::Result& point) { return point.status == scan::Status::stopped; });
+        answer["failure"] = "";
+        answer["solved"] = table_of(std::move(good), points.size());
+        answer["ending"] = table_of(std::move(ending), points.size());
+        answer["values"] = table_of(std::move(values), points.size());
         return answer;
     }
 
@@ -99,41 +127,6 @@ public:
     }
 
 private:
-    static py::dict of_run(const rods::RodResult& run) {
-        const integrate::Status& status = run.solution.status;
-        std::vector<double> path;
-        for (const std::vector<double>& state : run.solution.states)
-            path.insert(path.end(), state.begin(), state.end());
-        py::dict answer;
-        answer["stopped"] = status.termination == integrate::Termination::interrupted;
-        answer["failure"] = status.ok() ? "" : "failed: " + status.flag;
-        answer["ending"] = static_cast<int>(run.outcome.ending);
-        answer["time"] = run.outcome.time;
-        answer["rhs_evaluations"] = run.solution.statistics.rhs_evaluations;
-        answer["final_state"] = table_of(std::vector(run.solution.final_state), 1);
-        answer["path"] = table_of(std::move(path), run.solution.states.size());
-        return answer;
-    }
-
-    py::dict of_points(const std::vector<scan::Result>& points) const {
-        std::vector<double> values, good, ending;
-        for (const scan::Result& point : points) {
-            const auto last =
-                static_cast<std::ptrdiff_t>(plan_.scan->columns.observables.size()) + point.values.begin();
-            values.insert(values.end(), point.values.begin(), last);
-            good.push_back(point.ok());
-            ending.push_back(point.outcome);
-        }
-        py::dict answer;
-        answer["stopped"] = std::ranges::any_of(
-            points, [](const scan::Result& point) { return point.status == scan::Status::stopped; });
-        answer["failure"] = "";
-        answer["solved"] = table_of(std::move(good), points.size());
-        answer["ending"] = table_of(std::move(ending), points.size());
-        answer["values"] = table_of(std::move(values), points.size());
-        return answer;
-    }
-
     app::RunContext context_;
     Interrupt interrupt_;
     Clock::time_point deadline_;
