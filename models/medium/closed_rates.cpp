@@ -25,12 +25,6 @@ std::span<double> ClosedRates::field(std::size_t rod) {
     return std::span(fields_).subspan(self_field_ ? 0 : rod * total_.size(), total_.size());
 }
 
-void ClosedRates::set_steady(integrate::State poses) {
-    std::ranges::fill(fields_, 0.0);
-    for (std::size_t b = 0; b < poses.size() / 3; ++b)
-        modes_.add_steady(rods::pose(poses, b), field(b));
-}
-
 /// Headings' rates in the fields as they are.
 void ClosedRates::turn(integrate::State poses, std::span<double> ydot) {
     const std::size_t numbers = total_.size();
@@ -57,7 +51,9 @@ void ClosedRates::rates(integrate::State poses, std::span<double> ydot) {
     }
     if (!couplings_.any() || (rods < 2 && !self_field_))
         return;
-    set_steady(poses);
+    std::ranges::fill(fields_, 0.0);
+    for (std::size_t b = 0; b < rods; ++b)
+        modes_.add_steady(rods::pose(poses, b), field(b));
     turn(poses, ydot);
     if (!first_order_)
         return;

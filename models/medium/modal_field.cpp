@@ -11,79 +11,26 @@ namespace rodwake::medium {
 
 namespace {
 
-/// Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column, for each component of
-/// u.
-struct ColumnSums {
-    struct ComplexSums {
-        std::vector<double> re, im;
-    };
-    std::array<std::array<ComplexSums, 2>, 3> power;
-
-    ColumnSums(std::size_t columns, std::size_t powers) {
-        for (std::size_t k = 0; k < powers; ++k)
-            for (ComplexSums& c : power[k])
-                c = {std::vector<double>(columns), std::vector<double>(columns)};
-    }
+/// A complex vector, of each Cartesian component of u.
+struct ComplexRow {
+    std::vector<double> re, im;
 };
+using VectorRow = std::array<ComplexRow, 2>;
 
-/// Cartesian components of one row of a field.
-struct FieldRow {
-    std::array<ColumnSums::ComplexSums, 2> u;
-
-    explicit FieldRow(std::size_t columns) {
-        for (ColumnSums::ComplexSums& c : u)
-            c = {std::vector<double>(columns), std::vector<double>(columns)};
-    }
-    void clear() {
-        for (ColumnSums::ComplexSums& c : u) {
-            std::ranges::fill(c.re, 0.0);
-            std::ranges::fill(c.im, 0.0);
-        }
-    }
-};
-
+/// Adds one row of a field.
 void load_row(const ModalField& modes, std::size_t row, std::span<const double> field, double sign,
-              FieldRow& out) {
+              VectorRow& out) {
     const std::size_t n = modes.columns(), size = modes.size(), first = row * n;
     const double *ux = &modes.unit_x()[first], *uy = &modes.unit_y()[first];
     for (std::size_t part = 0; part < 2; ++part) { // real, imaginary
         const double *l = &field[part * size + first], *t = &field[(2 + part) * size + first];
-        double* x = (part == 0 ? out.u[0].re : out.u[0].im).data();
-        double* y = (part == 0 ? out.u[1].re : out.u[1].im).data();
+        double* x = (part == 0 ? out[0].re : out[0].im).data();
+        double* y = (part == 0 ? out[1].re : out[1].im).data();
         for (std::size_t i = 0; i < n; ++i) {
             x[i] += sign * (ux[i] * l[i] - uy[i] * t[i]);
             y[i] += sign * (uy[i] * l[i] + ux[i] * t[i]);
         }
     }
-}
-
-void add_row(const FieldRow& row, double re, double im, std::array<ColumnSums::ComplexSums, 2>& sums) {
-    for (std::size_t c = 0; c < 2; ++c) {
-        const double *ur = row.u[c].re.data(), *ui = row.u[c].im.data();
-        double *sr = sums[c].re.data(), *si = sums[c].im.data();
-        for (std::size_t i = 0; i < row.u[c].re.size(); ++i) {
-            sr[i] += re * ur[i] - im * ui[i];
-            si[i] += re * ui[i] + im * ur[i];
-        }
-    }
-}
-
-/// sum over columns of q_y^j p_y s for j = 0, 1, 2.
-struct Moments {
-    std::array<double, 3> re{}, im{};
-};
-
-Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, const PhaseFactors& p) {
-    Moments sum;
-    for (std::size_t i = 0; i < s.re.size(); ++i) {
-        const double re = p.re[i] * s.re[i] - p.im[i] * s.im[i], im = p.re[i] * s.im[i] + p.im[i] * s.re[i];
-        double weight = 1.0;
-        for (std::size_t j = 0; j < 3; ++j, weight *= qy[i]) {
-            sum.re[j] += weight * re;
-            sum.im[j] += weight * im;
-        }
-    }
-    return sum;
 }
 
 } // namespace
@@ -161,21 +108,46 @@ elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest re
             "a dynamic medium gives displacement, strain and polar vectors: no dipole, no gradients");
     const std::size_t powers = request.polar ? 3 : request.strain ? 2 : 1;
     const PhaseFactors px = phases(qx_, x), py = phases(qy_, y);
-    ColumnSums sums(columns(), powers);
-    FieldRow u(columns());
+
+    // Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column.
+    const ComplexRow zeros{std::vector<double>(columns()), std::vector<double>(columns())};
+    std::vector<VectorRow> sums(powers, {zeros, zeros});
+    VectorRow u;
     for (std::size_t row = 0; row < rows(); ++row) {
-        u.clear();
+        u.fill(zeros);
         load_row(*this, row, field, 1.0, u);
         if (!minus.empty())
             load_row(*this, row, minus, -1.0, u);
         double weight = 1.0;
-        for (std::size_t k = 0; k < powers; ++k, weight *= qx_[row])
-            add_row(u, weight * px.re[row], weight * px.im[row], sums.power[k]);
+        for (std::size_t k = 0; k < powers; ++k, weight *= qx_[row]) {
+            const double re = weight * px.re[row], im = weight * px.im[row];
+            for (std::size_t c = 0; c < 2; ++c) {
+                const double *ur = u[c].re.data(), *ui = u[c].im.data();
+                double *sr = sums[k][c].re.data(), *si = sums[k][c].im.data();
+                for (std::size_t i = 0; i < columns(); ++i) {
+                    sr[i] += re * ur[i] - im * ui[i];
+                    si[i] += re * ui[i] + im * ur[i];
+                }
+            }
+        }
     }
-    std::array<std::array<Moments, 2>, 3> s;
+
+    // Of each the sum over columns of q_y^j p_y s for j = 0, 1, 2.
+    struct {
+        std::array<double, 3> re{}, im{};
+    } s[3][2];
     for (std::size_t k = 0; k < powers; ++k)
         for (std::size_t c = 0; c < 2; ++c)
-            s[k][c] = moments(sums.power[k][c], qy_, py);
+            for (std::size_t i = 0; i < columns(); ++i) {
+                const double sum_re = sums[k][c].re[i], sum_im = sums[k][c].im[i];
+                const double re = py.re[i] * sum_re - py.im[i] * sum_im,
+                             im = py.re[i] * sum_im + py.im[i] * sum_re;
+                double weight = 1.0;
+                for (std::size_t j = 0; j < 3; ++j, weight *= qy_[i]) {
+                    s[k][c].re[j] += weight * re;
+                    s[k][c].im[j] += weight * im;
+                }
+            }
     // twice the real part, as the other half of the modes is the conjugate; s[k][c].re[j]: d_x^k d_y^j of u_c
     elastic::FieldValues values = elastic::unrequested();
     if (request.displacement)
