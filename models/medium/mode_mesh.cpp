@@ -34,7 +34,7 @@ void ModeMesh::forces(integrate::State poses, std::span<double> rates) {
             const Complex plus = sums[(half + row) * columns + column];
             const Complex minus = conjugate(sums[(half - row) * columns + columns - 1 - column]);
             const Complex x = 0.5 * (plus + minus), y = -0.5 * times_i(plus - minus);
-            const double f = modes_.force()[i], ux = modes_.unit_x()[i], uy = modes_.unit_y()[i];
+            const double f = modes_.force[i], ux = modes_.unit_x[i], uy = modes_.unit_y[i];
             const Complex l = f * (ux * x + uy * y), t = f * (ux * y - uy * x);
             rates[i] = l.re;
             rates[size + i] = l.im;
@@ -51,7 +51,7 @@ void ModeMesh::fill_row(std::size_t row, const Make& make) {
     for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
         if (row == 0 && column <= half)
             continue; // the zero mode, and what its partner in the row fills
-        const auto [a, b] = make(i, modes_.qx()[row], modes_.qy()[column]);
+        const auto [a, b] = make(i, modes_.qx[row], modes_.qy[column]);
         sums[(half + row) * columns + column] = a + times_i(b);
         sums[(half - row) * columns + columns - 1 - column] = conjugate(a) + times_i(conjugate(b));
     }
@@ -120,9 +120,9 @@ Complex term(double a, int k) {
 
 /// |r| of the part that decays more slowly, where the larger component of q is that of a mode.
 double ModeMesh::largest_ratio(std::size_t row, std::size_t column) const {
-    const double q = std::max(modes_.qx()[row], std::abs(modes_.qy()[column])), least = modes_.qx()[1];
+    const double q = std::max(modes_.qx[row], std::abs(modes_.qy[column])), least = modes_.qx[1];
     const std::size_t first = modes_.columns() / 2 + 1; // of q = least
-    const double decay = std::min(modes_.decay_longitudinal()[first], modes_.decay_transverse()[first]);
+    const double decay = std::min(modes_.decay_longitudinal[first], modes_.decay_transverse[first]);
     return ratio(q * decay / (least * least));
 }
 
@@ -143,18 +143,18 @@ void ModeMesh::add_harmonic_row(std::size_t row, int k, std::span<double> field)
     const std::size_t columns = modes_.columns(), half = modes_.rows() - 1, size = modes_.size();
     const std::span<const Complex> sums = transform_.modes();
     for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
-        if (modes_.force()[i] == 0.0 || summed(row, column))
+        if (modes_.force[i] == 0.0 || summed(row, column))
             continue;
-        const double q = std::hypot(modes_.qx()[row], modes_.qy()[column]);
-        const double a_l = modes_.decay_longitudinal()[i] / q, a_t = modes_.decay_transverse()[i] / q;
+        const double q = std::hypot(modes_.qx[row], modes_.qy[column]);
+        const double a_l = modes_.decay_longitudinal[i] / q, a_t = modes_.decay_transverse[i] / q;
         if (k > 1 && std::pow(ratio(std::min(a_l, a_t)), k - 1) < least_term)
             continue;
-        const double angle = k * std::atan2(modes_.unit_y()[i], modes_.unit_x()[i]);
+        const double angle = k * std::atan2(modes_.unit_y[i], modes_.unit_x[i]);
         const Complex back{std::cos(angle), -std::sin(angle)}, forth{back.re, -back.im};
         const Complex plus = back * sums[(half + row) * columns + column];
         const Complex partner = sums[(half - row) * columns + columns - 1 - column];
         const Complex minus = forth * Complex{partner.re, -partner.im}; // of harmonic -k
-        const double f = modes_.force()[i] / q;
+        const double f = modes_.force[i] / q;
         const Complex along = term(a_l, std::abs(k - 1)) + term(a_l, k + 1);
         const Complex across = -1.0 * times_i(term(a_t, std::abs(k - 1)) - term(a_t, k + 1));
         const Complex l = f * (along * (k == 0 ? plus : plus + minus));
@@ -174,8 +174,8 @@ void ModeMesh::add_steady(integrate::State poses, std::span<double> field) {
     for (std::size_t start = 0; start < rods; start += block) {
         const std::size_t count = std::min(block, rods - start);
         team_.run(count, [&](std::size_t k) {
-            px[k] = phases(modes_.qx(), -poses[3 * (start + k)]);
-            py[k] = phases(modes_.qy(), -poses[3 * (start + k) + 1]);
+            px[k] = phases(modes_.qx, -poses[3 * (start + k)]);
+            py[k] = phases(modes_.qy, -poses[3 * (start + k) + 1]);
         });
         team_.run(modes_.rows(), [&](std::size_t row) {
             for (std::size_t k = 0; k < count && summed(row, columns / 2); ++k)

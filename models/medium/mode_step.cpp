@@ -26,7 +26,7 @@ ModeStep::ModeStep(const elastic::Medium& elastic, const DynamicMedium& medium,
         slopes_[k].resize(3 * rods);
     }
     turning_.resize(rods);
-    if (modes_.inertia() > 0.0)
+    if (modes_.inertia > 0.0)
         wave_.resize(2 * modes_.size());
     else
         decay_.resize(2 * modes_.size());
@@ -45,15 +45,15 @@ Coupled ModeStep::start(std::vector<double> poses) {
 
 /// Rods in blocks, whose phases fit into memory; rows of modes by the threads.
 void ModeStep::add_steady(std::span<const double> poses, std::span<double> fields) {
-    if (mesh_ && modes_.inertia() == 0.0)
+    if (mesh_ && modes_.inertia == 0.0)
         return mesh_->add_steady(poses, fields);
     constexpr std::size_t block = 128;
     std::vector<PhaseFactors> px(block), py(block);
     for (std::size_t first = 0; first < rods_; first += block) {
         const std::size_t count = std::min(block, rods_ - first);
         team_.run(count, [&](std::size_t k) {
-            px[k] = phases(modes_.qx(), -poses[3 * (first + k)]);
-            py[k] = phases(modes_.qy(), -poses[3 * (first + k) + 1]);
+            px[k] = phases(modes_.qx, -poses[3 * (first + k)]);
+            py[k] = phases(modes_.qy, -poses[3 * (first + k) + 1]);
         });
         team_.run(modes_.rows(), [&](std::size_t row) {
             for (std::size_t k = 0; k < count; ++k) {
@@ -94,12 +94,11 @@ void ModeStep::prepare(double h) {
     const std::size_t columns = modes_.columns(), size = modes_.size();
     team_.run(2 * modes_.rows(), [&](std::size_t row) {
         for (std::size_t k = row * columns; k < (row + 1) * columns; ++k) {
-            const double decay =
-                k < size ? modes_.decay_longitudinal()[k] : modes_.decay_transverse()[k - size];
-            if (modes_.force()[k < size ? k : k - size] == 0.0)
+            const double decay = k < size ? modes_.decay_longitudinal[k] : modes_.decay_transverse[k - size];
+            if (modes_.force[k < size ? k : k - size] == 0.0)
                 continue; // does not count, and stays 0
-            if (modes_.inertia() > 0.0)
-                wave_[k] = wave_weights(decay, modes_.inertia(), h);
+            if (modes_.inertia > 0.0)
+                wave_[k] = wave_weights(decay, modes_.inertia, h);
             else
                 decay_[k] = decay_weights(decay, h);
         }
@@ -113,12 +112,12 @@ void ModeStep::find_forces(integrate::State poses, Forces& forces) {
     const std::size_t columns = modes_.columns(), size = modes_.size();
     for (std::size_t rod = 0; rod < rods_; ++rod) {
         const rods::Direction n = rods::direction(poses, rod);
-        const PhaseFactors px = phases(modes_.qx(), -poses[3 * rod]),
-                           py = phases(modes_.qy(), -poses[3 * rod + 1]);
+        const PhaseFactors px = phases(modes_.qx, -poses[3 * rod]),
+                           py = phases(modes_.qy, -poses[3 * rod + 1]);
         const std::size_t own = fields_.at(rod) / modes_.numbers() * 4 * size;
         team_.run(modes_.rows(), [&](std::size_t row) {
             for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
-                const double f = modes_.force()[i], ux = modes_.unit_x()[i], uy = modes_.unit_y()[i];
+                const double f = modes_.force[i], ux = modes_.unit_x[i], uy = modes_.unit_y[i];
                 const double l = f * (n.cosine * ux + n.sine * uy), t = f * (n.sine * ux - n.cosine * uy);
                 const Complex phase = Complex{px.re[row], px.im[row]} * Complex{py.re[column], py.im[column]};
                 const std::array<double, 4> force{l * phase.re, l * phase.im, t * phase.re, t * phase.im};

@@ -61,7 +61,7 @@ OwnResponse::OwnResponse(const elastic::Medium& elastic, const DynamicMedium& me
                          const rods::Couplings& couplings, const ModalField& modes)
     : steady_(medium.start == Start::steady) {
     decay_.fill(1.0);
-    decay_[terms] = modes.qx()[1] * modes.qx()[1] * elastic.xi;
+    decay_[terms] = modes.qx[1] * modes.qx[1] * elastic.xi;
     if (!couplings.any())
         return;
     fit(elastic, medium, couplings);

@@ -76,7 +76,6 @@ private:
     /// Nothing if the step must be halved.
     std::optional<bool> take(const PathNode& node);
 
-    bool may_go_on(const PathNode& node);
     bool stop(double time, Termination how);
     void add(const integrate::Step& step);
     double step_limit();
@@ -201,26 +200,6 @@ std::optional<bool> Walk::take(const PathNode& node) {
     return stop(time, Termination::stopped_at_event);
 }
 
-bool Walk::may_go_on(const PathNode& node) {
-    if (options_.ode.stop_requested && options_.ode.stop_requested())
-        return stop(node.start, Termination::interrupted);
-    if (solution_.statistics.steps < options_.ode.max_steps && node.depth < deepest)
-        return true;
-    integrate::Status& status = solution_.status;
-    const bool many = solution_.statistics.steps >= options_.ode.max_steps;
-    status.step = node.length;
-    status.order = 2; // weak
-    const bool asked = noise_.time_step < node.length;
-    status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
-    status.cause = many    ? "the steps allowed were used up"
-                   : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
-                           : "headings turn too fast for any step";
-    status.advice = many    ? "raise rods_run.max_steps, or noise.time_step"
-                    : asked ? "choose a longer noise.time_step, or more output times"
-                            : "set rods_run.contact_distance, or a longer one";
-    return stop(node.start, Termination::failed);
-}
-
 bool Walk::halve(const PathNode& node) {
     const auto depth = static_cast<std::size_t>(node.depth), below = depth + 1;
     if (path_.size() <= below) {
@@ -239,8 +218,23 @@ bool Walk::halve(const PathNode& node) {
 }
 
 bool Walk::advance(const PathNode& node) {
-    if (!may_go_on(node))
-        return false;
+    if (options_.ode.stop_requested && options_.ode.stop_requested())
+        return stop(node.start, Termination::interrupted);
+    const bool many = solution_.statistics.steps >= options_.ode.max_steps;
+    if (many || node.depth >= deepest) {
+        integrate::Status& status = solution_.status;
+        status.step = node.length;
+        status.order = 2; // weak
+        const bool asked = noise_.time_step < node.length;
+        status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
+        status.cause = many    ? "the steps allowed were used up"
+                       : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
+                               : "headings turn too fast for any step";
+        status.advice = many    ? "raise rods_run.max_steps, or noise.time_step"
+                        : asked ? "choose a longer noise.time_step, or more output times"
+                                : "set rods_run.contact_distance, or a longer one";
+        return stop(node.start, Termination::failed);
+    }
     if (node.length > step_limit())
         return halve(node);
     const std::optional<bool> on = take(node);
