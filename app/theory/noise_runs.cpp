@@ -3,6 +3,7 @@
 #include "rodwake/core/build_info.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/json_text.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/scene/read.hpp"
 #include "rodwake/store/journal.hpp"
 #include "run/log.hpp"
@@ -172,7 +173,7 @@ std::string noise_json(const NoiseSums& sums, const NoisePlan& plan, const rods:
     report.speed = units.length / units.time;
     report.time_step = plan.noise.time_step * units.time;
     report.seed = plan.noise.seed;
-    report.times = in_units_of(units.time, rods::stored_times(problem));
+    report.times = in_units_of(units.time, rods::output_times(problem));
     report.runs_at_time = sums.reached;
     report.mean_square_displacement = {in_units_of(area, square.values), rods};
     report.mean_square_displacement_error = {in_units_of(area, square.errors), rods};

@@ -45,26 +45,6 @@ Stiffness stiffness(const OrthotropicMedium& m, double v, double qx, double qy) 
     return {m.c11 * xx + m.c66 * yy + motion, (m.c12 + m.c66) * qx * qy, m.c66 * xx + m.c22 * yy + motion};
 }
 
-OrthotropicMedium unit_constant(OrthotropicParameter parameter) {
-    using enum OrthotropicParameter;
-    OrthotropicMedium m{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    (parameter == c11    ? m.c11
-     : parameter == c22  ? m.c22
-     : parameter == c12  ? m.c12
-     : parameter == c66  ? m.c66
-     : parameter == zeta ? m.zeta
-     : parameter == rho  ? m.rho
-                         : m.eta_s) = 1.0;
-    return m;
-}
-
-RodSource unit_source(OrthotropicParameter p) {
-    using enum OrthotropicParameter;
-    const auto item = [p](OrthotropicParameter name) { return p == name ? 1.0 : 0.0; };
-    return {item(force), item(p_xx),   item(p_yy),   item(q_xxx),   item(q_xyy),
-            item(q_yxy), item(t_xxxx), item(t_xxyy), item(h_xxxxx), item(h_xxxyy)};
-}
-
 ModeAmplitude driving(const RodSource& source, const RodFrame& frame, double qx, double qy) {
     const double half = 0.5 * qx * frame.length, sinc = half == 0.0 ? 1.0 : std::sin(half) / half;
     const double smooth = std::exp(-0.5 * (qx * qx + qy * qy) * frame.width * frame.width);
@@ -73,20 +53,6 @@ ModeAmplitude driving(const RodSource& source, const RodFrame& frame, double qx,
     const double third = source.t_xxxx * qx * qx + 3.0 * source.t_xxyy * qy * qy;
     return {smooth * Complex(along, (third - source.p_xx) * qx),
             Complex(0.0 - 2.0 * smooth * source.q_yxy * qx * qy, -smooth * source.p_yy * qy)};
-}
-
-void check_frame(const RodFrame& f) {
-    const auto side = [](double l) { return l > 0.0 && std::isfinite(l); };
-    if (!side(f.lx) || !side(f.ly))
-        throw InputError(fmt::format("the sides of the box must be above 0; they are {} and {}", f.lx, f.ly));
-    if (!std::isfinite(f.speed))
-        throw InputError("the speed of the rod must be a finite number");
-    if (!(f.length >= 0.0 && f.length < f.lx))
-        throw InputError(fmt::format("rod length {}: must be from 0 to the box's side {}", f.length, f.lx));
-    const double longer = std::max(f.lx, f.ly), shorter = std::min(f.lx, f.ly);
-    if (!(f.width >= longer / finest && f.width <= shorter / 4.0))
-        throw InputError(fmt::format("width {} of the smoothing: must be from {:g} to {:g} in this box",
-                                     f.width, longer / finest, shorter / 4.0));
 }
 
 /// cos and sin of q_m x_k, [place][mode].
@@ -169,7 +135,19 @@ DisplacementMap AnisotropicField::Impl::sum(Solve solve) const {
 
 AnisotropicField::AnisotropicField(const RodFrame& frame, std::span<const double> x,
                                    std::span<const double> y) {
-    check_frame(frame);
+    const auto side = [](double l) { return l > 0.0 && std::isfinite(l); };
+    if (!side(frame.lx) || !side(frame.ly))
+        throw InputError(
+            fmt::format("the sides of the box must be above 0; they are {} and {}", frame.lx, frame.ly));
+    if (!std::isfinite(frame.speed))
+        throw InputError("the speed of the rod must be a finite number");
+    if (!(frame.length >= 0.0 && frame.length < frame.lx))
+        throw InputError(
+            fmt::format("rod length {}: must be from 0 to the box's side {}", frame.length, frame.lx));
+    const double longer = std::max(frame.lx, frame.ly), shorter = std::min(frame.lx, frame.ly);
+    if (!(frame.width >= longer / finest && frame.width <= shorter / 4.0))
+        throw InputError(fmt::format("width {} of the smoothing: must be from {:g} to {:g} in this box",
+                                     frame.width, longer / finest, shorter / 4.0));
     const auto finite = [](double position) { return std::isfinite(position); };
     if (!std::ranges::all_of(x, finite) || !std::ranges::all_of(y, finite))
         throw InputError("positions of a map must be finite numbers");
@@ -187,9 +165,20 @@ DisplacementMap AnisotropicField::displacement(const OrthotropicMedium& medium,
 
 DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, const RodSource& source,
                                              OrthotropicParameter by) const {
-    if (by <= OrthotropicParameter::h_xxxyy) // a source
-        return displacement(medium, unit_source(by));
-    return derivative(medium, source, unit_constant(by));
+    using enum OrthotropicParameter;
+    const auto unit = [by](OrthotropicParameter name) { return by == name ? 1.0 : 0.0; };
+    if (by <= h_xxxyy) // the field is linear in the source
+        return displacement(medium, {unit(force), unit(p_xx), unit(p_yy), unit(q_xxx), unit(q_xyy),
+                                     unit(q_yxy), unit(t_xxxx), unit(t_xxyy), unit(h_xxxxx), unit(h_xxxyy)});
+    OrthotropicMedium constant{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    constant.c11 = unit(c11);
+    constant.c22 = unit(c22);
+    constant.c12 = unit(c12);
+    constant.c66 = unit(c66);
+    constant.zeta = unit(zeta);
+    constant.rho = unit(rho);
+    constant.eta_s = unit(eta_s);
+    return derivative(medium, source, constant);
 }
 
 DisplacementMap AnisotropicField::derivative(const OrthotropicMedium& medium, const RodSource& source,

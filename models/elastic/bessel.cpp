@@ -47,7 +47,24 @@ Taylor scaled_k0(Wide z0) {
 class Ascending {
 public:
     Ascending() {
-        fill_series();
+        std::array<Wide, terms> exponential{}, even{}; // e^z; K0 + (ln(z/2) + gamma) I0 by powers of z
+        Wide factor = 1.0, harmonic = 0.0;
+        exponential[0] = p_[0] = 1.0;
+        for (int k = 1; k < terms; ++k) {
+            const Wide n = k;
+            exponential[k] = exponential[k - 1] / n;
+            p_[k] = p_[k - 1] * (2.0 * n - 1.0) / (n * n);
+            if (k % 2 == 0) {
+                harmonic += 2.0 / n;
+                factor /= n * n;
+                even[k] = harmonic * factor;
+            }
+        }
+        for (int k = 0; k < terms; ++k) {
+            r_[k] = (std::numbers::ln2_v<Wide> - std::numbers::egamma_v<Wide>)*p_[k];
+            for (int m = 0; m <= k; ++m)
+                r_[k] += even[m] * exponential[k - m];
+        }
         for (int k = 0; k < terms; ++k)
             for (int j = 0; j <= order; ++j) {
                 power_[k][j] = binomial(k, j);
@@ -79,27 +96,6 @@ private:
         return product;
     }
 
-    void fill_series() {
-        std::array<Wide, terms> exponential{}, even{}; // e^z; K0 + (ln(z/2) + gamma) I0 by powers of z
-        Wide factor = 1.0, harmonic = 0.0;
-        exponential[0] = p_[0] = 1.0;
-        for (int k = 1; k < terms; ++k) {
-            const Wide n = k;
-            exponential[k] = exponential[k - 1] / n;
-            p_[k] = p_[k - 1] * (2.0 * n - 1.0) / (n * n);
-            if (k % 2 == 0) {
-                harmonic += 2.0 / n;
-                factor /= n * n;
-                even[k] = harmonic * factor;
-            }
-        }
-        for (int k = 0; k < terms; ++k) {
-            r_[k] = (std::numbers::ln2_v<Wide> - std::numbers::egamma_v<Wide>)*p_[k];
-            for (int m = 0; m <= k; ++m)
-                r_[k] += even[m] * exponential[k - m];
-        }
-    }
-
     std::array<Wide, terms> p_{}, r_{};
     std::array<Taylor, terms> power_{}, log_power_{}; ///< of (1 + u)^k and of (1 + u)^k ln(1 + u)
 };
@@ -114,35 +110,21 @@ constexpr std::array<Taylor, order> chebyshev = [] {
     return t;
 }();
 
-/// The series, by powers of x in [-1, 1], with `terms` terms: its derivative is economised (the highest
-/// powers are traded for Chebyshev polynomials), since errors of the derivative are the larger ones.
-void economise(Taylor& series, int terms) {
-    for (int n = order - 1; n >= terms - 1; --n) {
-        const Taylor& t = chebyshev[n];
-        const Wide surplus = static_cast<Wide>(n + 1) * series[n + 1] / t[n];
-        for (int j = 0; j <= n; ++j)
-            series[j + 1] -= surplus * t[j] / static_cast<Wide>(j + 1);
-    }
-}
-
-/// A series in u = t/(1 - t) by powers of t: u^j = sum_k C(k - 1, j - 1) t^k.
-Taylor by_powers_of_t(const Taylor& in_u) {
-    Taylor in_t{};
-    in_t[0] = in_u[0];
-    for (int j = 1; j <= order; ++j) {
-        Wide binomial = 1.0;
-        for (int k = j; k <= order; ++k) {
-            in_t[k] += binomial * in_u[j];
-            binomial *= static_cast<Wide>(k) / static_cast<Wide>(k - j + 1);
-        }
-    }
-    return in_t;
-}
-
 /// Coefficients in t of the piece whose middle is m_i 2^binade.
 Taylor piece(const Ascending& ascending, int binade, Wide middle, Wide half_width, int terms) {
     const Wide z = std::ldexp(middle, binade), farthest = half_width / (middle - half_width); // |t|
-    Taylor series = by_powers_of_t(binade < 0 ? ascending.at(z) : scaled_k0(z));
+    const Taylor in_u = binade < 0 ? ascending.at(z) : scaled_k0(z);
+
+    // From u = t/(1 - t) to powers of t: u^j = sum_k C(k - 1, j - 1) t^k.
+    Taylor series{};
+    series[0] = in_u[0];
+    for (int j = 1; j <= order; ++j) {
+        Wide binomial = 1.0;
+        for (int k = j; k <= order; ++k) {
+            series[k] += binomial * in_u[j];
+            binomial *= static_cast<Wide>(k) / static_cast<Wide>(k - j + 1);
+        }
+    }
     if (binade < 0)
         series[0] -= std::log(z);
     Wide scale = 1.0;
@@ -150,7 +132,15 @@ Taylor piece(const Ascending& ascending, int binade, Wide middle, Wide half_widt
         term *= scale;
         scale *= farthest;
     }
-    economise(series, terms);
+
+    // The series, by powers of x in [-1, 1], gets `terms` terms: its derivative is economised (the highest
+    // powers are traded for Chebyshev polynomials), since errors of the derivative are the larger ones.
+    for (int n = order - 1; n >= terms - 1; --n) {
+        const Taylor& t = chebyshev[n];
+        const Wide surplus = static_cast<Wide>(n + 1) * series[n + 1] / t[n];
+        for (int j = 0; j <= n; ++j)
+            series[j + 1] -= surplus * t[j] / static_cast<Wide>(j + 1);
+    }
     scale = 1.0;
     for (Wide& term : series) {
         term *= scale;
@@ -235,24 +225,6 @@ Pair horner(const std::array<double, series_terms>& c, Pair t) {
     return sum;
 }
 
-/// Piece of the fits that holds t = 1/z < 2, from the exponent and the first bit of the mantissa: no branch.
-const TailPiece& piece(double t) {
-    constexpr int half_octave = 51,
-                  first = static_cast<int>(std::bit_cast<std::uint64_t>(0x1p-4) >> half_octave);
-    const int index = static_cast<int>(std::bit_cast<std::uint64_t>(t) >> half_octave) - first + 1;
-    return tail[index > 0 ? index : 0];
-}
-
-/// Degree 13 in seven chains of two: a third of Horner's latency.
-Pair polynomial(const TailPiece& at, double u) {
-    const Pair* c = at.power;
-    const double u2 = u * u, u4 = u2 * u2;
-    const auto chain = [&](int k) { return c[k] + u * c[k + 1]; };
-    const Pair low = chain(0) + u2 * chain(2), middle = chain(4) + u2 * chain(6),
-               high = chain(8) + u2 * chain(10);
-    return low + u4 * (middle + u4 * (high + u4 * chain(12)));
-}
-
 } // namespace
 
 CoreBessel core_bessel(Pair z, Pair log_half) {
@@ -269,8 +241,20 @@ Bessel plain_bessel(double z) {
 }
 
 Bessel scaled_bessel(double t, double root) {
-    const TailPiece& at = piece(t);
-    const Pair sum = polynomial(at, at.slope * t + at.offset);
+    // The piece of the fits that holds t = 1/z < 2, from the exponent and the first bit of the mantissa: no
+    // branch.
+    constexpr int half_octave = 51,
+                  first = static_cast<int>(std::bit_cast<std::uint64_t>(0x1p-4) >> half_octave);
+    const int index = static_cast<int>(std::bit_cast<std::uint64_t>(t) >> half_octave) - first + 1;
+    const TailPiece& at = tail[index > 0 ? index : 0];
+
+    // Degree 13 in seven chains of two: a third of Horner's latency.
+    const Pair* c = at.power;
+    const double u = at.slope * t + at.offset, u2 = u * u, u4 = u2 * u2;
+    const auto chain = [&](int k) { return c[k] + u * c[k + 1]; };
+    const Pair low = chain(0) + u2 * chain(2), middle = chain(4) + u2 * chain(6),
+               high = chain(8) + u2 * chain(10);
+    const Pair sum = low + u4 * (middle + u4 * (high + u4 * chain(12)));
     const double d1 = 0.5 * t * root * sum[0], d2 = 0.75 * t * t * root * sum[1];
     const double k1 = root * (sum[0] + 0.75 * t * sum[1]);
     return {k1 - d1, k1, d1, d2};

@@ -64,10 +64,10 @@ void contract_plane(const PlaceWeights& in_x, const PlaceWeights& in_y, const do
     contract(in_x, line.data(), functions, v);
 }
 
-/// Row i: what the values at the nodes give to coefficient i.
+/// One line of values at the nodes to coefficients, `stride` apart.
 template<std::size_t nodes>
-const std::array<std::array<double, nodes>, nodes>& transform_matrix() {
-    static const auto matrix = [] {
+void transform_line(double* data, std::size_t stride) {
+    static const auto matrix = [] { // row i: what the values at the nodes give to coefficient i
         std::array<std::array<double, nodes>, nodes> m;
         for (std::size_t i = 0; i < nodes; ++i)
             for (std::size_t a = 0; a < nodes; ++a)
@@ -76,13 +76,6 @@ const std::array<std::array<double, nodes>, nodes>& transform_matrix() {
                           (i > 0 ? 2.0 : 1.0) / nodes;
         return m;
     }();
-    return matrix;
-}
-
-/// One line of values at the nodes to coefficients, `stride` apart.
-template<std::size_t nodes>
-void transform_line(double* data, std::size_t stride) {
-    const auto& matrix = transform_matrix<nodes>();
     std::array<double, nodes> f{};
     for (std::size_t i = 0; i < nodes; ++i)
         for (std::size_t a = 0; a < nodes; ++a)

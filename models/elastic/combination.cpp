@@ -74,23 +74,6 @@ Combination combine(const Geometry& at, const Constants& medium, const Potential
 
 namespace {
 
-/// Singular part of the laplacian's x component to twice the precision, for points where its two terms
-/// cancel: it is (2 xi/r^2) [2 xi delta h + x (2 nu^2 - (1 - nu^2) h)], h = (y^2 - x^2)/r^2, over 4 xi^2. On
-/// the axis ahead that happens at r = 2 delta xi/(1 + nu^2), near eta xi.
-double precise_laplacian_x(const Geometry& at, const Constants& medium) {
-    const DoubleDouble xx = exact_product(at.x, at.x), yy = exact_product(at.y, at.y), square = add(xx, yy);
-    const DoubleDouble h = divide(add(yy, DoubleDouble{-xx.high, -xx.low}), square);
-    const DoubleDouble nu{medium.nu, medium.nu_low}, nu_squared = multiply(nu, nu);
-    const DoubleDouble delta = add(exact_sum(1.0, -medium.nu), -medium.nu_low);
-    const DoubleDouble rest = multiply(delta, add(nu, 1.0)); // 1 - nu^2
-    const DoubleDouble rest_h = multiply(rest, h), two_xi{medium.two_xi, 0.0};
-    const DoubleDouble turning = add(DoubleDouble{2.0 * nu_squared.high, 2.0 * nu_squared.low},
-                                     DoubleDouble{-rest_h.high, -rest_h.low});
-    const DoubleDouble bracket = add(multiply(two_xi, multiply(delta, h)), multiply({at.x, 0.0}, turning));
-    const DoubleDouble sum = divide(multiply(two_xi, bracket), square);
-    return sum.high;
-}
-
 /// Below this part of its largest term the sum has lost two digits.
 constexpr double cancels = 1e-2;
 
@@ -108,83 +91,73 @@ void add_singular(Combination& sum, const Geometry& at, const Constants& medium)
     sum.dipole += (0.5 * delta * h + nu) * q * u;
     sum.trace_gradient.x += nu * (nu * k_xx - l_xx);
     sum.trace_gradient.y += nu * (nu * k_xy - l_xy);
-    const double laplacian_x = delta * l_xx + one_less_nu_squared * k_yy + 2.0 * nu * nu * c * u;
-    sum.laplacian.x += std::abs(laplacian_x) < cancels * std::abs(delta * l_xx)
-                           ? precise_laplacian_x(at, medium)
-                           : laplacian_x;
     sum.laplacian.y += delta * l_xy - one_less_nu_squared * k_xy;
+    const double laplacian_x = delta * l_xx + one_less_nu_squared * k_yy + 2.0 * nu * nu * c * u;
+    if (!(std::abs(laplacian_x) < cancels * std::abs(delta * l_xx))) {
+        sum.laplacian.x += laplacian_x;
+        return;
+    }
+
+    // To twice the precision, as its two terms cancel: it is (2 xi/r^2) [2 xi delta h + x (2 nu^2 - (1 -
+    // nu^2) h)], h = (y^2 - x^2)/r^2, over 4 xi^2. On the axis ahead that happens at r = 2 delta xi/(1 +
+    // nu^2), near eta xi.
+    const DoubleDouble xx = exact_product(at.x, at.x), yy = exact_product(at.y, at.y), square = add(xx, yy);
+    const DoubleDouble h2 = divide(add(yy, DoubleDouble{-xx.high, -xx.low}), square);
+    const DoubleDouble nu2{medium.nu, medium.nu_low}, nu_squared = multiply(nu2, nu2);
+    const DoubleDouble delta2 = add(exact_sum(1.0, -medium.nu), -medium.nu_low);
+    const DoubleDouble rest = multiply(delta2, add(nu2, 1.0)); // 1 - nu^2
+    const DoubleDouble rest_h = multiply(rest, h2), two_xi{medium.two_xi, 0.0};
+    const DoubleDouble turning = add(DoubleDouble{2.0 * nu_squared.high, 2.0 * nu_squared.low},
+                                     DoubleDouble{-rest_h.high, -rest_h.low});
+    const DoubleDouble bracket = add(multiply(two_xi, multiply(delta2, h2)), multiply({at.x, 0.0}, turning));
+    sum.laplacian.x += divide(multiply(two_xi, bracket), square).high;
 }
 
 // Derivatives of the combinations: third derivatives of the two potentials.
 
-namespace {
-
-CombinationGradients regular(const Constants& medium, const Potentials& g) {
+CombinationGradients gradients(const Geometry& at, const Constants& medium, const Potentials& g, bool core) {
     const double nu = medium.nu;
     const auto t = [](Pair both) { return both[0]; };
     const auto l = [nu](Pair both) { return nu * both[1]; };
     const Derivatives& d = g.d;
-    return {.yy_x = difference(d.xyy),
-            .yy_y = difference(d.yyy),
-            .trace_x = l(d.xx),
-            .trace_y = l(d.xy),
-            .shear_x = t(d.xy) + difference(d.xxy),
-            .shear_y = t(d.yy) + difference(d.xyy),
-            .trace_gradient_x = {l(d.xxx), l(d.xxy)},
-            .trace_gradient_y = {l(d.xxy), l(d.xyy)},
-            .laplacian_x = {t(d.xyy) + l(d.xxx), l(d.xxy) - t(d.xxy)},
-            .laplacian_y = {t(d.yyy) + l(d.xxy), l(d.xyy) - t(d.xyy)}};
-}
+    CombinationGradients sum{.yy_x = difference(d.xyy),
+                             .yy_y = difference(d.yyy),
+                             .trace_x = l(d.xx),
+                             .trace_y = l(d.xy),
+                             .shear_x = t(d.xy) + difference(d.xxy),
+                             .shear_y = t(d.yy) + difference(d.xyy),
+                             .trace_gradient_x = {l(d.xxx), l(d.xxy)},
+                             .trace_gradient_y = {l(d.xxy), l(d.xyy)},
+                             .laplacian_x = {t(d.xyy) + l(d.xxx), l(d.xxy) - t(d.xxy)},
+                             .laplacian_y = {t(d.yyy) + l(d.xxy), l(d.xyy) - t(d.xyy)}};
+    if (!core)
+        return sum;
 
-/// Derivatives of ln s (u) and of X ln s (k) of second and third order.
-struct SingularParts {
-    double l_xx, l_xy, l_xxx, l_xxy; // l_yy = -l_xx, l_xyy = -l_xxx, l_yyy = -l_xxy
-    double k_xx, k_xy, k_yy, k_xxx, k_xxy, k_xyy, k_yyy;
-};
-
-SingularParts singular_parts(const Geometry& at) {
+    // Derivatives of ln s (l; l_yy = -l_xx, l_xyy = -l_xxx, l_yyy = -l_xxy) and of X ln s (k).
     const double u = at.inverse, uu = u * u, X = at.X, c = at.c, q = at.q, h = q * q - c * c;
-    SingularParts d{};
-    d.l_xx = h * uu;
-    d.l_xy = -2.0 * c * q * uu;
-    d.l_xxx = 2.0 * c * (c * c - 3.0 * q * q) * uu * u;
-    d.l_xxy = 2.0 * q * (3.0 * c * c - q * q) * uu * u;
-    d.k_xx = 2.0 * c * u + X * d.l_xx;
-    d.k_xy = q * u + X * d.l_xy;
-    d.k_yy = -X * d.l_xx;
-    d.k_xxx = 3.0 * d.l_xx + X * d.l_xxx;
-    d.k_xxy = 2.0 * d.l_xy + X * d.l_xxy;
-    d.k_xyy = -d.l_xx - X * d.l_xxx;
-    d.k_yyy = -X * d.l_xxy;
-    return d;
-}
+    const double l_xx = h * uu, l_xy = -2.0 * c * q * uu;
+    const double l_xxx = 2.0 * c * (c * c - 3.0 * q * q) * uu * u,
+                 l_xxy = 2.0 * q * (3.0 * c * c - q * q) * uu * u;
+    const double k_xx = 2.0 * c * u + X * l_xx, k_xy = q * u + X * l_xy, k_yy = -X * l_xx;
+    const double k_xxx = 3.0 * l_xx + X * l_xxx, k_xxy = 2.0 * l_xy + X * l_xxy, k_xyy = -l_xx - X * l_xxx,
+                 k_yyy = -X * l_xxy;
 
-void add_singular(CombinationGradients& sum, const Geometry& at, const Constants& medium) {
-    const double nu = medium.nu, delta = medium.delta, one_less_nu_squared = delta * (1.0 + nu);
-    const SingularParts d = singular_parts(at);
-    sum.yy_x += delta * d.k_xyy;
-    sum.yy_y += delta * d.k_yyy;
-    sum.trace_x += nu * (nu * d.k_xx - d.l_xx);
-    sum.trace_y += nu * (nu * d.k_xy - d.l_xy);
-    sum.shear_x += (d.k_xy - d.l_xy) + delta * d.k_xxy;
-    sum.shear_y += (d.k_yy + d.l_xx) + delta * d.k_xyy;
-    const Vector l{nu * (nu * d.k_xxx - d.l_xxx), nu * (nu * d.k_xxy - d.l_xxy)};
-    sum.trace_gradient_x.x += l.x;
-    sum.trace_gradient_x.y += l.y;
-    sum.trace_gradient_y.x += l.y;
-    sum.trace_gradient_y.y += nu * (nu * d.k_xyy + d.l_xxx);
-    sum.laplacian_x.x += delta * d.l_xxx + d.k_xyy + nu * nu * d.k_xxx;
-    sum.laplacian_y.x += delta * d.l_xxy + d.k_yyy + nu * nu * d.k_xxy;
-    sum.laplacian_x.y += delta * d.l_xxy - one_less_nu_squared * d.k_xxy;
-    sum.laplacian_y.y -= delta * d.l_xxx + one_less_nu_squared * d.k_xyy;
-}
-
-} // namespace
-
-CombinationGradients gradients(const Geometry& at, const Constants& medium, const Potentials& g, bool core) {
-    CombinationGradients sum = regular(medium, g);
-    if (core)
-        add_singular(sum, at, medium);
+    const double delta = medium.delta, one_less_nu_squared = delta * (1.0 + nu);
+    sum.yy_x += delta * k_xyy;
+    sum.yy_y += delta * k_yyy;
+    sum.trace_x += nu * (nu * k_xx - l_xx);
+    sum.trace_y += nu * (nu * k_xy - l_xy);
+    sum.shear_x += (k_xy - l_xy) + delta * k_xxy;
+    sum.shear_y += (k_yy + l_xx) + delta * k_xyy;
+    const Vector trace{nu * (nu * k_xxx - l_xxx), nu * (nu * k_xxy - l_xxy)};
+    sum.trace_gradient_x.x += trace.x;
+    sum.trace_gradient_x.y += trace.y;
+    sum.trace_gradient_y.x += trace.y;
+    sum.trace_gradient_y.y += nu * (nu * k_xyy + l_xxx);
+    sum.laplacian_x.x += delta * l_xxx + k_xyy + nu * nu * k_xxx;
+    sum.laplacian_y.x += delta * l_xxy + k_yyy + nu * nu * k_xxy;
+    sum.laplacian_x.y += delta * l_xxy - one_less_nu_squared * k_xxy;
+    sum.laplacian_y.y -= delta * l_xxx + one_less_nu_squared * k_xyy;
     return sum;
 }
 
@@ -202,22 +175,6 @@ Lane lane(const Geometry& at, const WaveNumber& wave) {
         return {scaled_bessel(at.inverse * wave.inverse, at.root * wave.inverse_root),
                 exp_minus(times(wave.a, at.w), at.boost)};
     return {plain_bessel(z), at.boost * std::exp(-a * at.X)};
-}
-
-void add_third(Derivatives& d, const Geometry& at, Pair t, Pair k0, Pair k1, Pair d1, Pair d2, Pair scale) {
-    const double p = at.p, q = at.q, qq = at.p * at.n;
-    const Pair ratio = d2 + 2.0 * d1, k2 = k0 + 2.0 * ratio, step = 2.0 * ratio - d1; // k2 - k1
-    const Pair k2_t = k2 * t, k3 = k1 + 4.0 * k2_t;
-    d.xyy = scale * (qq * (4.0 * k2_t - step) - step * t + p * (k2_t - qq * k3));
-    d.yyy = scale * q * (3.0 * k2_t - qq * k3);
-    const Pair e1 = 2.0 * d2 + 3.0 * d1, d3 = e1 * t - 2.0 * d2, e1_slope = d2 - (6.0 * d1 + 4.0 * d2) * t;
-    const Pair xx = p * p * k0 + (1.0 - p) * d2 - p * (3.0 - 2.0 * p) * ratio, xy = p * k1 + (p - 1.0) * e1;
-    const Pair turn = qq * t; // d_X p over a
-    d.xxx = scale * (turn * (2.0 * p * k0 - d2 - (3.0 - 4.0 * p) * ratio) - p * xx +
-                     (p - 1.0) * (p * (3.0 - 2.0 * p) * e1 * t - p * p * d1 - (1.0 - p) * d3));
-    d.xxy =
-        scale * q *
-        (xy * ((1.0 - p) * t - p) + turn * (k1 + e1) + (p - 1.0) * ((p - 1.0) * e1_slope - p * (d1 + d2)));
 }
 
 } // namespace
@@ -243,8 +200,23 @@ Potentials scaled_potentials(const Geometry& at, const WaveNumber& a0, const Wav
     d.xx = second * (p * p * k0 + (1.0 - p) * d2 - p * (3.0 - 2.0 * p) * ratio);
     d.xy = second * (q * (p * k1 + (p - 1.0) * e1));
     d.yy = second * (p * at.n * (k0 + 2.0 * ratio) - ratio);
-    if (order == Order::third)
-        add_third(d, at, at.inverse * Pair{a0.inverse, a1.inverse}, k0, k1, d1, d2, a * second);
+    if (order != Order::third)
+        return result;
+
+    const double qq = at.p * at.n;
+    const Pair t = at.inverse * Pair{a0.inverse, a1.inverse}, third = a * second;
+    const Pair k2 = k0 + 2.0 * ratio, step = 2.0 * ratio - d1; // k2 - k1
+    const Pair k2_t = k2 * t, k3 = k1 + 4.0 * k2_t;
+    d.xyy = third * (qq * (4.0 * k2_t - step) - step * t + p * (k2_t - qq * k3));
+    d.yyy = third * q * (3.0 * k2_t - qq * k3);
+    const Pair d3 = e1 * t - 2.0 * d2, e1_slope = d2 - (6.0 * d1 + 4.0 * d2) * t;
+    const Pair xx = p * p * k0 + (1.0 - p) * d2 - p * (3.0 - 2.0 * p) * ratio, xy = p * k1 + (p - 1.0) * e1;
+    const Pair turn = qq * t; // d_X p over a
+    d.xxx = third * (turn * (2.0 * p * k0 - d2 - (3.0 - 4.0 * p) * ratio) - p * xx +
+                     (p - 1.0) * (p * (3.0 - 2.0 * p) * e1 * t - p * p * d1 - (1.0 - p) * d3));
+    d.xxy =
+        third * q *
+        (xy * ((1.0 - p) * t - p) + turn * (k1 + e1) + (p - 1.0) * ((p - 1.0) * e1_slope - p * (d1 + d2)));
     return result;
 }
 

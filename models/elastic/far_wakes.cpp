@@ -38,26 +38,25 @@ double square(double x) { return x * x; }
 constexpr std::size_t distances = 100;
 double distance_of(std::size_t k) { return std::pow(1.06, static_cast<double>(k)); }
 
-/// Directions from a rod along x, in vectors; denser behind it.
-struct Directions {
-    static constexpr std::size_t count = 3 * heat_lanes;
-    double cosine[count], sine[count];
-
-    Directions() {
+/// Largest strain, and polar vector, that functions give.
+std::pair<double, double> largest_of(const WakeFunctions& f, const Field& field, double distance) {
+    // In directions from a rod along x, in vectors; denser behind it.
+    constexpr std::size_t count = 3 * heat_lanes;
+    struct Directions {
+        double cosine[count], sine[count];
+    };
+    static const Directions to = [] {
+        Directions all{};
         for (std::size_t i = 0; i < count; ++i) {
             const double beside = (static_cast<double>(i) + 0.01) / count,
                          angle = std::numbers::pi * (1.0 - beside * beside);
-            cosine[i] = std::cos(angle);
-            sine[i] = std::sin(angle);
+            all.cosine[i] = std::cos(angle);
+            all.sine[i] = std::sin(angle);
         }
-    }
-};
-
-/// Largest strain, and polar vector, that functions give.
-std::pair<double, double> largest_of(const WakeFunctions& f, const Field& field, double distance) {
-    static const Directions to;
+        return all;
+    }();
     std::pair<double, double> largest{0.0, 0.0};
-    for (std::size_t i = 0; i < Directions::count; i += heat_lanes) {
+    for (std::size_t i = 0; i < count; i += heat_lanes) {
         double parts[all_parts][heat_lanes];
         parts_at(f, field, 0.5 * distance, to.cosine + i, to.sine + i, parts);
         for (int k = 0; k < all_parts; ++k)
@@ -113,8 +112,26 @@ FarWakes::FarWakes(const Medium& medium, double strain_tolerance, double polar_t
          ++width)
         kernels_.emplace_back(width);
     for (const auto& [step, wider] : {std::pair{1.0, 0.8}, {0.8, 1.6}, {1.2, 0.8}}) {
-        nodes_.push_back({step / std::sqrt(cutoff_), wider, medium.eta, cutoff_, {}});
-        find_reaches(nodes_.back());
+        Nodes& nodes = nodes_.emplace_back(Nodes{step / std::sqrt(cutoff_), wider, medium.eta, cutoff_, {}});
+
+        // By the first node, the distance within which what is left of a wake is not small.
+        std::vector<WakeFunctions> left;
+        for (std::size_t k = 0; k < distances; ++k)
+            left.push_back(exact_functions(nodes.eta, 0.5 * distance_of(k)));
+        const auto small = [&](std::size_t k) {
+            const auto [strain_left, polar_left] = largest_of(left[k], unit_, distance_of(k));
+            return strain_left <= strain_error_ && (!polar_ || polar_left <= polar_error_);
+        };
+        nodes.reach.assign(most_first, distance_of(distances)); // too far, unless it is found below
+        for (std::size_t k = nodes.last_for(distance_of(distances)); k > 0; --k) {
+            for (std::size_t i = 0; i < distances; ++i)
+                take_node(nodes.at(k), nodes.eta, 0.5 * distance_of(i), left[i]);
+            std::size_t within = k > most_first ? 0 : distances;
+            while (within > 0 && small(within - 1))
+                --within;
+            if (k <= most_first)
+                nodes.reach[k - 1] = distance_of(within);
+        }
     }
 }
 
@@ -149,26 +166,6 @@ std::size_t FarWakes::Nodes::last_for(double distance) const {
            2;
 }
 
-void FarWakes::find_reaches(Nodes& nodes) const {
-    std::vector<WakeFunctions> left;
-    for (std::size_t k = 0; k < distances; ++k)
-        left.push_back(exact_functions(nodes.eta, 0.5 * distance_of(k)));
-    const auto small = [&](std::size_t k) {
-        const auto [strain, polar] = largest_of(left[k], unit_, distance_of(k));
-        return strain <= strain_error_ && (!polar_ || polar <= polar_error_);
-    };
-    nodes.reach.assign(most_first, distance_of(distances)); // too far, unless it is found below
-    for (std::size_t k = nodes.last_for(distance_of(distances)); k > 0; --k) {
-        for (std::size_t i = 0; i < distances; ++i)
-            take_node(nodes.at(k), nodes.eta, 0.5 * distance_of(i), left[i]);
-        std::size_t within = k > most_first ? 0 : distances;
-        while (within > 0 && small(within - 1))
-            --within;
-        if (k <= most_first)
-            nodes.reach[k - 1] = distance_of(within);
-    }
-}
-
 std::vector<FarWakes::Octave> FarWakes::octaves(const Nodes& nodes, std::size_t first, double diagonal,
                                                 double side) const {
     std::vector<Octave> found;
@@ -184,34 +181,30 @@ std::vector<FarWakes::Octave> FarWakes::octaves(const Nodes& nodes, std::size_t 
     return found;
 }
 
-/// ns, as measured (bench_many_rods); what is compared are ways of one sum.
-double FarWakes::cost(const Nodes& nodes, std::size_t first, const Crowd& crowd) const {
-    const double near =
-        std::min(crowd.count, std::numbers::pi * square(nodes.reach[first - 1]) * crowd.density);
-    double sum = crowd.count * near * (polar_ ? 20.0 : 13.0);
-    for (const Octave& item : octaves(nodes, first, crowd.diagonal, crowd.side)) {
-        if (item.half > largest_half)
-            return HUGE_VAL;
-        const double grid = 2.4 * static_cast<double>(item.half) + 30.0,
-                     count = static_cast<double>(item.last - item.first);
-        const double transform = 0.5 * square(grid) * std::log2(grid) + 35.0 * crowd.count;
-        sum += (count + (polar_ ? 4.0 : 2.0)) * transform;
-    }
-    return sum;
-}
-
 FarWakes::QuadraturePlan FarWakes::plan(std::span<const KernelSource> rods) const {
     const Extent extent = extent_of(rods);
-    const Crowd crowd{
-        static_cast<double>(rods.size()), std::hypot(extent.width, extent.height), extent.side(),
-        static_cast<double>(rods.size()) / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0))};
+    const double count = static_cast<double>(rods.size()), diagonal = std::hypot(extent.width, extent.height),
+                 density = count / (std::max(extent.width, 1.0) * std::max(extent.height, 1.0));
     QuadraturePlan best{0, 0, 0.0, HUGE_VAL};
-    if (crowd.diagonal > largest_crowd || crowd.density > densest)
+    if (diagonal > largest_crowd || density > densest)
         return best;
+    // ns, as measured (bench_many_rods); what is compared are ways of one sum.
+    const auto cost_of = [&](const Nodes& nodes, std::size_t first) {
+        const double near = std::min(count, std::numbers::pi * square(nodes.reach[first - 1]) * density);
+        double sum = count * near * (polar_ ? 20.0 : 13.0);
+        for (const Octave& item : octaves(nodes, first, diagonal, extent.side())) {
+            if (item.half > largest_half)
+                return HUGE_VAL;
+            const double grid = 2.4 * static_cast<double>(item.half) + 30.0,
+                         transforms = static_cast<double>(item.last - item.first) + (polar_ ? 4.0 : 2.0);
+            sum += transforms * (0.5 * square(grid) * std::log2(grid) + 35.0 * count);
+        }
+        return sum;
+    };
     for (std::size_t way = 0; way < nodes_.size(); ++way)
         for (std::size_t first = 1; first <= most_first; ++first)
             if (const double reach = nodes_[way].reach[first - 1]; reach < distance_of(distances - 1))
-                if (const double ns = cost(nodes_[way], first, crowd); ns < best.cost)
+                if (const double ns = cost_of(nodes_[way], first); ns < best.cost)
                     best = {way, first, reach, ns};
     return best;
 }
@@ -219,11 +212,8 @@ FarWakes::QuadraturePlan FarWakes::plan(std::span<const KernelSource> rods) cons
 const NearHeat& FarWakes::near_heat(const QuadraturePlan& plan) const {
     const std::scoped_lock lock(mutex_);
     const std::pair key{plan.nodes, plan.first};
-    const auto found = near_.find(key);
-    return found != near_.end() ? found->second : near_.emplace(key, make_near_heat(plan)).first->second;
-}
-
-NearHeat FarWakes::make_near_heat(const QuadraturePlan& plan) const {
+    if (const auto found = near_.find(key); found != near_.end())
+        return found->second;
     const Nodes& nodes = nodes_[plan.nodes];
     std::vector<HeatNode> felt;
     for (std::size_t k = plan.first; k < nodes.last_for(plan.reach); ++k)
@@ -235,23 +225,23 @@ NearHeat FarWakes::make_near_heat(const QuadraturePlan& plan) const {
         take_node(node, nodes.eta, 0.0, own);
     const double ahead[heat_lanes] = {}, aside[heat_lanes] = {};
     parts_at(own, unit_, 0.0, ahead, aside, near.own);
-    return near;
-}
-
-std::unique_ptr<HeatMesh> FarWakes::idle_mesh() const {
-    const std::scoped_lock lock(mutex_);
-    if (meshes_.empty())
-        return std::make_unique<HeatMesh>(unit_.medium().eta, kernels_);
-    std::unique_ptr<HeatMesh> mesh = std::move(meshes_.back());
-    meshes_.pop_back();
-    return mesh;
+    return near_.emplace(key, std::move(near)).first->second;
 }
 
 void FarWakes::add(const QuadraturePlan& plan, std::span<const KernelSource> rods, ThreadPool& team,
                    std::span<double* const> sums) const {
     const Extent extent = extent_of(rods);
     const Nodes& nodes = nodes_[plan.nodes];
-    std::unique_ptr<HeatMesh> mesh = idle_mesh();
+    std::unique_ptr<HeatMesh> mesh;
+    {
+        const std::scoped_lock lock(mutex_);
+        if (!meshes_.empty()) {
+            mesh = std::move(meshes_.back());
+            meshes_.pop_back();
+        }
+    }
+    if (!mesh)
+        mesh = std::make_unique<HeatMesh>(unit_.medium().eta, kernels_);
     NearSources sources;
     sources.reserve(rods.size());
     for (const KernelSource& rod : rods)

@@ -71,14 +71,7 @@ private:
         std::size_t first, last, half; ///< half: largest mode
         double box;
     };
-    struct Crowd {
-        double count, diagonal, side, density;
-    };
     std::vector<Octave> octaves(const Nodes& nodes, std::size_t first, double diagonal, double side) const;
-    double cost(const Nodes& nodes, std::size_t first, const Crowd& crowd) const;
-    void find_reaches(Nodes& nodes) const;
-    NearHeat make_near_heat(const QuadraturePlan& plan) const;
-    std::unique_ptr<HeatMesh> idle_mesh() const;
 
     Field unit_; ///< at xi = 1
     bool polar_;

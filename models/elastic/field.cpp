@@ -20,19 +20,16 @@ namespace {
 
 class PlaneWake final : public Wake {
 public:
-    explicit PlaneWake(const Medium& medium) : field_(medium) {}
+    explicit PlaneWake(const Medium& medium) : field(medium) {}
 
     FieldValues at(double x, double y, FieldRequest request) const override {
-        return field_.at(x, y, request);
+        return field.at(x, y, request);
     }
     MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
-        return elastic::medium_derivatives(field_, x, y, request);
+        return elastic::medium_derivatives(field, x, y, request);
     }
 
-    const Field& field() const { return field_; }
-
-private:
-    Field field_;
+    const Field field;
 };
 
 class PlaneField final : public WakeField {
@@ -40,59 +37,15 @@ public:
     PlaneField(const Medium& medium, const MutualWakesOptions& sums)
         : wake_(std::make_shared<const PlaneWake>(medium)), kernels_(medium, sums) {}
 
-    const Medium& medium() const override { return wake_->field().medium(); }
+    const Medium& medium() const override { return wake_->field.medium(); }
     std::shared_ptr<const Wake> wake(double /*heading*/) const override { return wake_; }
     void mutual(std::span<const Source> rods, FieldRequest request,
                 std::span<FieldValues> sums) const override;
 
 private:
-    void strains(std::span<const Source> rods, std::span<FieldValues> sums) const;
-
     std::shared_ptr<const PlaneWake> wake_;
     MutualWakes kernels_;
 };
-
-/// Columns of sums over rods, one after the other.
-class SumColumns {
-public:
-    explicit SumColumns(std::size_t rods) : rods_(rods), numbers_(7 * rods) {}
-
-    StrainSums strain() { return {column(0), column(1), column(2)}; }
-    PolarSums polar() { return {column(3), column(4), column(5), column(6)}; }
-    FieldValues row(std::size_t a, bool with_polar) const {
-        const auto number = [&](std::size_t k) { return numbers_[k * rods_ + a]; };
-        FieldValues f = unrequested();
-        f.strain = {number(0), number(1), number(2)};
-        if (with_polar) {
-            f.laplacian = {number(3), number(4)};
-            f.gradient_of_trace = {number(5), number(6)};
-        }
-        return f;
-    }
-
-private:
-    std::span<double> column(std::size_t k) { return std::span(numbers_).subspan(k * rods_, rods_); }
-
-    std::size_t rods_;
-    std::vector<double> numbers_;
-};
-
-/// Of few rods, by the shortest way to the strain: the bits of WakeField::mutual.
-void PlaneField::strains(std::span<const Source> rods, std::span<FieldValues> sums) const {
-    for (FieldValues& sum : sums)
-        sum = empty_sum({.strain = true});
-    for (std::size_t b = 0; b < rods.size(); ++b) {
-        const double cosine = std::cos(rods[b].heading), sine = std::sin(rods[b].heading);
-        for (std::size_t a = 0; a < rods.size(); ++a) {
-            if (a == b)
-                continue;
-            const Vector at = turned(Vector{rods[a].x - rods[b].x, rods[a].y - rods[b].y}, cosine, -sine);
-            const SymmetricTensor lab = turned(wake_->field().strain(at.x, at.y), cosine, sine);
-            SymmetricTensor& sum = sums[a].strain;
-            sum = {sum.xx + lab.xx, sum.xy + lab.xy, sum.yy + lab.yy};
-        }
-    }
-}
 
 void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
                         std::span<FieldValues> sums) const {
@@ -100,44 +53,45 @@ void PlaneField::mutual(std::span<const Source> rods, FieldRequest request,
     const bool few = rods.size() < worth_kernels;
     if (rods.size() != sums.size() || request.displacement || request.dipole || (few && request.polar))
         return WakeField::mutual(rods, request, sums);
-    if (few)
-        return strains(rods, sums);
-    SumColumns columns(rods.size());
+
+    // Few rods by the shortest way to the strain: the bits of WakeField::mutual.
+    if (few) {
+        for (FieldValues& sum : sums)
+            sum = empty_sum({.strain = true});
+        for (std::size_t b = 0; b < rods.size(); ++b) {
+            const double cosine = std::cos(rods[b].heading), sine = std::sin(rods[b].heading);
+            for (std::size_t a = 0; a < rods.size(); ++a) {
+                if (a == b)
+                    continue;
+                const Vector at = turned(Vector{rods[a].x - rods[b].x, rods[a].y - rods[b].y}, cosine, -sine);
+                const SymmetricTensor lab = turned(wake_->field.strain(at.x, at.y), cosine, sine);
+                SymmetricTensor& sum = sums[a].strain;
+                sum = {sum.xx + lab.xx, sum.xy + lab.xy, sum.yy + lab.yy};
+            }
+        }
+        return;
+    }
+
+    // Many by the kernels, which fill columns.
+    std::vector<double> numbers(7 * rods.size());
+    const auto column = [&](std::size_t k) {
+        return std::span(numbers).subspan(k * rods.size(), rods.size());
+    };
+    const StrainSums strain{column(0), column(1), column(2)};
+    const PolarSums polar{column(3), column(4), column(5), column(6)};
     if (request.polar)
-        kernels_.strain_and_polar(rods, columns.strain(), columns.polar());
+        kernels_.strain_and_polar(rods, strain, polar);
     else
-        kernels_.strain(rods, columns.strain());
-    for (std::size_t a = 0; a < rods.size(); ++a)
-        sums[a] = columns.row(a, request.polar);
+        kernels_.strain(rods, strain);
+    for (std::size_t a = 0; a < rods.size(); ++a) {
+        sums[a] = unrequested();
+        sums[a].strain = {strain.xx[a], strain.xy[a], strain.yy[a]};
+        if (request.polar) {
+            sums[a].laplacian = {polar.laplacian_x[a], polar.laplacian_y[a]};
+            sums[a].gradient_of_trace = {polar.gradient_x[a], polar.gradient_y[a]};
+        }
+    }
 }
-
-class PeriodicWake final : public Wake {
-public:
-    PeriodicWake(const Medium& medium, const PeriodicBox& box, double heading)
-        : field_(medium, box, heading) {}
-
-    FieldValues at(double x, double y, FieldRequest request) const override {
-        return field_.at(x, y, request);
-    }
-    FieldValues heading_derivative(double x, double y, FieldRequest request) const override {
-        return field_.heading_derivative(x, y, request);
-    }
-    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override {
-        return field_.medium_derivatives(x, y, request);
-    }
-    FieldValues self_image_field(FieldRequest request) const override {
-        return field_.self_image_field(request);
-    }
-    FieldValues own_place_by_heading(FieldRequest request) const override {
-        return field_.own_place_by_heading(request);
-    }
-    MediumDerivatives own_place_by_medium(FieldRequest request) const override {
-        return field_.own_place_by_medium(request);
-    }
-
-private:
-    PeriodicField field_;
-};
 
 class BoxField final : public WakeField {
 public:
@@ -146,7 +100,7 @@ public:
     const Medium& medium() const override { return medium_; }
     std::optional<PeriodicBox> box() const override { return box_; }
     std::shared_ptr<const Wake> wake(double heading) const override {
-        return std::make_shared<const PeriodicWake>(medium_, box_, heading);
+        return std::make_shared<const PeriodicField>(medium_, box_, heading);
     }
 
 private:
@@ -164,12 +118,6 @@ std::shared_ptr<const WakeField> exact_field(const Medium& medium, std::optional
 }
 
 namespace {
-
-Order highest_order(FieldRequest request) {
-    if (request.gradients)
-        return Order::third;
-    return request.strain || request.polar || request.dipole ? Order::second : Order::first;
-}
 
 SymmetricTensor strain(double scale, double trace, double yy, double shear) {
     return {scale * (trace - 0.5 * yy), scale * 0.5 * shear, scale * 0.5 * yy};
@@ -192,43 +140,6 @@ FieldValues plain_values(const Combination& sum, FieldRequest request, double un
             .laplacian_y = none.laplacian,
             .gradient_of_trace_x = none.gradient_of_trace,
             .gradient_of_trace_y = none.gradient_of_trace};
-}
-
-void add_gradients(FieldValues& f, const CombinationGradients& d, FieldRequest request, double third,
-                   double fourth) {
-    if (request.strain) {
-        f.strain_x = strain(third, d.trace_x, d.yy_x, d.shear_x);
-        f.strain_y = strain(third, d.trace_y, d.yy_y, d.shear_y);
-    }
-    if (request.polar) {
-        f.gradient_of_trace_x = times(fourth, d.trace_gradient_x);
-        f.gradient_of_trace_y = times(fourth, d.trace_gradient_y);
-        f.laplacian_x = times(fourth, d.laplacian_x);
-        f.laplacian_y = times(fourth, d.laplacian_y);
-    }
-}
-
-/// What the kernels' algorithm leaves to do; gradients come with what they are of.
-FieldRequest without_lane(FieldRequest request, bool polar) {
-    if (!request.gradients) {
-        request.strain = false;
-        request.polar = request.polar && !polar;
-    }
-    return request;
-}
-
-/// A field by the kernels' algorithm, with or without its polar vectors, and beside it what that does not
-/// give.
-FieldValues joined(const FieldValues& lane, FieldValues more, FieldRequest request, bool polar) {
-    if (request.strain)
-        more.strain = lane.strain;
-    if (polar) {
-        more.laplacian = lane.laplacian;
-        more.gradient_of_trace = lane.gradient_of_trace;
-    }
-    if (request.dipole)
-        more.dipole.x = -lane.strain.yy; // reciprocity
-    return more;
 }
 
 } // namespace
@@ -255,10 +166,24 @@ FieldValues Field::at(double x, double y, FieldRequest request) const {
     const bool polar = request.polar && lane_strain_and_polar(constants_, x, y, f);
     if (!polar && !((request.strain || request.dipole) && lane_strain(constants_, x, y, f.strain)))
         f = by_potentials(x, y, request);
-    else if (request.displacement || request.dipole || request.gradients || polar != request.polar)
-        f = joined(f, by_potentials(x, y, without_lane(request, polar)), request,
-                   polar);    // the same bits, whatever
-    else if (!request.strain) // else is asked for
+    else if (request.displacement || request.dipole || request.gradients || polar != request.polar) {
+        // The potentials give what the kernels' algorithm leaves to do; gradients come with what they are of.
+        // The strain and the polar vectors stay those of the kernels: the same bits, whatever else is asked
+        // for.
+        FieldRequest rest = request;
+        rest.strain = request.strain && request.gradients;
+        rest.polar = request.polar && (request.gradients || !polar);
+        FieldValues more = by_potentials(x, y, rest);
+        if (request.strain)
+            more.strain = f.strain;
+        if (polar) {
+            more.laplacian = f.laplacian;
+            more.gradient_of_trace = f.gradient_of_trace;
+        }
+        if (request.dipole)
+            more.dipole.x = -f.strain.yy; // reciprocity
+        f = more;
+    } else if (!request.strain)
         f.strain = unrequested().strain;
     return f;
 }
@@ -276,7 +201,10 @@ FieldValues Field::by_potentials(double x, double y, FieldRequest request) const
     const WaveNumber shear{{1.0, 0.0}, 1.0, 1.0},
         longitudinal{{m.nu, m.nu_low}, m.inverse_nu, m.inverse_root_nu};
     const bool core = in_core(at, m.nu);
-    const Potentials g = potentials(at, shear, longitudinal, core, highest_order(request));
+    const Order order = request.gradients                                   ? Order::third
+                        : request.strain || request.polar || request.dipole ? Order::second
+                                                                            : Order::first;
+    const Potentials g = potentials(at, shear, longitudinal, core, order);
     Combination sum = combine(at, m, g, core);
     if (core)
         add_singular(sum, at, m);
@@ -284,8 +212,20 @@ FieldValues Field::by_potentials(double x, double y, FieldRequest request) const
     const double unit = 0.5 * std::numbers::inv_pi * (at.boost > 1.0 ? 1.0 / at.boost : 1.0),
                  third = unit * m.c_shear * m.c_shear;
     FieldValues f = plain_values(sum, request, unit, m.c_shear);
-    if (request.gradients)
-        add_gradients(f, gradients(at, m, g, core), request, third, third * m.c_shear);
+    if (!request.gradients)
+        return f;
+    const CombinationGradients d = gradients(at, m, g, core);
+    const double fourth = third * m.c_shear;
+    if (request.strain) {
+        f.strain_x = elastic::strain(third, d.trace_x, d.yy_x, d.shear_x);
+        f.strain_y = elastic::strain(third, d.trace_y, d.yy_y, d.shear_y);
+    }
+    if (request.polar) {
+        f.gradient_of_trace_x = times(fourth, d.trace_gradient_x);
+        f.gradient_of_trace_y = times(fourth, d.trace_gradient_y);
+        f.laplacian_x = times(fourth, d.laplacian_x);
+        f.laplacian_y = times(fourth, d.laplacian_y);
+    }
     return f;
 }
 

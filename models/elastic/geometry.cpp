@@ -11,29 +11,22 @@ namespace rodwake::elastic {
 
 namespace {
 
-/// r = sqrt(x^2 + y^2) for operands whose squares neither overflow nor lose bits that matter.
-DoubleDouble distance(double x, double y) {
-    const DoubleDouble xx = exact_product(x, x), yy = exact_product(y, y);
-    const DoubleDouble sum = exact_sum(xx.high, yy.high);
-    const double r = std::sqrt(sum.high);
-    const double remainder = std::fma(-r, r, sum.high) + (sum.low + xx.low + yy.low);
-    return quick_sum(r, 0.5 * remainder / r);
-}
-
-/// r + x, by y^2/(r - x) behind the rod.
-DoubleDouble distance_plus_x(DoubleDouble r, double x, double y) {
-    if (x >= 0.0)
-        return add(r, x);
-    return divide(exact_product(y, y), add(r, -x));
-}
-
 /// (r + x)/(2 xi) to twice the precision. A power of two brings the larger coordinate near 1: exact, and safe
 /// from overflow of the squares.
 DoubleDouble precise_exponent(const Constants& medium, double x, double y) {
     const int exponent = std::ilogb(std::max(std::abs(x), std::abs(y)));
     const double x1 = std::ldexp(x, -exponent), y1 = std::ldexp(y, -exponent),
                  unit = std::ldexp(1.0, exponent);
-    const DoubleDouble u = distance_plus_x(distance(x1, y1), x1, y1);
+
+    // r = sqrt(x1^2 + y1^2)
+    const DoubleDouble xx = exact_product(x1, x1), yy = exact_product(y1, y1);
+    const DoubleDouble sum = exact_sum(xx.high, yy.high);
+    const double root = std::sqrt(sum.high);
+    const double remainder = std::fma(-root, root, sum.high) + (sum.low + xx.low + yy.low);
+    const DoubleDouble r = quick_sum(root, 0.5 * remainder / root);
+
+    // r + x, behind the rod by y^2/(r - x)
+    const DoubleDouble u = x1 >= 0.0 ? add(r, x1) : divide(yy, add(r, -x1));
     return divide({u.high * unit, u.low * unit}, {medium.two_xi, 0.0});
 }
 
@@ -47,46 +40,38 @@ constexpr double huge_exponent = 500.0;
 /// Beyond this it is 0, boosted or not, and its tail no longer matters.
 constexpr double vanishing_exponent = 1e4;
 
-/// s and its parts where the squares of the coordinates overflow or underflow; every illegal point ends up
-/// here.
-struct Distances {
-    double s, inverse; ///< 1/s
-    double far, near;  ///< s + |X|, s - |X|
-};
-
-Distances extreme_distances(double X, double Y) {
-    const double s = std::hypot(X, Y), far = s + std::abs(X);
-    if (!(s < 1e300))
-        throw InputError(
-            "the field is known at finite points only, r/xi < 1e300: got a coordinate that is not "
-            "a number, infinite or beyond");
-    if (s <= 0.5e-100)
-        throw InputError(
-            "the field is singular at the rod itself (r <= 1e-100 xi): move the point off the rod");
-    return {s, 1.0 / s, far, Y * (Y / far)};
-}
-
-/// One division for both quotients: it and the square roots are what a point costs most.
-Distances distances(double X, double Y) {
-    const double square = X * X + Y * Y;
-    if (!(square > 1e-190 && square < 1e280))
-        return extreme_distances(X, Y);
-    const double s = std::sqrt(square), far = s + std::abs(X), u = 1.0 / (s * far);
-    return {s, far * u, far, Y * Y * (s * u)};
-}
-
 } // namespace
 
 Geometry::Geometry(const Constants& medium, double given_x, double given_y) : x(given_x), y(given_y) {
     X = x * medium.c_shear;
     Y = y * medium.c_shear;
-    const Distances d = distances(X, Y);
-    s = d.s;
-    inverse = d.inverse;
+
+    // s, 1/s and s +- |X|: one division for both quotients, since it and the square roots are what a point
+    // costs most. Where the squares overflow or underflow it takes two; every illegal point ends up there.
+    double far = 0.0, near = 0.0;
+    if (const double square = X * X + Y * Y; square > 1e-190 && square < 1e280) {
+        s = std::sqrt(square);
+        far = s + std::abs(X);
+        const double u = 1.0 / (s * far);
+        inverse = far * u;
+        near = Y * Y * (s * u);
+    } else {
+        s = std::hypot(X, Y);
+        far = s + std::abs(X);
+        if (!(s < 1e300))
+            throw InputError(
+                "the field is known at finite points only, r/xi < 1e300: got a coordinate that is not "
+                "a number, infinite or beyond");
+        if (s <= 0.5e-100)
+            throw InputError(
+                "the field is singular at the rod itself (r <= 1e-100 xi): move the point off the rod");
+        inverse = 1.0 / s;
+        near = Y * (Y / far);
+    }
     root = std::sqrt(0.5 * std::numbers::pi * inverse);
     c = X * inverse;
     q = Y * inverse;
-    const double both[] = {d.near, d.far}; // picked by index: a branch here would be taken at random
+    const double both[] = {near, far}; // picked by index: a branch here would be taken at random
     const bool ahead = X >= 0.0;
     w = {both[ahead], 0.0};
     p = both[ahead] * inverse;

@@ -52,16 +52,14 @@ std::size_t whole(std::size_t count) { return (count + Fft::lanes - 1) / Fft::la
 
 constexpr double oversampling = 1.2; // grid points a mode, at least
 
-std::size_t grid_of(std::size_t half, std::size_t width) {
-    const double least = oversampling * static_cast<double>(2 * half + 1);
-    return Fft::suitable(std::max(static_cast<std::size_t>(least) + 1, 2 * width));
-}
-
 } // namespace
 
 MeshGrid::MeshGrid(double box, std::size_t half_modes, std::size_t kernel_width, std::size_t field_count)
-    : size(grid_of(half_modes, kernel_width)), half(half_modes), width(kernel_width), pad(width / 2),
-      fields(field_count), columns(whole(size + MeshKernel::widest + 1)), lines(size + width + 1),
+    : size(Fft::suitable(
+          std::max(static_cast<std::size_t>(oversampling * static_cast<double>(2 * half_modes + 1)) + 1,
+                   2 * kernel_width))),
+      half(half_modes), width(kernel_width), pad(width / 2), fields(field_count),
+      columns(whole(size + MeshKernel::widest + 1)), lines(size + width + 1),
       per_length(static_cast<double>(size) / box) {}
 
 void HeatMesh::begin(double x, double y, double box, std::size_t half, ThreadPool& team) {
@@ -187,25 +185,22 @@ void HeatMesh::add(const NearSources& rods, const HeatNode& node, double cutoff,
     });
     fold(g, line, grid_.data(), line);
     const Fft& fft = ffts_.try_emplace(g.size, g.size).first->second;
-    team_->run(line / Fft::lanes, [&](std::size_t block) { columns_to_modes(g, fft, block); });
+    team_->run(line / Fft::lanes, [&](std::size_t block) { // columns of fields to m
+        const std::size_t first = block * Fft::lanes;
+        MeshLines& work = lines(g.size);
+        for (std::size_t i = 0; i < g.size; ++i) {
+            copy_lanes(&grid_[(i + g.pad) * line + first], work.field[0][i].re);
+            std::memset(work.field[0][i].im, 0, sizeof(work.field[0][i].im));
+        }
+        fft.transform(work.field[0], work.other);
+        for (std::size_t m = 0; m <= g.half; ++m) {
+            copy_lanes(work.field[0][m].re, &between_re_[m * line + first]);
+            copy_lanes(work.field[0][m].im, &between_im_[m * line + first]);
+        }
+    });
     const Weights weights{node.weight / (box_ * box_), gaussian(with, g, node.time),
                           gaussian(with, g, diffusivity_ * node.time)};
     team_->run(whole(g.half + 1) / Fft::lanes, [&](std::size_t block) { add_modes(g, fft, weights, block); });
-}
-
-/// Columns of fields to m.
-void HeatMesh::columns_to_modes(const MeshGrid& g, const Fft& fft, std::size_t block) {
-    const std::size_t line = g.fields * g.columns, first = block * Fft::lanes;
-    MeshLines& work = lines(g.size);
-    for (std::size_t i = 0; i < g.size; ++i) {
-        copy_lanes(&grid_[(i + g.pad) * line + first], work.field[0][i].re);
-        std::memset(work.field[0][i].im, 0, sizeof(work.field[0][i].im));
-    }
-    fft.transform(work.field[0], work.other);
-    for (std::size_t m = 0; m <= g.half; ++m) {
-        copy_lanes(work.field[0][m].re, &between_re_[m * line + first]);
-        copy_lanes(work.field[0][m].im, &between_im_[m * line + first]);
-    }
 }
 
 /// Lines m to n, and to the displacement.
@@ -243,55 +238,50 @@ void HeatMesh::read(const NearSources& rods, double cutoff, std::span<double* co
     const Fft& fft = ffts_.try_emplace(g.size, g.size).first->second;
     const std::vector<double> inverse = gaussian(with, g, 0.0);
     const std::size_t blocks = whole(g.half + 1) / Fft::lanes, line = g.fields * g.columns;
-    team_->run(g.fields * blocks,
-               [&](std::size_t k) { field_to_lines(g, fft, inverse, k / blocks, k % blocks); });
-    team_->run(line / Fft::lanes, [&](std::size_t block) { modes_to_columns(g, fft, block); });
+    team_->run(g.fields * blocks, [&](std::size_t task) { // a field's modes to lines
+        MeshLines& work = lines(g.size);
+        auto& data = work.field[0];
+        const std::size_t field = task / blocks, first = task % blocks * Fft::lanes,
+                          count = std::min(Fft::lanes, g.half + 1 - first);
+        clear(data);
+        for (std::size_t n = 0; n <= 2 * g.half; ++n) {
+            const std::size_t k = n > g.half ? n - g.half : g.half - n;
+            const double qy = n < g.half ? -wave(k) : wave(k);
+            for (std::size_t lane = 0; lane < count; ++lane) {
+                const std::size_t m = first + lane, i = n * (half_ + 1) + m;
+                set_lane(data[place_of(g, n)], lane,
+                         swapped(inverse[k] * inverse[m] * field_of(field, wave(m), qy, ux_[i], uy_[i])));
+            }
+        }
+        fft.transform(data, work.other);
+        for (std::size_t lane = 0; lane < count; ++lane)
+            for (std::size_t j = 0; j < g.size; ++j) {
+                const std::size_t to = ((first + lane) * g.fields + field) * g.columns + g.pad + j;
+                between_re_[to] = data[j].im[lane];
+                between_im_[to] = data[j].re[lane];
+            }
+    });
+    team_->run(line / Fft::lanes, [&](std::size_t block) { // modes to columns
+        const std::size_t first = block * Fft::lanes;
+        MeshLines& work = lines(g.size);
+        auto& data = work.field[0];
+        clear(data);
+        for (std::size_t m = 0; m <= g.half; ++m)
+            for (std::size_t lane = 0; lane < Fft::lanes; ++lane) {
+                const Complex z{between_re_[m * line + first + lane], between_im_[m * line + first + lane]};
+                set_lane(data[m == 0 ? 0 : g.size - m], lane, {-z.im, z.re}); // the mode -m: its conjugate
+                set_lane(data[m], lane, swapped(z));
+            }
+        fft.transform(data, work.other);
+        for (std::size_t i = 0; i < g.size; ++i)
+            copy_lanes(data[i].im, &grid_[(i + g.pad) * line + first]);
+    });
     for (std::size_t k = g.pad * g.fields; k < (g.pad + g.size) * g.fields; ++k)
         extend(g, 1, &grid_[k * g.columns], 1);
     extend(g, line, grid_.data(), line);
     const MeshRods task{with, g, rods, x_, y_, 0.0, 0.0, static_cast<double>(g.size)};
     team_->run(whole(rods.count) / heat_lanes,
                [&](std::size_t k) { read_rods(task, k * heat_lanes, g.fields, grid_.data(), sums.data()); });
-}
-
-void HeatMesh::field_to_lines(const MeshGrid& g, const Fft& fft, const std::vector<double>& inverse,
-                              std::size_t field, std::size_t block) {
-    MeshLines& work = lines(g.size);
-    auto& data = work.field[0];
-    const std::size_t first = block * Fft::lanes, count = std::min(Fft::lanes, g.half + 1 - first);
-    clear(data);
-    for (std::size_t n = 0; n <= 2 * g.half; ++n) {
-        const std::size_t k = n > g.half ? n - g.half : g.half - n;
-        const double qy = n < g.half ? -wave(k) : wave(k);
-        for (std::size_t lane = 0; lane < count; ++lane) {
-            const std::size_t m = first + lane, i = n * (half_ + 1) + m;
-            set_lane(data[place_of(g, n)], lane,
-                     swapped(inverse[k] * inverse[m] * field_of(field, wave(m), qy, ux_[i], uy_[i])));
-        }
-    }
-    fft.transform(data, work.other);
-    for (std::size_t lane = 0; lane < count; ++lane)
-        for (std::size_t j = 0; j < g.size; ++j) {
-            const std::size_t to = ((first + lane) * g.fields + field) * g.columns + g.pad + j;
-            between_re_[to] = data[j].im[lane];
-            between_im_[to] = data[j].re[lane];
-        }
-}
-
-void HeatMesh::modes_to_columns(const MeshGrid& g, const Fft& fft, std::size_t block) {
-    const std::size_t line = g.fields * g.columns, first = block * Fft::lanes;
-    MeshLines& work = lines(g.size);
-    auto& data = work.field[0];
-    clear(data);
-    for (std::size_t m = 0; m <= g.half; ++m)
-        for (std::size_t lane = 0; lane < Fft::lanes; ++lane) {
-            const Complex z{between_re_[m * line + first + lane], between_im_[m * line + first + lane]};
-            set_lane(data[m == 0 ? 0 : g.size - m], lane, {-z.im, z.re}); // the mode -m: its conjugate
-            set_lane(data[m], lane, swapped(z));
-        }
-    fft.transform(data, work.other);
-    for (std::size_t i = 0; i < g.size; ++i)
-        copy_lanes(data[i].im, &grid_[(i + g.pad) * line + first]);
 }
 
 } // namespace rodwake::elastic

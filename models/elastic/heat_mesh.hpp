@@ -73,11 +73,7 @@ private:
     double wave(std::size_t m) const { return unit_ * static_cast<double>(m); }
     std::vector<double> gaussian(const MeshKernel& kernel, const MeshGrid& g, double spread) const;
     void reserve(const MeshGrid& g);
-    void columns_to_modes(const MeshGrid& g, const fourier::Fft& fft, std::size_t block);
     void add_modes(const MeshGrid& g, const fourier::Fft& fft, const Weights& weights, std::size_t block);
-    void field_to_lines(const MeshGrid& g, const fourier::Fft& fft, const std::vector<double>& inverse,
-                        std::size_t field, std::size_t block);
-    void modes_to_columns(const MeshGrid& g, const fourier::Fft& fft, std::size_t block);
 
     double diffusivity_; ///< D_L
     std::span<const MeshKernel> kernels_;

@@ -17,17 +17,12 @@ namespace rodwake::elastic {
 
 namespace {
 
-/// Standard normal numbers.
-std::vector<double> normal_numbers(RandomStream random, std::size_t count) {
-    std::vector<double> numbers(count);
-    for (double& z : numbers)
-        z = random.normal();
-    return numbers;
-}
-
 /// Errors of the bins in units of their sigma: white noise under the window of the means, around the box.
 std::vector<double> unit_errors(const MeasuredGrid& grid, double correlation, const RandomStream& random) {
-    const std::vector<double> white = normal_numbers(random, grid.n * grid.n);
+    RandomStream normals = random;
+    std::vector<double> white(grid.n * grid.n);
+    for (double& z : white)
+        z = normals.normal();
     const auto n = static_cast<long>(grid.n), reach = static_cast<long>(correlation / grid.spacing);
     std::vector<double> errors(white.size(), 0.0);
     double square = 0.0;
@@ -235,12 +230,6 @@ Line towards_edge(double x, const MeasuredOptions& o) {
     return {s.v, sign * s.d, s.dd, sign * s.ddd};
 }
 
-/// f(x) g(y)
-Jet outer(const Line& f, const Line& g) {
-    return {f.v * g.v,  f.d * g.v,   f.v * g.d,  f.dd * g.v, f.d * g.d,
-            f.v * g.dd, f.ddd * g.v, f.dd * g.d, f.d * g.dd, f.v * g.ddd};
-}
-
 /// f(r), r the distance from the rod, above 0.
 Jet radial(const Line& f, double x, double y) {
     const double r = std::hypot(x, y), c = x / r, s = y / r, per = 1.0 / r;
@@ -276,26 +265,12 @@ SymmetricTensor strain(const Vector& by_x, const Vector& by_y) {
     return {by_x.x, 0.5 * (by_x.y + by_y.x), by_y.y};
 }
 
-/// What is made of the derivatives of (ux, uy).
-FieldValues field_of(const Jet& u, const Jet& v) {
-    FieldValues f{};
-    f.displacement = {u.v, v.v};
-    f.strain = strain({u.x, v.x}, {u.y, v.y});
-    f.laplacian = {u.xx + u.yy, v.xx + v.yy};
-    f.gradient_of_trace = {u.xx + v.xy, u.xy + v.yy};
-    f.strain_x = strain({u.xx, v.xx}, {u.xy, v.xy});
-    f.strain_y = strain({u.xy, v.xy}, {u.yy, v.yy});
-    f.laplacian_x = {u.xxx + u.xyy, v.xxx + v.xyy};
-    f.laplacian_y = {u.xxy + u.yyy, v.xxy + v.yyy};
-    f.gradient_of_trace_x = {u.xxx + v.xxy, u.xxy + v.xyy};
-    f.gradient_of_trace_y = {u.xxy + v.xyy, u.xyy + v.yyy};
-    return f;
-}
-
 } // namespace
 
 Jet edge_weight(const MeasuredOptions& options, double x, double y) {
-    return outer(towards_edge(x, options), towards_edge(y, options));
+    const Line f = towards_edge(x, options), g = towards_edge(y, options);
+    return {f.v * g.v,  f.d * g.v,   f.v * g.d,  f.dd * g.v, f.d * g.d,
+            f.v * g.dd, f.ddd * g.v, f.dd * g.d, f.d * g.dd, f.v * g.ddd};
 }
 
 Jet blend_weight(const MeasuredOptions& options, double x, double y) {
@@ -314,8 +289,18 @@ bool MeasuredResidual::reaches(double px, double py) const {
 
 void MeasuredResidual::add_to(FieldValues& f, double px, double py) const {
     const Jet w = blend_weight(options, px, py);
-    const FieldValues more =
-        field_of(product(w, spline_at(knots, x, px, py)), product(w, spline_at(knots, y, px, py)));
+    const Jet u = product(w, spline_at(knots, x, px, py)), v = product(w, spline_at(knots, y, px, py));
+    FieldValues more{};
+    more.displacement = {u.v, v.v};
+    more.strain = strain({u.x, v.x}, {u.y, v.y});
+    more.laplacian = {u.xx + u.yy, v.xx + v.yy};
+    more.gradient_of_trace = {u.xx + v.xy, u.xy + v.yy};
+    more.strain_x = strain({u.xx, v.xx}, {u.xy, v.xy});
+    more.strain_y = strain({u.xy, v.xy}, {u.yy, v.yy});
+    more.laplacian_x = {u.xxx + u.xyy, v.xxx + v.xyy};
+    more.laplacian_y = {u.xxy + u.yyy, v.xxy + v.yyy};
+    more.gradient_of_trace_x = {u.xxx + v.xxy, u.xxy + v.xyy};
+    more.gradient_of_trace_y = {u.xxy + v.xyy, u.xyy + v.yyy};
     add(f, more); // what was not asked for is NaN in f, and stays so
 }
 

@@ -64,26 +64,6 @@ Longitudinal complete(const Scaled& s, const Singular& at_rod, double nu, double
             .yy = s.yy[1] + nu * at_rod.k_yy};
 }
 
-Longitudinal times(double scale, Longitudinal l) {
-    for (double* v : {&l.g_x, &l.g_y, &l.g_xx, &l.g_xy, &l.x, &l.y, &l.xx, &l.xy, &l.yy})
-        *v *= scale;
-    return l;
-}
-
-/// nu d/dnu of the combinations.
-Combination by_nu(const Longitudinal& l, double nu) {
-    Combination sum{};
-    sum.drift = -l.x;
-    sum.y = -l.y;
-    sum.trace = nu * (l.g_x + l.x);
-    sum.yy = -l.yy;
-    sum.shear = -l.xy;
-    sum.dipole = -0.5 * l.xy - nu * (l.g_y + l.y);
-    sum.trace_gradient = {nu * (l.g_xx + l.xx), nu * (l.g_xy + l.xy)};
-    sum.laplacian = sum.trace_gradient;
-    return sum;
-}
-
 /// What an n-th derivative of U turns into: (n + X d_X + Y d_Y) of the combinations. In D the singular parts
 /// cancel but for the constant.
 Combination by_scale(const Geometry& at, const Constants& medium, const Scaled& s, const Longitudinal& l,
@@ -127,16 +107,12 @@ FieldValues values(const Combination& sum, FieldRequest request, double unit, do
     return f;
 }
 
-void check(FieldRequest request) {
-    if (request.gradients)
-        throw InputError("derivatives of the field's gradients with respect to the medium are not available: "
-                         "request displacement, strain, polar or dipole");
-}
-
 } // namespace
 
 MediumDerivatives medium_derivatives(const Field& field, double x, double y, FieldRequest request) {
-    check(request);
+    if (request.gradients)
+        throw InputError("derivatives of the field's gradients with respect to the medium are not available: "
+                         "request displacement, strain, polar or dipole");
     const Constants& m = FieldInternals::constants(field);
     const Geometry at(m, x, y);
     const Order order = request.strain || request.polar || request.dipole ? Order::third : Order::second;
@@ -145,14 +121,25 @@ MediumDerivatives medium_derivatives(const Field& field, double x, double y, Fie
     // The longitudinal potential alone can be in its core: for a nearly incompressible medium far out.
     const bool core = in_core(at, m.nu), own_core = m.nu * at.s <= series_end;
     const Scaled both(at, potentials(at, shear, longitudinal, core, order).d);
-    const Longitudinal own =
-        !own_core ? complete(both, {}, m.nu, 0.0)
-        : core
-            ? complete(both, Singular(at), m.nu, m.nu)
-            : times(at.boost, complete(Scaled(at, core_potentials(at, longitudinal, longitudinal, order).d),
-                                       Singular(at), m.nu, m.nu));
+    Longitudinal own = complete(both, own_core ? Singular(at) : Singular(), m.nu, own_core ? m.nu : 0.0);
+    if (own_core && !core) {
+        own = complete(Scaled(at, core_potentials(at, longitudinal, longitudinal, order).d), Singular(at),
+                       m.nu, m.nu);
+        for (double* v :
+             {&own.g_x, &own.g_y, &own.g_xx, &own.g_xy, &own.x, &own.y, &own.xx, &own.xy, &own.yy})
+            *v *= at.boost;
+    }
+    Combination by_nu{}; // nu d/dnu of the combinations
+    by_nu.drift = -own.x;
+    by_nu.y = -own.y;
+    by_nu.trace = m.nu * (own.g_x + own.x);
+    by_nu.yy = -own.yy;
+    by_nu.shear = -own.xy;
+    by_nu.dipole = -0.5 * own.xy - m.nu * (own.g_y + own.y);
+    by_nu.trace_gradient = {m.nu * (own.g_xx + own.xx), m.nu * (own.g_xy + own.xy)};
+    by_nu.laplacian = by_nu.trace_gradient;
     const double unit = 0.5 * std::numbers::inv_pi * (at.boost > 1.0 ? 1.0 / at.boost : 1.0);
-    return {values(by_nu(own, m.nu), request, -unit * m.nu, m.c_shear),
+    return {values(by_nu, request, -unit * m.nu, m.c_shear),
             values(by_scale(at, m, both, own, core), request, -unit / field.medium().xi, m.c_shear)};
 }
 

@@ -24,12 +24,6 @@ void require(bool legal, const std::string& message) {
         throw InputError(message);
 }
 
-void require_finite(std::span<const Source> rods) {
-    for (std::size_t k = 0; k < rods.size(); ++k)
-        require(std::isfinite(rods[k].x) && std::isfinite(rods[k].y) && std::isfinite(rods[k].heading),
-                "rod " + std::to_string(k) + " has a position or heading that is not finite");
-}
-
 /// What a sum is made for.
 struct Task {
     const KernelMedium& medium;
@@ -107,12 +101,8 @@ Box box_around(const Range& range, const At& at) {
     return box;
 }
 
-/// Half of a number of rods, in whole groups, or in whole blocks if there are several.
-std::size_t half_of(std::size_t count) {
-    const std::size_t unit = count > block_rods ? block_rods : group_rods, units = (count + unit - 1) / unit;
-    return units / 2 * unit;
-}
-
+/// Brings numbers of rods into an order in which each group, and each block, lies together: halves across the
+/// longer side, again and again. It depends on the places and, where these are equal, on the numbers.
 void split(std::span<const KernelSource> rods, std::span<std::uint32_t> numbers) {
     if (numbers.size() <= group_rods) {
         std::sort(numbers.begin(), numbers.end());
@@ -124,20 +114,13 @@ void split(std::span<const KernelSource> rods, std::span<std::uint32_t> numbers)
         const double at_a = across ? rods[a].x : rods[a].y, at_b = across ? rods[b].x : rods[b].y;
         return at_a != at_b ? at_a < at_b : a < b;
     };
-    const std::size_t half = half_of(numbers.size());
+    // Half of the rods, in whole groups, or in whole blocks if there are several.
+    const std::size_t unit = numbers.size() > block_rods ? block_rods : group_rods,
+                      half = (numbers.size() + unit - 1) / unit / 2 * unit;
     std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(half), numbers.end(),
                      less);
     split(rods, numbers.first(half));
     split(rods, numbers.subspan(half));
-}
-
-/// Numbers of the rods in an order in which each group, and each block, lies together: halves across the
-/// longer side, again and again. It depends on the places and, where these are equal, on the numbers.
-std::vector<std::uint32_t> compact_order(std::span<const KernelSource> rods) {
-    std::vector<std::uint32_t> numbers(rods.size());
-    std::iota(numbers.begin(), numbers.end(), 0U);
-    split(rods, numbers);
-    return numbers;
 }
 
 /// A circle round places.
@@ -160,42 +143,10 @@ struct NearBlocks {
     std::vector<Circle> blocks;
 };
 
-bool within(const Circle& a, const Circle& b, double distance) {
-    const double dx = a.x - b.x, dy = a.y - b.y, most = distance + a.radius + b.radius;
-    return dx * dx + dy * dy <= most * most;
-}
-
 /// Rods near to a block, to a group of it and to a rod.
 struct SurroundingSources {
     NearSources block, group, rod;
 };
-
-void find_around(const Task& task, const NearBlocks& near, std::size_t block, SurroundingSources& around) {
-    NearSources& all = around.group; // not yet in use
-    const Circle& circle = near.blocks[block];
-    all.count = 0;
-    for (std::size_t other = 0; other < task.blocks(); ++other)
-        if (within(circle, near.blocks[other], near.reach)) {
-            all.reserve(all.count + block_rods);
-            for (std::size_t i = 0; i < task.block(other).size(); ++i)
-                all.add(task.block(other)[i], static_cast<double>(other * block_rods + i));
-        }
-    find_near(all, circle.x, circle.y, near.reach + circle.radius, -1.0, around.block);
-}
-
-/// Takes off what a rod got of its own heat.
-void take_own(const KernelSource& rod, const NearHeat& heat, double per_xi, std::span<double> sums) {
-    const double c = rod.cosine, s = rod.sine, trace = (heat.own[0][0] + heat.own[2][0]) * per_xi,
-                 difference = (heat.own[0][0] - heat.own[2][0]) * per_xi;
-    sums[0] += 0.5 * (trace + difference * (c * c - s * s));
-    sums[1] += difference * s * c;
-    sums[2] += 0.5 * (trace - difference * (c * c - s * s));
-    for (std::size_t k = strain_parts; k < sums.size(); k += 2) {
-        const double along = heat.own[k][0] * per_xi * per_xi; // nothing points aside
-        sums[k] += along * c;
-        sums[k + 1] += along * s;
-    }
-}
 
 /// Puts the exact field of near rods in at a group, in place of their far wakes.
 std::size_t add_group(const Task& task, const NearBlocks& near, SurroundingSources& around,
@@ -211,7 +162,19 @@ std::size_t add_group(const Task& task, const NearBlocks& near, SurroundingSourc
         std::array<double, all_parts> all{};
         const auto sums = std::span(all).first(static_cast<std::size_t>(task.parts()));
         add_near(task.medium, task.field, near.heat, around.rod, at.x, at.y, task.polar, sums);
-        take_own(at, near.heat, 1.0 / task.field.medium().xi, sums);
+
+        // Take off what the rod got of its own heat.
+        const double per_xi = 1.0 / task.field.medium().xi, c = at.cosine, s = at.sine;
+        const auto& own = near.heat.own;
+        const double trace = (own[0][0] + own[2][0]) * per_xi, difference = (own[0][0] - own[2][0]) * per_xi;
+        sums[0] += 0.5 * (trace + difference * (c * c - s * s));
+        sums[1] += difference * s * c;
+        sums[2] += 0.5 * (trace - difference * (c * c - s * s));
+        for (std::size_t k = strain_parts; k < sums.size(); k += 2) {
+            const double along = own[k][0] * per_xi * per_xi; // nothing points aside
+            sums[k] += along * c;
+            sums[k + 1] += along * s;
+        }
         for (std::size_t k = 0; k < sums.size(); ++k)
             task.sum[k][rod] += sums[k];
     }
@@ -226,28 +189,26 @@ std::size_t add_near_pairs(const Task& task, const NearHeat& heat) {
     parallel_for(task.blocks(), task.team, [&](std::size_t block) {
         const std::size_t end = block * block_rods + task.block(block).size();
         thread_local SurroundingSources around;
-        find_around(task, near, block, around);
+
+        // The rods near to the block, from the blocks near to it.
+        NearSources& all = around.group; // not yet in use
+        const Circle& circle = near.blocks[block];
+        all.count = 0;
+        for (std::size_t other = 0; other < task.blocks(); ++other) {
+            const Circle& there = near.blocks[other];
+            const double dx = circle.x - there.x, dy = circle.y - there.y,
+                         most = near.reach + circle.radius + there.radius;
+            if (!(dx * dx + dy * dy <= most * most))
+                continue;
+            all.reserve(all.count + block_rods);
+            for (std::size_t i = 0; i < task.block(other).size(); ++i)
+                all.add(task.block(other)[i], static_cast<double>(other * block_rods + i));
+        }
+        find_near(all, circle.x, circle.y, near.reach + circle.radius, -1.0, around.block);
         for (std::size_t first = block * block_rods; first < end; first += group_rods)
             done += add_group(task, near, around, first);
     });
     return done;
-}
-
-/// Sums of the far wakes of rods in compact order.
-void add_far(const Task& task, const FarWakes& far, const FarWakes::QuadraturePlan& plan,
-             std::span<const KernelSource> in_xi) {
-    const double per_xi = 1.0 / task.field.medium().xi;
-    far.add(plan, in_xi, task.team, std::span(task.sum).first(static_cast<std::size_t>(task.parts())));
-    for (int k = 0; k < task.parts(); ++k)
-        for (std::size_t i = 0; i < in_xi.size(); ++i)
-            task.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
-}
-
-/// ns of one core as FarWakes::QuadraturePlan counts them, as measured.
-double all_pairs_cost(const Task& task) {
-    const auto n = static_cast<double>(task.rods.size());
-    const double exact = task.polar ? 9.0 : 6.2;
-    return n * n * exact * (task.options.accuracy == Accuracy::single ? 0.5 : 1.0);
 }
 
 } // namespace
@@ -255,15 +216,7 @@ double all_pairs_cost(const Task& task) {
 /// Made when they are first asked for.
 struct MutualWakes::Far {
     std::mutex mutex;
-    std::map<std::pair<bool, double>, const FarWakes> kept;
-
-    const FarWakes& of(const Medium& medium, const MutualWakesOptions& options, bool polar) {
-        const std::scoped_lock lock(mutex);
-        return kept
-            .try_emplace({polar, options.strain_tolerance + options.polar_tolerance}, medium,
-                         options.strain_tolerance, options.polar_tolerance, polar)
-            .first->second;
-    }
+    std::map<std::pair<bool, double>, const FarWakes> kept; ///< by polar, and the sum of the tolerances
 };
 
 namespace {
@@ -276,9 +229,11 @@ bool may_be_far(const MutualWakesOptions& options, const Medium& medium, bool po
 }
 
 /// How many near pairs there were; none, if all pairs are cheaper and nothing was done.
-std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& kept) {
+std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& made) {
     const double per_xi = 1.0 / task.field.medium().xi;
-    const std::vector<std::uint32_t> order = compact_order(task.rods);
+    std::vector<std::uint32_t> order(task.rods.size());
+    std::iota(order.begin(), order.end(), 0U);
+    split(task.rods, order);
     std::vector<KernelSource> rods, in_xi;
     for (const std::uint32_t k : order) {
         const KernelSource& rod = rods.emplace_back(task.rods[k]);
@@ -293,9 +248,18 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     }
     if (!may_be_far(options, task.field.medium(), task.polar, rods.size()))
         return std::nullopt;
-    const FarWakes& far = kept.of(task.field.medium(), options, task.polar);
+    std::unique_lock lock(made.mutex);
+    const FarWakes& far =
+        made.kept
+            .try_emplace({task.polar, options.strain_tolerance + options.polar_tolerance},
+                         task.field.medium(), options.strain_tolerance, options.polar_tolerance, task.polar)
+            .first->second;
+    lock.unlock();
     const FarWakes::QuadraturePlan plan = far.plan(in_xi);
-    if (plan.cost > all_pairs_cost(task))
+    const auto count = static_cast<double>(rods.size());
+    const double all_pairs_cost = count * count * (task.polar ? 9.0 : 6.2) * // ns of one core, as measured
+                                  (task.options.accuracy == Accuracy::single ? 0.5 : 1.0);
+    if (plan.cost > all_pairs_cost)
         return std::nullopt;
     const NearHeat& near = far.near_heat(plan);
     if (near.powers.empty())
@@ -304,7 +268,10 @@ std::optional<std::size_t> add_far_and_near(const Task& task, MutualWakes::Far& 
     Task sorted{task.medium, task.field, task.options, task.team, task.polar, rods, {}};
     for (int k = 0; k < task.parts(); ++k)
         sorted.sum[k] = part.data() + static_cast<std::size_t>(k) * rods.size();
-    add_far(sorted, far, plan, in_xi);
+    far.add(plan, in_xi, task.team, std::span(sorted.sum).first(static_cast<std::size_t>(task.parts())));
+    for (int k = 0; k < task.parts(); ++k)
+        for (std::size_t i = 0; i < rods.size(); ++i)
+            sorted.sum[k][i] *= k < strain_parts ? per_xi : per_xi * per_xi;
     const std::size_t done = add_near_pairs(sorted, near);
     for (int k = 0; k < task.parts(); ++k)
         for (std::size_t i = 0; i < rods.size(); ++i)
@@ -318,7 +285,9 @@ std::size_t run(const WakeKernel& kernel, const MutualWakesOptions& options, Thr
     require_lengths(rods.size(), strain);
     if (polar != nullptr)
         require_lengths(rods.size(), *polar);
-    require_finite(rods);
+    for (std::size_t k = 0; k < rods.size(); ++k)
+        require(std::isfinite(rods[k].x) && std::isfinite(rods[k].y) && std::isfinite(rods[k].heading),
+                "rod " + std::to_string(k) + " has a position or heading that is not finite");
     const std::vector<KernelSource> sources = kernel_sources(rods);
     const Field field(kernel.medium());
     const KernelMedium medium = KernelInternals::constants(field);

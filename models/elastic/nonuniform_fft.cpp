@@ -129,85 +129,78 @@ void NonuniformFft::place(std::span<const double> positions) {
     }
 }
 
-void NonuniformFft::spread_rows(std::size_t slab, std::span<const Complex> weights) {
-    const std::size_t begin = slab * slab_rows, end = std::min(begin + slab_rows, grid());
-    std::fill(grid_.begin() + static_cast<std::ptrdiff_t>(begin * line()),
-              grid_.begin() + static_cast<std::ptrdiff_t>(end * line()), Complex{});
-    for (const std::uint32_t a : slabs_[slab])
-        spread_point(places_, a, weights[a], begin, end, line(), grid_.data());
-    for (std::size_t row = begin; row < end; ++row)
-        for (std::size_t j = grid(); j < line(); ++j) {
-            Complex& wrapped = grid_[row * line() + j - grid()];
-            wrapped = wrapped + grid_[row * line() + j];
-        }
-}
-
-void NonuniformFft::lines_to_modes(std::size_t first) {
-    const std::size_t n = grid(), count = std::min(Fft::lanes, n - first);
-    Lines& work = lines(n);
-    for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
-        for (std::size_t j = 0; j < n; ++j)
-            set_lane(work.data[j], lane, lane < count ? grid_[(first + lane) * line() + j] : Complex{});
-    fft_.transform(work.data, work.other);
-    for (std::size_t lane = 0; lane < count; ++lane)
-        for (std::size_t j = 0; j < side_; ++j)
-            between_[(first + lane) * side_ + j] = lane_of(work.data[place_of(j)], lane);
-}
-
-void NonuniformFft::columns_to_modes(std::size_t first) {
-    const std::size_t n = grid(), count = std::min(Fft::lanes, side_ - first);
-    Lines& work = lines(n);
-    for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
-            set_lane(work.data[i], lane, lane < count ? between_[i * side_ + first + lane] : Complex{});
-    fft_.transform(work.data, work.other);
-    for (std::size_t i = 0; i < side_; ++i)
-        for (std::size_t lane = 0; lane < count; ++lane)
-            modes_[i * side_ + first + lane] =
-                inverse_[i] * inverse_[first + lane] * lane_of(work.data[place_of(i)], lane);
-}
-
-void NonuniformFft::modes_to_columns(std::size_t first) {
-    const std::size_t n = grid(), count = std::min(Fft::lanes, side_ - first);
-    Lines& work = lines(n);
-    std::ranges::fill(work.data, Fft::Element{});
-    for (std::size_t i = 0; i < side_; ++i)
-        for (std::size_t lane = 0; lane < count; ++lane)
-            set_lane(work.data[place_of(i)], lane,
-                     swapped(inverse_[i] * inverse_[first + lane] * modes_[i * side_ + first + lane]));
-    fft_.transform(work.data, work.other);
-    for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t lane = 0; lane < count; ++lane)
-            between_[i * side_ + first + lane] = lane_of(work.data[i], lane); // still swapped
-}
-
-void NonuniformFft::lines_to_grid(std::size_t first) {
-    const std::size_t n = grid(), count = std::min(Fft::lanes, n - first);
-    Lines& work = lines(n);
-    std::ranges::fill(work.data, Fft::Element{});
-    for (std::size_t lane = 0; lane < count; ++lane)
-        for (std::size_t j = 0; j < side_; ++j)
-            set_lane(work.data[place_of(j)], lane, between_[(first + lane) * side_ + j]);
-    fft_.transform(work.data, work.other);
-    for (std::size_t lane = 0; lane < count; ++lane)
-        for (std::size_t j = 0; j < n; ++j)
-            grid_[(first + lane) * line() + j] = swapped(lane_of(work.data[j], lane));
-    for (std::size_t lane = 0; lane < count; ++lane)
-        for (std::size_t j = n; j < line(); ++j)
-            grid_[(first + lane) * line() + j] = grid_[(first + lane) * line() + j - n];
-}
-
 void NonuniformFft::to_modes(std::span<const Complex> weights) {
-    const auto blocks = [](std::size_t count) { return (count + Fft::lanes - 1) / Fft::lanes; };
-    team_.run(slabs_.size(), [&](std::size_t slab) { spread_rows(slab, weights); });
-    team_.run(blocks(grid()), [&](std::size_t k) { lines_to_modes(k * Fft::lanes); });
-    team_.run(blocks(side_), [&](std::size_t k) { columns_to_modes(k * Fft::lanes); });
+    const std::size_t n = grid(), blocks_of_grid = (n + Fft::lanes - 1) / Fft::lanes,
+                      blocks_of_modes = (side_ + Fft::lanes - 1) / Fft::lanes;
+    team_.run(slabs_.size(), [&](std::size_t slab) { // spread the points on rows of the grid
+        const std::size_t begin = slab * slab_rows, end = std::min(begin + slab_rows, n);
+        std::fill(grid_.begin() + static_cast<std::ptrdiff_t>(begin * line()),
+                  grid_.begin() + static_cast<std::ptrdiff_t>(end * line()), Complex{});
+        for (const std::uint32_t a : slabs_[slab])
+            spread_point(places_, a, weights[a], begin, end, line(), grid_.data());
+        for (std::size_t row = begin; row < end; ++row)
+            for (std::size_t j = n; j < line(); ++j) {
+                Complex& wrapped = grid_[row * line() + j - n];
+                wrapped = wrapped + grid_[row * line() + j];
+            }
+    });
+    team_.run(blocks_of_grid, [&](std::size_t block) { // lines
+        const std::size_t first = block * Fft::lanes, count = std::min(Fft::lanes, n - first);
+        Lines& work = lines(n);
+        for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
+            for (std::size_t j = 0; j < n; ++j)
+                set_lane(work.data[j], lane, lane < count ? grid_[(first + lane) * line() + j] : Complex{});
+        fft_.transform(work.data, work.other);
+        for (std::size_t lane = 0; lane < count; ++lane)
+            for (std::size_t j = 0; j < side_; ++j)
+                between_[(first + lane) * side_ + j] = lane_of(work.data[place_of(j)], lane);
+    });
+    team_.run(blocks_of_modes, [&](std::size_t block) { // columns
+        const std::size_t first = block * Fft::lanes, count = std::min(Fft::lanes, side_ - first);
+        Lines& work = lines(n);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t lane = 0; lane < Fft::lanes; ++lane)
+                set_lane(work.data[i], lane, lane < count ? between_[i * side_ + first + lane] : Complex{});
+        fft_.transform(work.data, work.other);
+        for (std::size_t i = 0; i < side_; ++i)
+            for (std::size_t lane = 0; lane < count; ++lane)
+                modes_[i * side_ + first + lane] =
+                    inverse_[i] * inverse_[first + lane] * lane_of(work.data[place_of(i)], lane);
+    });
 }
 
 void NonuniformFft::to_points(std::span<Complex> values) {
-    const auto blocks = [](std::size_t count) { return (count + Fft::lanes - 1) / Fft::lanes; };
-    team_.run(blocks(side_), [&](std::size_t k) { modes_to_columns(k * Fft::lanes); });
-    team_.run(blocks(grid()), [&](std::size_t k) { lines_to_grid(k * Fft::lanes); });
+    const std::size_t n = grid(), blocks_of_grid = (n + Fft::lanes - 1) / Fft::lanes,
+                      blocks_of_modes = (side_ + Fft::lanes - 1) / Fft::lanes;
+    team_.run(blocks_of_modes, [&](std::size_t k) { // columns
+        const std::size_t first = k * Fft::lanes, count = std::min(Fft::lanes, side_ - first);
+        Lines& work = lines(n);
+        std::ranges::fill(work.data, Fft::Element{});
+        for (std::size_t i = 0; i < side_; ++i)
+            for (std::size_t lane = 0; lane < count; ++lane)
+                set_lane(work.data[place_of(i)], lane,
+                         swapped(inverse_[i] * inverse_[first + lane] * modes_[i * side_ + first + lane]));
+        fft_.transform(work.data, work.other);
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t lane = 0; lane < count; ++lane)
+                between_[i * side_ + first + lane] = lane_of(work.data[i], lane); // still swapped
+    });
+    team_.run(blocks_of_grid, [&](std::size_t k) { // lines
+        const std::size_t first = k * Fft::lanes, count = std::min(Fft::lanes, n - first);
+        Lines& work = lines(n);
+        std::ranges::fill(work.data, Fft::Element{});
+        for (std::size_t lane = 0; lane < count; ++lane)
+            for (std::size_t j = 0; j < side_; ++j)
+                set_lane(work.data[place_of(j)], lane, between_[(first + lane) * side_ + j]);
+        fft_.transform(work.data, work.other);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            Complex* const to = &grid_[(first + lane) * line()];
+            for (std::size_t j = 0; j < n; ++j)
+                to[j] = swapped(lane_of(work.data[j], lane));
+            for (std::size_t j = n; j < line(); ++j)
+                to[j] = to[j - n];
+        }
+    });
     constexpr std::size_t block = 64;
     team_.run((values.size() + block - 1) / block, [&](std::size_t first) {
         for (std::size_t a = first * block; a < std::min((first + 1) * block, values.size()); ++a)

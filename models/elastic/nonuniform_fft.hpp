@@ -117,11 +117,6 @@ public:
     void to_points(std::span<Complex> values);
 
 private:
-    void spread_rows(std::size_t slab, std::span<const Complex> weights);
-    void lines_to_modes(std::size_t first);
-    void columns_to_modes(std::size_t first);
-    void modes_to_columns(std::size_t first);
-    void lines_to_grid(std::size_t first);
     /// Row or column of mode `index` - half.
     std::size_t place_of(std::size_t index) const {
         return index >= half_ ? index - half_ : grid() + index - half_;

@@ -23,46 +23,14 @@ constexpr double largest_aspect = 1e3;
 /// Of c L, L the longer side. Below it G_T - G_L is an integral over c: subtraction would lose 1/c L.
 constexpr double small_c = 1e-2;
 
-[[noreturn]] void refuse_heading(double heading) {
-    std::ostringstream message;
-    message << "heading = " << heading << ": must be finite";
-    throw InputError(message.str());
-}
-
 [[noreturn]] void refuse_box(const PeriodicBox& box, const char* why) {
     throw InputError("box = " + to_string(box) + ": " + why);
-}
-
-void check_box(const PeriodicBox& box, const Medium& medium) {
-    if (!valid_sides(box))
-        refuse_box(box, "the sides of the periodic box must be > 0 and finite");
-    if (!(box.longer() <= largest_aspect * box.shorter()))
-        refuse_box(box, "one side is more than 1000 times the other; take sides that are closer");
-    if (!(0.5 * box.longer() / medium.xi * std::max(1.0, medium.nu()) <= largest_c))
-        refuse_box(box, "more than 2e6 decay lengths of the field; leave the box out (infinite plane)");
-    if (!(box.shorter() / medium.xi >= smallest_ratio))
-        refuse_box(box, "less than 1e-100 screening lengths; check the units");
 }
 
 [[noreturn]] void refuse_place(double x, double y, const char* why) {
     std::ostringstream message;
     message << "field at x = " << x << ", y = " << y << ": " << why;
     throw InputError(message.str());
-}
-
-void add_gradients(FieldValues& f, const JetParts& p, FieldRequest request, double third, double fourth,
-                   double shear_decay) {
-    const auto& [a, b, c] = p;
-    if (request.strain) {
-        f.strain_x = {third * (a.xx + b.xxx), third * (0.5 * a.xy + b.xxy), third * b.xyy};
-        f.strain_y = {third * (a.xy + b.xxy), third * (0.5 * a.yy + b.xyy), third * b.yyy};
-    }
-    if (request.polar) {
-        f.laplacian_x = {fourth * (c.xxx - a.xxx - shear_decay * a.xx), fourth * (c.xxy - a.xxy)};
-        f.laplacian_y = {fourth * (c.xxy - a.xxy - shear_decay * a.xy), fourth * (c.xyy - a.xyy)};
-        f.gradient_of_trace_x = {fourth * c.xxx, fourth * c.xxy};
-        f.gradient_of_trace_y = {fourth * c.xxy, fourth * c.xyy};
-    }
 }
 
 void refuse_gradients(FieldRequest request) {
@@ -88,8 +56,20 @@ FieldValues assembled(const JetParts& p, FieldRequest request, double unit, doub
                        third * (p.c.xy - p.a.xy)};
         f.gradient_of_trace = {third * p.c.xx, third * p.c.xy};
     }
-    if (request.gradients)
-        add_gradients(f, p, request, third, third / unit, shear_decay);
+    if (!request.gradients)
+        return f;
+    const auto& [a, b, c] = p;
+    const double fourth = third / unit;
+    if (request.strain) {
+        f.strain_x = {third * (a.xx + b.xxx), third * (0.5 * a.xy + b.xxy), third * b.xyy};
+        f.strain_y = {third * (a.xy + b.xxy), third * (0.5 * a.yy + b.xyy), third * b.yyy};
+    }
+    if (request.polar) {
+        f.laplacian_x = {fourth * (c.xxx - a.xxx - shear_decay * a.xx), fourth * (c.xxy - a.xxy)};
+        f.laplacian_y = {fourth * (c.xxy - a.xxy - shear_decay * a.xy), fourth * (c.xyy - a.xyy)};
+        f.gradient_of_trace_x = {fourth * c.xxx, fourth * c.xxy};
+        f.gradient_of_trace_y = {fourth * c.xxy, fourth * c.xyy};
+    }
     return f;
 }
 
@@ -174,9 +154,19 @@ MediumDerivatives PeriodicField::Impl::rest_derivatives(double x, double y, Fiel
 
 PeriodicField::PeriodicField(const Medium& medium, const PeriodicBox& box, double heading) {
     validate(medium);
-    check_box(box, medium);
-    if (!std::isfinite(heading))
-        refuse_heading(heading);
+    if (!valid_sides(box))
+        refuse_box(box, "the sides of the periodic box must be > 0 and finite");
+    if (!(box.longer() <= largest_aspect * box.shorter()))
+        refuse_box(box, "one side is more than 1000 times the other; take sides that are closer");
+    if (!(0.5 * box.longer() / medium.xi * std::max(1.0, medium.nu()) <= largest_c))
+        refuse_box(box, "more than 2e6 decay lengths of the field; leave the box out (infinite plane)");
+    if (!(box.shorter() / medium.xi >= smallest_ratio))
+        refuse_box(box, "less than 1e-100 screening lengths; check the units");
+    if (!std::isfinite(heading)) {
+        std::ostringstream message;
+        message << "heading = " << heading << ": must be finite";
+        throw InputError(message.str());
+    }
     impl_ = std::make_shared<const Impl>(medium, box, heading);
 }
 
@@ -229,26 +219,7 @@ double PeriodicField::heading() const { return impl_->heading; }
 
 namespace {
 
-/// (1/2 pi) d_y G_T of the infinite plane, minus the curl of its field.
-double minus_curl(const Medium& medium, Vector at) {
-    const double c = 0.5 / medium.xi, r = std::hypot(at.x, at.y), z = c * r;
-    const double k1 = z > series_end ? scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z))).k1 *
-                                           std::exp(-c * (r + at.x))
-                                     : plain_bessel(z).k1 * std::exp(-c * at.x);
-    return -0.5 * std::numbers::inv_pi * c * at.y / r * k1;
-}
-
 Vector sum(double a, Vector v, double b, Vector w) { return {a * v.x + b * w.x, a * v.y + b * w.y}; }
-
-/// d/dx and d/dy of the dipole's field, by what the potentials obey: with d_yy C = -d_xx C - (nu/xi) d_x C
-/// and the same of A, all of it is in the strain and the polar vectors.
-std::array<Vector, 2> dipole_gradient(const Medium& medium, const FieldValues& f) {
-    const Vector lap = f.laplacian, trace = f.gradient_of_trace;
-    const double half_axy = 0.5 * (trace.y - lap.y), half_ayy = 0.5 * (lap.x - trace.x);
-    return {Vector{-f.strain_x.yy, f.strain_x.xy - half_axy - trace.y},
-            Vector{-f.strain_y.yy, f.strain_y.xy - half_ayy + trace.x +
-                                       medium.nu() / medium.xi * (f.strain.xx + f.strain.yy)}};
-}
 
 void refuse_turned_gradients(FieldRequest request) {
     if (request.gradients)
@@ -261,7 +232,13 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
     const FieldValues f = field.at(at.x, at.y, {.strain = true, .polar = true, .gradients = true});
     FieldValues g = unrequested();
     if (request.displacement) {
-        const double half = 0.5 * minus_curl(field.medium(), at);
+        // (1/2 pi) d_y G_T is minus the curl.
+        const double c = 0.5 / field.medium().xi, r = std::hypot(at.x, at.y), z = c * r;
+        const double k1 = z > series_end
+                              ? scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z))).k1 *
+                                    std::exp(-c * (r + at.x))
+                              : plain_bessel(z).k1 * std::exp(-c * at.x);
+        const double half = 0.5 * (-0.5 * std::numbers::inv_pi * c * at.y / r * k1);
         g.displacement = {f.strain.xx * d.x + (f.strain.xy + half) * d.y,
                           (f.strain.xy - half) * d.x + f.strain.yy * d.y};
     }
@@ -272,9 +249,17 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
         g.laplacian = sum(d.x, f.laplacian_x, d.y, f.laplacian_y);
         g.gradient_of_trace = sum(d.x, f.gradient_of_trace_x, d.y, f.gradient_of_trace_y);
     }
-    const auto [dipole_x, dipole_y] = dipole_gradient(field.medium(), f);
-    if (request.dipole)
+    if (request.dipole) {
+        // By what the potentials obey: with d_yy C = -d_xx C - (nu/xi) d_x C and the same of A, all of it is
+        // in the strain and the polar vectors.
+        const Vector lap = f.laplacian, trace = f.gradient_of_trace;
+        const double half_axy = 0.5 * (trace.y - lap.y), half_ayy = 0.5 * (lap.x - trace.x);
+        const Vector dipole_x{-f.strain_x.yy, f.strain_x.xy - half_axy - trace.y},
+            dipole_y{-f.strain_y.yy,
+                     f.strain_y.xy - half_ayy + trace.x +
+                         field.medium().nu() / field.medium().xi * (f.strain.xx + f.strain.yy)};
         g.dipole = sum(d.x, dipole_x, d.y, dipole_y);
+    }
     return g;
 }
 

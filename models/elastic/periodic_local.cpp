@@ -68,27 +68,6 @@ std::array<PeriodicRows::Values, samples> on_circle(const PeriodicBox& box, cons
     return v;
 }
 
-/// K0(c r) + ln(c) I0(c r) on the circle, and its derivative by c: what the infinite plane's potential is
-/// without exp(-c.r) and ln(c).
-struct CentralPotential {
-    double g, by_c;
-
-    explicit CentralPotential(double c) {
-        const double z = c * radius, t = 0.25 * z * z, i0 = bessel_ratio(0, t),
-                     i1 = 0.5 * z * bessel_ratio(1, t);
-        if (z <= series_end) {
-            const CoreBessel k = core_bessel(Pair{z, z}, Pair{} + std::log(0.5 * z));
-            g = k.k0[0] + std::log(c) * i0;
-            by_c = radius * (std::log(c) * i1 - k.kappa1[0] + 0.25 * z * bessel_rest(t));
-            return;
-        }
-        const Bessel k = scaled_bessel(1.0 / z, std::sqrt(0.5 * std::numbers::pi / z));
-        const double decay = std::exp(-z);
-        g = decay * k.k0 + std::log(c) * i0;
-        by_c = radius * (std::log(c) * i1 - decay * k.k1) + i0 / c;
-    }
-};
-
 } // namespace
 
 /// psi_m, m = 0 .. terms + 2.
@@ -116,8 +95,6 @@ struct LocalRest::Sums {
     Complex f, up, down, up2, down2;
     Complex h, up_h, up2_h; ///< up/c and its derivatives, finite for c = 0
     Complex down3, up3_h;   ///< where third derivatives are needed
-
-    void add_third(const Coefficients& a, const Basis& basis, double c);
 
     Jet real(double c) const {
         const double cc = c * c, both = 2.0 * cc * f.real();
@@ -152,22 +129,6 @@ struct LocalRest::Sums {
     }
 };
 
-/// What third derivatives take: down^3 of the first three psi_m goes on to the conjugate ones.
-void LocalRest::Sums::add_third(const Coefficients& a, const Basis& basis, double c) {
-    const double cc = c * c;
-    const auto& psi = basis.psi;
-    for (int m = 0; m < terms; ++m) {
-        const double n = m;
-        if (m > 2)
-            down3 += 8.0 * n * (n - 1.0) * (n - 2.0) * times(a[m], psi[m - 3]);
-        if (m + 4 < terms + 3)
-            up3_h += times(a[m], psi[m + 4]) *
-                     (cc * cc * cc * c / (16.0 * (n + 1.0) * (n + 2.0) * (n + 3.0) * (n + 4.0)));
-    }
-    down3 += 4.0 * cc * a[2] * std::conj(psi[1]) + 0.25 * cc * cc * a[1] * std::conj(psi[2]) +
-             cc * cc * cc / 48.0 * a[0] * std::conj(psi[3]);
-}
-
 LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, double c, Needed needed) {
     Sums s{};
     const double cc = c * c;
@@ -188,8 +149,20 @@ LocalRest::Sums LocalRest::sums(const Coefficients& a, const Basis& basis, doubl
     s.down2 += cc * a[1] * std::conj(psi[1]) + 0.125 * cc * cc * a[0] * std::conj(psi[2]);
     s.up = c * s.h;
     s.up2 = c * s.up_h;
-    if (needed.third)
-        s.add_third(a, basis, c);
+    if (!needed.third)
+        return s;
+
+    // Third derivatives: down^3 of the first three psi_m goes on to the conjugate ones.
+    for (int m = 0; m < terms; ++m) {
+        const double n = m;
+        if (m > 2)
+            s.down3 += 8.0 * n * (n - 1.0) * (n - 2.0) * times(a[m], psi[m - 3]);
+        if (m + 4 < terms + 3)
+            s.up3_h += times(a[m], psi[m + 4]) *
+                       (cc * cc * cc * c / (16.0 * (n + 1.0) * (n + 2.0) * (n + 3.0) * (n + 4.0)));
+    }
+    s.down3 += 4.0 * cc * a[2] * std::conj(psi[1]) + 0.25 * cc * cc * a[1] * std::conj(psi[2]) +
+               cc * cc * cc / 48.0 * a[0] * std::conj(psi[3]);
     return s;
 }
 
@@ -198,7 +171,23 @@ LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const Perio
     : c_(wave), density_(1.0 / box.area()) {
     const double c = wave.c, along = wave.along(), across = wave.across() / c;
     const auto potential = on_circle(box, columns, rows);
-    const CentralPotential centre(c);
+
+    // K0(c r) + ln(c) I0(c r) on the circle, and its derivative by c: what the infinite plane's potential is
+    // without exp(-c.r) and ln(c).
+    const double z = c * radius, t = 0.25 * z * z, i0 = bessel_ratio(0, t), i1 = 0.5 * z * bessel_ratio(1, t);
+    double centre = 0.0, centre_by_c = 0.0;
+    if (z <= series_end) {
+        const CoreBessel k = core_bessel(Pair{z, z}, Pair{} + std::log(0.5 * z));
+        centre = k.k0[0] + std::log(c) * i0;
+        centre_by_c = radius * (std::log(c) * i1 - k.kappa1[0] + 0.25 * z * bessel_rest(t));
+    } else {
+        const Bessel k = scaled_bessel(1.0 / z, std::sqrt(0.5 * std::numbers::pi / z));
+        const double decay = std::exp(-z);
+        centre = decay * k.k0 + std::log(c) * i0;
+        centre_by_c = radius * (std::log(c) * i1 - decay * k.k1) + i0 / c;
+    }
+
+    // The smooth rest there.
     std::array<double, samples> v, v_by_c;
     for (int j = 0; j < samples; ++j) {
         const auto [at_x, at_y] = circle()[j];
@@ -206,12 +195,11 @@ LocalRest::LocalRest(const WaveVector& wave, const PeriodicBox& box, const Perio
                      growth = std::exp(c * x);
         const UniformValue p = uniform_value(c, x, y);
         const double whole = growth * (potential[j].g - density_ * p.g);
-        v[j] = whole - centre.g;
+        v[j] = whole - centre;
         v_by_c[j] =
             growth * (potential[j].by_c - density_ * along * p.by_c + density_ * across * p.by_angle) +
-            (wave.wx * at_x + wave.wy * at_y) * whole - along * centre.by_c;
+            (wave.wx * at_x + wave.wy * at_y) * whole - along * centre_by_c;
     }
-    const double z = c * radius, t = 0.25 * z * z;
     for (int m = 0; m < terms; ++m) {
         Complex sum = 0.0, sum_by_c = 0.0;
         for (int j = 0; j < samples; ++j) {
@@ -268,26 +256,9 @@ Jet radial(double f, double f1, double f2, double f3, double x, double y) {
             y * (3.0 * f2 + y * y * f3)};
 }
 
-// Near the rod, for wave numbers c of 6 over the box and more: the infinite plane's potentials of the images
-// in the rod's own column, exp(-c.r) K0(c r) each.
-
-/// One source at the origin; c r > 0.5, exponent = c r + c.r.
-void add_source(WaveVectorJets& sum, const WaveVector& c, double x, double y, double r, double exponent,
-                Needed needed) {
-    const double k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy, decay = std::exp(-exponent);
-    const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z)));
-    const double per_r = 1.0 / r, s = k * per_r, k2 = b.k0 + 2.0 * b.k1 / z, k3 = b.k1 + 4.0 * k2 / z;
-    const Jet k0 = radial(b.k0, -s * b.k1, s * s * k2, -s * s * s * k3, x, y);
-    sum.g += times_decay(decay, cx, cy, k0, needed.third);
-    if (!needed.by_c)
-        return;
-    const Jet rk1 = radial(r * b.k1, -k * b.k0, k * s * b.k1, -k * s * s * k2, x, y);
-    sum.by_c += times_decay(-decay, cx, cy, times_line(c.wx * x + c.wy * y, c.wx, c.wy, k0) + c.along() * rk1,
-                            needed.third);
-}
-
-/// Those at (0, j Y), j != 0, as far as they exceed e^-40; |ux| >= |uy|, so that none lies in the wake of
-/// all.
+/// Near the rod, for wave numbers c of 6 over the box and more: the infinite plane's potentials of the images
+/// in the rod's own column, exp(-c.r) K0(c r) each. They are at (0, j Y), j != 0, as far as they exceed
+/// e^-40; |ux| >= |uy|, so that none lies in the wake of all.
 void add_column_images(WaveVectorJets& sum, const WaveVector& c, double period, double x, double y,
                        Needed needed) {
     for (const double side : {-1.0, 1.0})
@@ -296,7 +267,17 @@ void add_column_images(WaveVectorJets& sum, const WaveVector& c, double period, 
                          exponent = c.c * (r + c.ux * x + c.uy * dy);
             if (exponent > cutoff)
                 break;
-            add_source(sum, c, x, dy, r, exponent, needed);
+            const double k = c.c, z = k * r, cx = k * c.ux, cy = k * c.uy, decay = std::exp(-exponent);
+            const Bessel b = scaled_bessel(1.0 / z, std::sqrt(std::numbers::pi / (2.0 * z))); // z > 0.5
+            const double per_r = 1.0 / r, s = k * per_r, k2 = b.k0 + 2.0 * b.k1 / z, k3 = b.k1 + 4.0 * k2 / z;
+            const Jet k0 = radial(b.k0, -s * b.k1, s * s * k2, -s * s * s * k3, x, dy);
+            sum.g += times_decay(decay, cx, cy, k0, needed.third);
+            if (!needed.by_c)
+                continue;
+            const Jet rk1 = radial(r * b.k1, -k * b.k0, k * s * b.k1, -k * s * s * k2, x, dy);
+            sum.by_c +=
+                times_decay(-decay, cx, cy,
+                            times_line(c.wx * x + c.wy * dy, c.wx, c.wy, k0) + c.along() * rk1, needed.third);
         }
 }
 
@@ -309,26 +290,21 @@ PeriodicPotential::PeriodicPotential(const WaveVector& c, const PeriodicBox& box
 }
 
 WaveVectorJets PeriodicPotential::at(double x, double y, Needed needed) const {
-    return is_near(x, y) ? near(x, y, needed) : far(x, y, needed);
-}
-
-WaveVectorJets PeriodicPotential::far(double x, double y, Needed needed) const {
     WaveVectorJets sum;
-    if (std::abs(x) >= std::abs(y)) {
-        columns_.add_all(sum, x < 0.0 ? x + box_.x : x, y, needed);
-        return sum;
+    if (!is_near(x, y)) {
+        if (std::abs(x) >= std::abs(y)) {
+            columns_.add_all(sum, x < 0.0 ? x + box_.x : x, y, needed);
+            return sum;
+        }
+        rows_.add_all(sum, y < 0.0 ? y + box_.y : y, x, needed);
+        return {exchanged(sum.g), needed.by_c ? exchanged(sum.by_c) : Jet{}};
     }
-    rows_.add_all(sum, y < 0.0 ? y + box_.y : y, x, needed);
-    return {exchanged(sum.g), needed.by_c ? exchanged(sum.by_c) : Jet{}};
-}
-
-/// Of the two directions of a column the one the rod heads across: wakes do not run along it.
-WaveVectorJets PeriodicPotential::near(double x, double y, Needed needed) const {
-    WaveVectorJets sum;
     if (local_) {
         local_->add(sum, x, y, needed);
         return sum;
     }
+
+    // Of the two directions of a column the one the rod heads across: wakes do not run along it.
     if (std::abs(c_.ux) >= std::abs(c_.uy)) {
         columns_.add_others(sum, x, y, needed);
         add_column_images(sum, c_, box_.y, x, y, needed);

@@ -83,9 +83,6 @@ public:
     double c() const { return c_.c; }
 
 private:
-    WaveVectorJets far(double x, double y, Needed needed) const;
-    WaveVectorJets near(double x, double y, Needed needed) const;
-
     WaveVector c_;
     PeriodicBox box_;
     PeriodicRows columns_, rows_; ///< rows: with x and y exchanged

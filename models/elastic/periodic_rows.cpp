@@ -49,36 +49,6 @@ constexpr std::array<double, orders> bernoulli = {1.0,
                                                   43867.0 / 5109094217170944000.0,
                                                   0.0};
 
-/// B_n(x)/n!
-std::array<double, orders> bernoulli_polynomials(double x) {
-    std::array<double, orders> power{1.0}, b{};
-    for (int n = 1; n < orders; ++n)
-        power[n] = power[n - 1] * x / n;
-    for (int n = 0; n < orders; ++n) {
-        b[n] = n > 0 ? power[n] - 0.5 * power[n - 1] : 1.0;
-        for (int k = n - 2; k >= 0; k -= 2) // the odd Bernoulli numbers are 0
-            b[n] += power[k] * bernoulli[n - k];
-    }
-    return b;
-}
-
-Mean by_series(double z, double x) {
-    const auto b = bernoulli_polynomials(x);
-    Mean sum{};
-    double power = two_pi, slope = 0.0; // 2 pi (-z)^j and its derivative by z
-    for (int j = 0; j + 2 < orders; ++j) {
-        sum.g += power * b[j + 2];
-        sum.x += power * b[j + 1];
-        sum.xx += power * b[j];
-        sum.z += slope * b[j + 2];
-        sum.xz += slope * b[j + 1];
-        sum.xxz += slope * b[j];
-        slope = -power - z * slope;
-        power *= -z;
-    }
-    return sum;
-}
-
 /// (2 pi/z) [line - 1/z + E(x)], E = e^(-z x)/(1 - e^-z), `line` rising as x.
 Mean closed(double z, double line, double x) {
     const double less = 1.0 / std::expm1(-std::abs(z)); // E = e^(z (1-x))/(e^z - 1)
@@ -94,12 +64,30 @@ Mean closed(double z, double line, double x) {
 }
 
 /// Of all columns, 0 <= x <= 1; any z.
-Mean mean_of_all(double z, double x) { return std::abs(z) < 1.0 ? by_series(z, x) : closed(z, x - 0.5, x); }
-
-/// Without the infinite plane's column at 0, whose mean is (2 pi/|z|) min(1, e^(-z x)); |x| <= 1/2. For
-/// |z| >= 1, else powers of 1/z cancel.
-Mean mean_of_others(double z, double x) {
-    return z > 0.0 ? closed(z, x - 0.5, x + 1.0) : closed(z, x + 0.5, x);
+Mean mean_of_all(double z, double x) {
+    if (std::abs(z) >= 1.0)
+        return closed(z, x - 0.5, x);
+    std::array<double, orders> power_of_x{1.0}, b{}; // b: B_n(x)/n!
+    for (int n = 1; n < orders; ++n)
+        power_of_x[n] = power_of_x[n - 1] * x / n;
+    for (int n = 0; n < orders; ++n) {
+        b[n] = n > 0 ? power_of_x[n] - 0.5 * power_of_x[n - 1] : 1.0;
+        for (int k = n - 2; k >= 0; k -= 2) // the odd Bernoulli numbers are 0
+            b[n] += power_of_x[k] * bernoulli[n - k];
+    }
+    Mean sum{};
+    double power = two_pi, slope = 0.0; // 2 pi (-z)^j and its derivative by z
+    for (int j = 0; j + 2 < orders; ++j) {
+        sum.g += power * b[j + 2];
+        sum.x += power * b[j + 1];
+        sum.xx += power * b[j];
+        sum.z += slope * b[j + 2];
+        sum.xz += slope * b[j + 1];
+        sum.xxz += slope * b[j];
+        slope = -power - z * slope;
+        power *= -z;
+    }
+    return sum;
 }
 
 constexpr double row_cutoff = 37.0;
@@ -210,7 +198,11 @@ void PeriodicRows::add_all(WaveVectorJets& sum, double x, double y, Needed neede
 }
 
 void PeriodicRows::add_others(WaveVectorJets& sum, double x, double y, Needed needed) const {
-    add(sum, in_box(mean_of_others(2.0 * box_.x * cx_, x / box_.x), box_), cx_, wx_);
+    // Without the infinite plane's column at 0, whose mean is (2 pi/|z|) min(1, e^(-z x)); |x| <= 1/2. For
+    // |z| >= 1, else powers of 1/z cancel.
+    const double z = 2.0 * box_.x * cx_, place = x / box_.x;
+    const Mean mean = z > 0.0 ? closed(z, place - 0.5, place + 1.0) : closed(z, place + 0.5, place);
+    add(sum, in_box(mean, box_), cx_, wx_);
     add_side(sum, behind_, x + box_.x, y, needed);
     add_side(sum, ahead_, x - box_.x, y, needed);
 }

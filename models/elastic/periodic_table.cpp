@@ -67,28 +67,6 @@ void refuse_gradients(FieldRequest request) {
 
 } // namespace
 
-/// 0 <= heading <= pi/4.
-PeriodicTable::Impl::Rest PeriodicTable::Impl::in_first_eighth(double heading, double x, double y,
-                                                               FieldRequest request,
-                                                               GridRequest derivatives) const {
-    const bool wanted[] = {request.displacement, request.strain, request.polar, request.dipole};
-    Rest rest;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-        if (!wanted[g])
-            continue;
-        const bool own_place = x == 0.0 && y == 0.0 && !derivatives.by_place;
-        const Group v = own_place ? groups[g].at_centre(heading) : groups[g].at(x, y, heading, derivatives);
-        put(rest.value, g, v, &GridValue::v);
-        if (derivatives.by_place) {
-            put(rest.by_x, g, v, &GridValue::x);
-            put(rest.by_y, g, v, &GridValue::y);
-        }
-        if (derivatives.by_angle)
-            put(rest.heading_derivative, g, v, &GridValue::angle);
-    }
-    return rest;
-}
-
 /// By quarter turns of the box and its mirror symmetry.
 PeriodicTable::Impl::Rest PeriodicTable::Impl::rest(double heading, double x, double y, FieldRequest request,
                                                     GridRequest derivatives) const {
@@ -104,7 +82,27 @@ PeriodicTable::Impl::Rest PeriodicTable::Impl::rest(double heading, double x, do
                                    : 0.0;
     const double mirror = left < 0.0 ? -1.0 : 1.0;
     const Vector at = turned(Vector{x, y}, cosine, -sine);
-    Rest own = in_first_eighth(std::abs(left), at.x, mirror * at.y, request, derivatives);
+
+    // In the first eighth, 0 <= heading <= pi/4, by the groups of the table.
+    const double own_heading = std::abs(left), own_x = at.x, own_y = mirror * at.y;
+    const bool own_place = own_x == 0.0 && own_y == 0.0 && !derivatives.by_place;
+    const bool wanted[] = {request.displacement, request.strain, request.polar, request.dipole};
+    Rest own;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        if (!wanted[g])
+            continue;
+        const Group v = own_place ? groups[g].at_centre(own_heading)
+                                  : groups[g].at(own_x, own_y, own_heading, derivatives);
+        put(own.value, g, v, &GridValue::v);
+        if (derivatives.by_place) {
+            put(own.by_x, g, v, &GridValue::x);
+            put(own.by_y, g, v, &GridValue::y);
+        }
+        if (derivatives.by_angle)
+            put(own.heading_derivative, g, v, &GridValue::angle);
+    }
+
+    // Back to the heading.
     const auto back = [&](const FieldValues& f) {
         return turned(mirror < 0.0 ? mirrored(f) : f, cosine, sine);
     };
@@ -140,26 +138,6 @@ FieldValues PeriodicTable::Impl::at(const Source& source, double x, double y, Fi
     return f;
 }
 
-/// The infinite plane's field turns, and the place turns back in the rod's frame.
-FieldValues PeriodicTable::Impl::heading_derivative(const Source& source, double x, double y,
-                                                    FieldRequest request) const {
-    const Nearest p = nearest(source, x, y, box);
-    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
-    const Vector offset = turned(p.offset, cosine, -sine);
-    FieldValues own = turning(field.at(offset.x, offset.y, request));
-    add(own, along(field, offset, {offset.y, -offset.x}, request));
-    FieldValues f = turned(own, cosine, sine);
-    add(f, rest(source.heading, p.x, p.y, request, {.by_angle = true}).heading_derivative);
-    return f;
-}
-
-std::size_t PeriodicTable::Impl::bytes() const {
-    std::size_t sum = 0;
-    for (const ChebyshevGrid& group : groups)
-        sum += group.bytes();
-    return sum;
-}
-
 FieldValues PeriodicTable::at(const Source& source, double x, double y, FieldRequest request) const {
     return impl_->at(source, x, y, request);
 }
@@ -176,7 +154,15 @@ FieldValues PeriodicTable::self_image_field(double heading, FieldRequest request
 FieldValues PeriodicTable::heading_derivative(const Source& source, double x, double y,
                                               FieldRequest request) const {
     refuse_gradients(request);
-    return impl_->heading_derivative(source, x, y, request);
+    const Nearest p = nearest(source, x, y, impl_->box);
+    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
+    const Vector offset = turned(p.offset, cosine, -sine);
+    // The infinite plane's field turns, and the place turns back in the rod's frame.
+    FieldValues own = turning(impl_->field.at(offset.x, offset.y, request));
+    add(own, along(impl_->field, offset, {offset.y, -offset.x}, request));
+    FieldValues f = turned(own, cosine, sine);
+    add(f, impl_->rest(source.heading, p.x, p.y, request, {.by_angle = true}).heading_derivative);
+    return f;
 }
 
 FieldValues PeriodicTable::own_place_by_heading(double heading, FieldRequest request) const {
@@ -187,7 +173,12 @@ FieldValues PeriodicTable::own_place_by_heading(double heading, FieldRequest req
 const Medium& PeriodicTable::medium() const { return impl_->medium; }
 double PeriodicTable::box() const { return impl_->box; }
 double PeriodicTable::error() const { return impl_->error; }
-std::size_t PeriodicTable::bytes() const { return impl_->bytes(); }
+std::size_t PeriodicTable::bytes() const {
+    std::size_t sum = 0;
+    for (const ChebyshevGrid& group : impl_->groups)
+        sum += group.bytes();
+    return sum;
+}
 
 // A PeriodicTable behind elastic/wake_field.hpp. The table speaks in the lab's axes, a Wake in the rod's.
 

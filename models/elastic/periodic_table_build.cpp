@@ -32,37 +32,12 @@ ChebyshevGrid read_grid(PeriodicTableData& data, std::size_t group) {
     return {pieces, functions[group], std::move(data.coefficients[group])};
 }
 
-/// A wave of the box answers to the heading over an angle of pi/c, a wake is 1/sqrt(c) wide: as many pieces
-/// as keep the error at 1e-8 (bench/periodic_bench.cpp), and as its order says for another tolerance.
-Pieces pieces_for(double c, double tolerance) {
-    const double decades = -std::log(tolerance / 1e-8);
-    const auto count = [&](double n, std::size_t order) {
-        return static_cast<std::size_t>(std::ceil(n * std::exp(decades / static_cast<double>(order))));
-    };
-    return {count(std::max(7.0, 1.2 + 2.15 * std::sqrt(c)), place_nodes), count(0.3 + 0.3 * c, angle_nodes)};
-}
-
-Pieces first_pieces(const Medium& medium, double box, double tolerance) {
-    return pieces_for(0.5 * box / medium.xi * std::max(1.0, medium.nu()), tolerance);
-}
-
 std::array<double, 5> sizes(const FieldValues& f) {
     const auto& e = f.strain;
     return {std::hypot(f.displacement.x, f.displacement.y),
             std::sqrt(e.xx * e.xx + 2.0 * e.xy * e.xy + e.yy * e.yy),
             std::hypot(f.laplacian.x, f.laplacian.y),
             std::hypot(f.gradient_of_trace.x, f.gradient_of_trace.y), std::hypot(f.dipole.x, f.dipole.y)};
-}
-
-std::array<double, 5> largest_at(const PeriodicField& field, double r) {
-    std::array<double, 5> largest{};
-    for (int k = 0; k < 12; ++k) {
-        const double angle = std::numbers::pi * k / 6.0;
-        const auto size = sizes(field.at(r * std::cos(angle), r * std::sin(angle), everything));
-        for (std::size_t q = 0; q < size.size(); ++q)
-            largest[q] = std::max(largest[q], size[q]);
-    }
-    return largest;
 }
 
 /// A NaN is the largest of all, which std::max would lose.
@@ -96,18 +71,14 @@ void PeriodicTable::Impl::fill(const Pieces& pieces, std::size_t angle) {
                 turned(PeriodicInternals::smooth_rest(exact, index(a), index(b), everything), cosine, sine);
             const ChebyshevGrid::ChebyshevNode node{b / place_nodes, a / place_nodes, piece,
                                                     b % place_nodes, a % place_nodes, k};
-            store(node, f);
+            const auto set = [&](std::size_t group, std::initializer_list<double> v) {
+                std::copy(v.begin(), v.end(), groups[group].values(node));
+            };
+            set(0, {f.displacement.x, f.displacement.y});
+            set(1, {f.strain.xx, f.strain.xy, f.strain.yy});
+            set(2, {f.laplacian.x, f.laplacian.y, f.gradient_of_trace.x, f.gradient_of_trace.y});
+            set(3, {f.dipole.x, f.dipole.y});
         }
-}
-
-void PeriodicTable::Impl::store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f) {
-    const auto set = [&](std::size_t group, std::initializer_list<double> v) {
-        std::copy(v.begin(), v.end(), groups[group].values(node));
-    };
-    set(0, {f.displacement.x, f.displacement.y});
-    set(1, {f.strain.xx, f.strain.xy, f.strain.yy});
-    set(2, {f.laplacian.x, f.laplacian.y, f.gradient_of_trace.x, f.gradient_of_trace.y});
-    set(3, {f.dipole.x, f.dipole.y});
 }
 
 PeriodicTable::Impl::Impl(const Medium& m, double side, const Pieces& pieces, std::size_t threads)
@@ -152,7 +123,17 @@ double PeriodicTable::Impl::error_at(const PeriodicField& exact, Vector lab) con
     const Vector position = turned(lab, cosine, -sine);
     FieldValues f = turned(exact.at(position.x, position.y, everything), cosine, sine);
     add_times(f, -1.0, at({0.0, 0.0, exact.heading()}, lab.x, lab.y, everything));
-    const auto off = sizes(f), scale = largest_at(exact, std::hypot(lab.x, lab.y));
+
+    // Over the largest values at the same distance.
+    const double r = std::hypot(lab.x, lab.y);
+    std::array<double, 5> scale{};
+    for (int k = 0; k < 12; ++k) {
+        const double angle = std::numbers::pi * k / 6.0;
+        const auto size = sizes(exact.at(r * std::cos(angle), r * std::sin(angle), everything));
+        for (std::size_t q = 0; q < size.size(); ++q)
+            scale[q] = std::max(scale[q], size[q]);
+    }
+    const auto off = sizes(f);
     double worst = 0.0;
     for (std::size_t q = 0; q < off.size(); ++q)
         worst = larger(worst, off[q] / scale[q]);
@@ -176,7 +157,17 @@ PeriodicTable::PeriodicTable(const Medium& medium, double box, double tolerance,
     const PeriodicField checked(medium, box); // throws for an illegal medium or box
     if (!(tolerance >= smallest_tolerance && tolerance <= largest_tolerance))
         throw InputError("tolerance of a table of the periodic field: from 1e-10 to 1e-3");
-    Pieces pieces = first_pieces(medium, box, tolerance);
+
+    // A wave of the box answers to the heading over an angle of pi/c, a wake is 1/sqrt(c) wide: as many
+    // pieces as keep the error at 1e-8 (bench/periodic_bench.cpp), and as its order says for another
+    // tolerance.
+    const double c = 0.5 * box / medium.xi * std::max(1.0, medium.nu()),
+                 decades = -std::log(tolerance / 1e-8);
+    const auto count = [&](double n, std::size_t order) {
+        return static_cast<std::size_t>(std::ceil(n * std::exp(decades / static_cast<double>(order))));
+    };
+    Pieces pieces{count(std::max(7.0, 1.2 + 2.15 * std::sqrt(c)), place_nodes),
+                  count(0.3 + 0.3 * c, angle_nodes)};
     for (int attempt = 0; attempt < 4; ++attempt) {
         if (pieces.cells() > memory_limit / cell_bytes)
             out_of_reach(box, tolerance);

@@ -29,19 +29,13 @@ struct PeriodicTable::Impl {
     Rest rest(double heading, double x, double y, FieldRequest request, GridRequest derivatives) const;
 
     FieldValues at(const Source& source, double x, double y, FieldRequest request) const;
-    FieldValues heading_derivative(const Source& source, double x, double y, FieldRequest request) const;
-
-    std::size_t bytes() const;
 
     /// At 640 random places and headings, each quantity relative to its largest value at that distance.
     double measured_error() const;
 
 private:
     void fill(const Pieces& pieces, std::size_t angle);
-    void store(const ChebyshevGrid::ChebyshevNode& node, const FieldValues& f);
     double error_at(const PeriodicField& exact, Vector lab) const;
-    Rest in_first_eighth(double heading, double x, double y, FieldRequest request,
-                         GridRequest derivatives) const;
 };
 
 } // namespace rodwake::elastic

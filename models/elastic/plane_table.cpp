@@ -170,33 +170,25 @@ BuiltLevel make_level(const CellFit<components>& fit, int exponent, std::int32_t
     return level;
 }
 
-/// The coarsest level that is complete, else the finest.
-template<std::size_t components>
-BuiltLevel best_level(const CellFit<components>& fit, int exponent, std::size_t threads) {
-    BuiltLevel level;
-    for (const std::int32_t n : cells_per_unit) {
-        level = make_level(fit, exponent, n, threads);
-        if (level.complete)
-            break;
-    }
-    return level;
-}
-
-void append(CellTable& table, const BuiltLevel& level, std::size_t& polynomials) {
-    table.cells_per_unit.push_back(level.n);
-    for (const std::vector<double>& cell : level.cells) {
-        table.polynomial_of.push_back(cell.empty() ? -1 : static_cast<std::int32_t>(polynomials++));
-        table.coefficients.insert(table.coefficients.end(), cell.begin(), cell.end());
-    }
-}
-
 template<std::size_t components>
 CellTable make_cells(double eta, double tolerance, int degree, std::size_t threads) {
     const CellFit<components> fit(eta, tolerance, degree);
     CellTable table;
     std::size_t polynomials = 0;
-    for (int e = lowest_level; e < end_level; ++e)
-        append(table, best_level(fit, e, threads), polynomials);
+    for (int e = lowest_level; e < end_level; ++e) {
+        // The coarsest level that is complete, else the finest.
+        BuiltLevel level;
+        for (const std::int32_t n : cells_per_unit) {
+            level = make_level(fit, e, n, threads);
+            if (level.complete)
+                break;
+        }
+        table.cells_per_unit.push_back(level.n);
+        for (const std::vector<double>& cell : level.cells) {
+            table.polynomial_of.push_back(cell.empty() ? -1 : static_cast<std::int32_t>(polynomials++));
+            table.coefficients.insert(table.coefficients.end(), cell.begin(), cell.end());
+        }
+    }
     return table;
 }
 
@@ -283,30 +275,6 @@ Slopes slopes(const std::array<double, gradient_components>& g, double factor, d
     return {{factor * g[0], odd * g[1], factor * g[2]}, {odd * g[3], factor * g[4], odd * g[5]}};
 }
 
-/// Takes over what was asked of the exact field.
-void merge(FieldValues& f, const FieldValues& exact, FieldRequest asked) {
-    if (asked.displacement)
-        f.displacement = exact.displacement;
-    if (asked.dipole)
-        f.dipole = exact.dipole;
-    if (asked.strain)
-        f.strain = exact.strain;
-    if (asked.polar) {
-        f.laplacian = exact.laplacian;
-        f.gradient_of_trace = exact.gradient_of_trace;
-    }
-    if (asked.gradients && asked.strain) {
-        f.strain_x = exact.strain_x;
-        f.strain_y = exact.strain_y;
-    }
-    if (asked.gradients && asked.polar) {
-        f.laplacian_x = exact.laplacian_x;
-        f.laplacian_y = exact.laplacian_y;
-        f.gradient_of_trace_x = exact.gradient_of_trace_x;
-        f.gradient_of_trace_y = exact.gradient_of_trace_y;
-    }
-}
-
 class TableWake final : public Wake {
 public:
     TableWake(std::shared_ptr<const PlaneTable> table, const Medium& medium)
@@ -323,7 +291,6 @@ public:
     const Medium& medium() const { return exact_.medium(); }
 
 private:
-    bool put_strain(FieldValues& f, double x, double y, double sign) const;
     bool put_slopes(FieldValues& f, double x, double y, double sign, FieldRequest request) const;
 
     std::shared_ptr<const PlaneTable> table_;
@@ -331,16 +298,6 @@ private:
     Field exact_;
     double per_xi_;
 };
-
-/// x and y >= 0 in units of xi; false: not in the table.
-bool TableWake::put_strain(FieldValues& f, double x, double y, double sign) const {
-    const CellIndex::LocatedCell cell = strain_.find(x, y);
-    if (!cell.coefficients)
-        return false;
-    const auto value = evaluate_cell<strain_components>(table_->degree, cell.coefficients, cell.u, cell.v).f;
-    f.strain = {per_xi_ * value[0], sign * per_xi_ * value[1], per_xi_ * value[2]};
-    return true;
-}
 
 /// What is made of the gradient.
 bool TableWake::put_slopes(FieldValues& f, double x, double y, double sign, FieldRequest request) const {
@@ -373,7 +330,13 @@ FieldValues TableWake::at(double x, double y, FieldRequest request) const {
     const double X = x * per_xi_, Y = std::abs(y) * per_xi_, sign = std::signbit(y) ? -1.0 : 1.0;
     FieldRequest rest = request; // of the exact field
     FieldValues f = unrequested();
-    rest.strain = request.strain && !put_strain(f, X, Y, sign);
+    if (const CellIndex::LocatedCell cell = request.strain ? strain_.find(X, Y) : CellIndex::LocatedCell{};
+        cell.coefficients) {
+        const auto value =
+            evaluate_cell<strain_components>(table_->degree, cell.coefficients, cell.u, cell.v).f;
+        f.strain = {per_xi_ * value[0], sign * per_xi_ * value[1], per_xi_ * value[2]};
+        rest.strain = false;
+    }
     const bool slopes = request.polar || (request.strain && request.gradients);
     const bool exact_slopes = slopes && !put_slopes(f, X, Y, sign, request);
     rest.polar = request.polar && exact_slopes;
@@ -381,7 +344,29 @@ FieldValues TableWake::at(double x, double y, FieldRequest request) const {
     if (!(rest.displacement || rest.dipole || rest.strain || exact_slopes))
         return f;
     rest.strain |= exact_slopes && request.strain && request.gradients;
-    merge(f, exact_.at(x, y, rest), rest);
+
+    // Take over what is asked of the exact field.
+    const FieldValues exact = exact_.at(x, y, rest);
+    if (rest.displacement)
+        f.displacement = exact.displacement;
+    if (rest.dipole)
+        f.dipole = exact.dipole;
+    if (rest.strain)
+        f.strain = exact.strain;
+    if (rest.polar) {
+        f.laplacian = exact.laplacian;
+        f.gradient_of_trace = exact.gradient_of_trace;
+    }
+    if (rest.gradients && rest.strain) {
+        f.strain_x = exact.strain_x;
+        f.strain_y = exact.strain_y;
+    }
+    if (rest.gradients && rest.polar) {
+        f.laplacian_x = exact.laplacian_x;
+        f.laplacian_y = exact.laplacian_y;
+        f.gradient_of_trace_x = exact.gradient_of_trace_x;
+        f.gradient_of_trace_y = exact.gradient_of_trace_y;
+    }
     return f;
 }
 

@@ -21,40 +21,6 @@ Matrix sparse(std::size_t rows, std::size_t columns, const Triplets& entries) {
     return matrix;
 }
 
-Matrix design_matrix(const QuinticKnots& knots, const SplinePoints& points,
-                     const Eigen::VectorXd& root_weights) {
-    const std::size_t side = knots.functions();
-    Triplets entries;
-    for (std::size_t row = 0; row < points.x.size(); ++row) {
-        const QuinticValues along = values_at(knots, points.x[row]), across = values_at(knots, points.y[row]);
-        for (std::size_t j = 0; j < across.by[0].size(); ++j)
-            for (std::size_t i = 0; i < along.by[0].size(); ++i)
-                entries.emplace_back(
-                    static_cast<int>(row), static_cast<int>((across.first + j) * side + along.first + i),
-                    root_weights[static_cast<Eigen::Index>(row)] * along.by[0][i] * across.by[0][j]);
-    }
-    return sparse(points.x.size(), side * side, entries);
-}
-
-/// D^T D, D the third differences along both axes.
-Matrix third_differences(std::size_t side) {
-    constexpr std::array stencil = {-1.0, 3.0, -3.0, 1.0};
-    Triplets entries;
-    std::size_t row = 0;
-    const auto add = [&](std::size_t first, std::size_t step) {
-        for (std::size_t k = 0; k < stencil.size(); ++k)
-            entries.emplace_back(static_cast<int>(row), static_cast<int>(first + k * step), stencil[k]);
-        ++row;
-    };
-    for (std::size_t line = 0; line < side; ++line)
-        for (std::size_t k = 0; k + stencil.size() <= side; ++k) {
-            add(line * side + k, 1);
-            add(k * side + line, side);
-        }
-    const Matrix differences = sparse(row, side * side, entries);
-    return differences.transpose() * differences;
-}
-
 } // namespace
 
 SmoothingSpline::SmoothingSpline(const QuinticKnots& knots, const SplinePoints& points)
@@ -64,9 +30,35 @@ SmoothingSpline::SmoothingSpline(const QuinticKnots& knots, const SplinePoints& 
         root_weights_[i] = 1.0 / points.sigma[static_cast<std::size_t>(i)];
     mean_weight_ = root_weights_.squaredNorm() / static_cast<double>(points.x.size());
     root_weights_ /= std::sqrt(mean_weight_);
-    design_ = design_matrix(knots, points, root_weights_);
+    const std::size_t side = knots.functions();
+    Triplets entries;
+    for (std::size_t row = 0; row < points.x.size(); ++row) {
+        const QuinticValues along = values_at(knots, points.x[row]), across = values_at(knots, points.y[row]);
+        for (std::size_t j = 0; j < across.by[0].size(); ++j)
+            for (std::size_t i = 0; i < along.by[0].size(); ++i)
+                entries.emplace_back(
+                    static_cast<int>(row), static_cast<int>((across.first + j) * side + along.first + i),
+                    root_weights_[static_cast<Eigen::Index>(row)] * along.by[0][i] * across.by[0][j]);
+    }
+    design_ = sparse(points.x.size(), side * side, entries);
     normal_ = design_.transpose() * design_;
-    penalty_ = third_differences(knots.functions());
+
+    // The penalty is D^T D, D the third differences along both axes.
+    constexpr std::array stencil = {-1.0, 3.0, -3.0, 1.0};
+    Triplets differences;
+    std::size_t row = 0;
+    const auto add = [&](std::size_t first, std::size_t step) {
+        for (std::size_t k = 0; k < stencil.size(); ++k)
+            differences.emplace_back(static_cast<int>(row), static_cast<int>(first + k * step), stencil[k]);
+        ++row;
+    };
+    for (std::size_t line = 0; line < side; ++line)
+        for (std::size_t k = 0; k + stencil.size() <= side; ++k) {
+            add(line * side + k, 1);
+            add(k * side + line, side);
+        }
+    const Matrix third = sparse(row, side * side, differences);
+    penalty_ = third.transpose() * third;
     factor_->analyzePattern(Matrix(normal_ + penalty_));
 }
 
@@ -99,16 +91,12 @@ double SmoothingSpline::trace(const Eigen::MatrixXd& probes) const {
     return points * images.cwiseProduct(factor_->solve(images)).sum() / probes.squaredNorm();
 }
 
-double SmoothingSpline::score(std::span<const double> values, const Eigen::MatrixXd& probes) {
-    const double points = static_cast<double>(values.size()), left = 1.0 - trace(probes) / points;
-    return chi2(values, fit(values)) / (left * left);
-}
-
 /// Decades first, then between the neighbours of the best, roughly: the score is flat at its least.
 double SmoothingSpline::choose(std::span<const double> values, const Eigen::MatrixXd& probes) {
     const auto score_at = [&](double decade) {
         set_lambda(std::pow(10.0, decade));
-        return score(values, probes);
+        const double points = static_cast<double>(values.size()), left = 1.0 - trace(probes) / points;
+        return chi2(values, fit(values)) / (left * left);
     };
     constexpr double lowest = -8.0, highest = 8.0;
     double best = lowest, least = score_at(lowest);
@@ -129,9 +117,16 @@ namespace {
 constexpr std::size_t degree = QuinticKnots::degree, pieces = degree + 1;
 using Weights = std::array<double, pieces>;
 
-/// B_p(u + j) for j = 0 ... p, where B_p is the B-spline of degree p with knots 0, 1, ..., p + 1:
-/// p B_p(t) = t B_{p-1}(t) + (p + 1 - t) B_{p-1}(t - 1) (de Boor, A Practical Guide to Splines, ch. IX).
-std::array<Weights, pieces> all_degrees(double u) {
+} // namespace
+
+QuinticValues values_at(const QuinticKnots& knots, double x) {
+    const double s = (x - knots.first) / knots.width;
+    const double interval = std::clamp(std::floor(s), 0.0, static_cast<double>(knots.intervals - 1));
+
+    // b[p][j] is B_p(u + j) for j = 0 ... p, where B_p is the B-spline of degree p with knots 0, 1, ..., p +
+    // 1: p B_p(t) = t B_{p-1}(t) + (p + 1 - t) B_{p-1}(t - 1) (de Boor, A Practical Guide to Splines, ch.
+    // IX).
+    const double u = s - interval;
     std::array<Weights, pieces> b{};
     b[0][0] = 1.0;
     for (std::size_t p = 1; p <= degree; ++p)
@@ -141,30 +136,16 @@ std::array<Weights, pieces> all_degrees(double u) {
             const double before = j > 0 ? (top - t) * b[p - 1][j - 1] : 0.0;
             b[p][j] = (here + before) / static_cast<double>(p);
         }
-    return b;
-}
 
-/// B_p' (t) = B_{p-1}(t) - B_{p-1}(t - 1).
-Weights difference(const Weights& b) {
-    Weights d{};
-    for (std::size_t j = 0; j < pieces; ++j)
-        d[j] = b[j] - (j > 0 ? b[j - 1] : 0.0);
-    return d;
-}
-
-} // namespace
-
-QuinticValues values_at(const QuinticKnots& knots, double x) {
-    const double s = (x - knots.first) / knots.width;
-    const double interval = std::clamp(std::floor(s), 0.0, static_cast<double>(knots.intervals - 1));
-    const auto b = all_degrees(s - interval);
+    // Derivatives by B_p'(t) = B_{p-1}(t) - B_{p-1}(t - 1).
     QuinticValues values;
     values.first = static_cast<std::size_t>(interval);
     double scale = 1.0;
     for (std::size_t k = 0; k < values.by.size(); ++k, scale /= knots.width) {
         Weights d = b[degree - k];
         for (std::size_t times = 0; times < k; ++times)
-            d = difference(d);
+            for (std::size_t j = pieces; --j > 0;)
+                d[j] -= d[j - 1];
         for (std::size_t i = 0; i < pieces; ++i) // function first + i began degree - i intervals before
             values.by[k][i] = scale * d[degree - i];
     }

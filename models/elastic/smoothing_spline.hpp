@@ -75,7 +75,6 @@ public:
 private:
     using Matrix = Eigen::SparseMatrix<double>;
 
-    double score(std::span<const double> values, const Eigen::MatrixXd& probes);
     Eigen::VectorXd scaled(std::span<const double> values) const;
 
     Eigen::VectorXd root_weights_; ///< sqrt(q_i)

@@ -32,21 +32,6 @@ void add_turned(FieldValues& sum, const FieldValues& f, FieldRequest request, do
         add(sum.dipole, f.dipole);
 }
 
-/// What source b makes at every rod.
-void add_wake(const WakeField& field, std::span<const Source> rods, std::size_t b, FieldRequest request,
-              std::span<FieldValues> sums) {
-    const Source& source = rods[b];
-    const double cosine = std::cos(source.heading), sine = std::sin(source.heading);
-    const auto wake = field.wake(source.heading);
-    for (std::size_t a = 0; a < rods.size(); ++a) {
-        const Vector at = turned(Vector{rods[a].x - source.x, rods[a].y - source.y}, cosine, -sine);
-        if (a != b)
-            add_turned(sums[a], wake->at(at.x, at.y, request), request, cosine, sine);
-        else if (field.box())
-            add_turned(sums[a], wake->self_image_field(request), request, cosine, sine);
-    }
-}
-
 } // namespace
 
 FieldValues Wake::heading_derivative(double, double, FieldRequest) const { return nothing; }
@@ -61,8 +46,17 @@ void WakeField::mutual(std::span<const Source> rods, FieldRequest request,
     request.gradients = false;
     for (FieldValues& sum : sums)
         sum = empty_sum(request);
-    for (std::size_t b = 0; b < rods.size(); ++b)
-        add_wake(*this, rods, b, request, sums);
+    for (std::size_t b = 0; b < rods.size(); ++b) {
+        const double cosine = std::cos(rods[b].heading), sine = std::sin(rods[b].heading);
+        const auto source = wake(rods[b].heading);
+        for (std::size_t a = 0; a < rods.size(); ++a) {
+            const Vector at = turned(Vector{rods[a].x - rods[b].x, rods[a].y - rods[b].y}, cosine, -sine);
+            if (a != b)
+                add_turned(sums[a], source->at(at.x, at.y, request), request, cosine, sine);
+            else if (box())
+                add_turned(sums[a], source->self_image_field(request), request, cosine, sine);
+        }
+    }
 }
 
 bool is_singular(double x, double y, std::optional<PeriodicBox> box, double heading) {

@@ -25,12 +25,6 @@ std::span<double> ClosedRates::field(std::size_t rod) {
     return std::span(fields_).subspan(self_field_ ? 0 : rod * total_.size(), total_.size());
 }
 
-void ClosedRates::set_steady(integrate::State poses) {
-    std::ranges::fill(fields_, 0.0);
-    for (std::size_t b = 0; b < poses.size() / 3; ++b)
-        modes_.add_steady(rods::pose(poses, b), field(b));
-}
-
 /// Headings' rates in the fields as they are.
 void ClosedRates::turn(integrate::State poses, std::span<double> ydot) {
     const std::size_t numbers = total_.size();
@@ -57,7 +51,9 @@ void ClosedRates::rates(integrate::State poses, std::span<double> ydot) {
     }
     if (!couplings_.any() || (rods < 2 && !self_field_))
         return;
-    set_steady(poses);
+    std::ranges::fill(fields_, 0.0);
+    for (std::size_t b = 0; b < rods; ++b)
+        modes_.add_steady(rods::pose(poses, b), field(b));
     turn(poses, ydot);
     if (!first_order_)
         return;
@@ -93,20 +89,20 @@ Complex response(double decay, double q_along, double q_across, double along, do
 void add_turning(const ModalField& modes, const rods::Pose& rod, double rate, std::span<double> field) {
     const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const std::size_t size = modes.size(), columns = modes.columns();
-    const PhaseFactors px = phases(modes.qx(), -rod.x), py = phases(modes.qy(), -rod.y);
+    const PhaseFactors px = phases(modes.qx, -rod.x), py = phases(modes.qy, -rod.y);
     for (std::size_t i = 0; i < size; ++i) {
-        if (modes.force()[i] == 0.0)
+        if (modes.force[i] == 0.0)
             continue;
         const std::size_t row = i / columns, column = i % columns;
-        const double qx = modes.qx()[row], qy = modes.qy()[column];
-        const double ux = modes.unit_x()[i], uy = modes.unit_y()[i];
+        const double qx = modes.qx[row], qy = modes.qy[column];
+        const double ux = modes.unit_x[i], uy = modes.unit_y[i];
         const double q_along = qx * nx + qy * ny, q_across = qy * nx - qx * ny;
         const double along = ux * nx + uy * ny, across = uy * nx - ux * ny; // of q/|q|
         const Complex phase = Complex{px.re[row], px.im[row]} * Complex{py.re[column], py.im[column]};
-        const Complex f = rate * modes.force()[i] * phase;
+        const Complex f = rate * modes.force[i] * phase;
         // n.(z x q/|q|) = -across, n'.(z x q/|q|) = along
-        const Complex l = f * response(modes.decay_longitudinal()[i], q_along, q_across, along, across);
-        const Complex t = f * response(modes.decay_transverse()[i], q_along, q_across, -across, along);
+        const Complex l = f * response(modes.decay_longitudinal[i], q_along, q_across, along, across);
+        const Complex t = f * response(modes.decay_transverse[i], q_along, q_across, -across, along);
         field[i] += l.re;
         field[size + i] += l.im;
         field[2 * size + i] += t.re;

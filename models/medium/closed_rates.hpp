@@ -24,7 +24,6 @@ public:
     void rates(integrate::State poses, std::span<double> ydot);
 
 private:
-    void set_steady(integrate::State poses);
     void turn(integrate::State poses, std::span<double> ydot);
     std::span<double> field(std::size_t rod);
 

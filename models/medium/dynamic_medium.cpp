@@ -15,17 +15,6 @@ constexpr std::size_t fewest_modes = 4, most_modes = 2048;
 constexpr double least_inertia = 1e-12, most_inertia = 1e6; // smaller ones overflow a mode's rates
 constexpr double most_own_width = 10.0; // alpha force_width, beyond which own_response.cpp's integral is off
 
-void check_closure(const DynamicMedium& m) {
-    if (m.closure == Closure::none)
-        return;
-    if (m.start == Start::rest)
-        throw InputError("a closure has no initial state, so start = \"rest\" needs closure = \"none\": take "
-                         "start = \"steady\", or closure = \"none\"");
-    if (m.evaluation == Evaluation::mesh || m.inertia > 0.0)
-        throw InputError("a closure needs direct sums and no inertia: take evaluation = \"auto\" and inertia "
-                         "= 0, or closure = \"none\"");
-}
-
 } // namespace
 
 Evaluation evaluation_of(const DynamicMedium& medium, std::size_t rods) {
@@ -70,7 +59,12 @@ void validate(const elastic::Medium& elastic, const DynamicMedium& medium, std::
             fmt::format("box = {} is less than 4 force_width = {}: the force would overlap its own "
                         "images",
                         medium.box, 4.0 * medium.force_width));
-    check_closure(medium);
+    if (medium.closure != Closure::none && medium.start == Start::rest)
+        throw InputError("a closure has no initial state, so start = \"rest\" needs closure = \"none\": take "
+                         "start = \"steady\", or closure = \"none\"");
+    if (medium.closure != Closure::none && (medium.evaluation == Evaluation::mesh || medium.inertia > 0.0))
+        throw InputError("a closure needs direct sums and no inertia: take evaluation = \"auto\" and inertia "
+                         "= 0, or closure = \"none\"");
     if (medium.inertia != 0.0 && !(medium.inertia >= least_inertia && medium.inertia <= most_inertia))
         throw InputError(
             fmt::format("inertia = {}: must be 0, or {} to {}", medium.inertia, least_inertia, most_inertia));

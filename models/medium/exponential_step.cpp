@@ -35,45 +35,42 @@ Coupled ExponentialStep::start(std::vector<double> poses) {
     return state;
 }
 
-void ExponentialStep::prepare_row(std::size_t row, std::size_t rod, double h) {
-    const std::size_t columns = modes_.columns(), size = modes_.size();
-    const RodStage& first = paths_[rod].stages.front();
-    const double turn_x = 0.5 * h * modes_.qx()[row] * first.nx;
-    const Complex phase_x{std::cos(turn_x), std::sin(turn_x)};
-    for (std::size_t column = 0; column < columns; ++column) {
-        const std::size_t i = row * columns + column;
-        if (modes_.force()[i] == 0.0)
-            continue;
-        const double turn_y = 0.5 * h * modes_.qy()[column] * first.ny;
-        // of the row's columns alone; a table of them would be read from memory
-        const Complex phase = phase_x * Complex{paths_[rod].y.re[column], paths_[rod].y.im[column]};
-        for (std::size_t part = 0; part < 2; ++part) {
-            const double rate = part == 0 ? modes_.decay_longitudinal()[i] : modes_.decay_transverse()[i];
-            const Phi half = phi({-0.5 * h * rate, turn_x + turn_y}, decay_[part * size + i] * phase);
-            const Phi full = doubled(half);
-            const double scale = h * modes_.force()[i];
-            weights_[(2 * rod + part) * size + i] = {0.5 * scale * half.one, scale * half.two,
-                                                     scale * full.one, scale * full.two, scale * full.three};
-        }
-    }
-}
-
 void ExponentialStep::prepare(const Coupled& before, double h) {
     const std::size_t columns = modes_.columns(), size = modes_.size();
     for (std::size_t rod = 0; rod < rods_; ++rod) {
         paths_[rod].stages.clear();
         add_stage(rod, before.poses, before.poses, 0.0);
-        paths_[rod].y = phases(modes_.qy(), 0.5 * h * paths_[rod].stages.front().ny);
+        paths_[rod].y = phases(modes_.qy, 0.5 * h * paths_[rod].stages.front().ny);
     }
     team_.run(modes_.rows(), [&](std::size_t row) {
         for (std::size_t i = row * columns; i < (row + 1) * columns; ++i)
             for (std::size_t part = 0; part < 2; ++part) {
-                const double rate = part == 0 ? modes_.decay_longitudinal()[i] : modes_.decay_transverse()[i];
+                const double rate = part == 0 ? modes_.decay_longitudinal[i] : modes_.decay_transverse[i];
                 decay_[part * size + i] = std::exp(-0.5 * h * rate);
                 decay_[(2 + part) * size + i] = std::exp(-h * rate);
             }
-        for (std::size_t rod = 0; rod < rods_; ++rod)
-            prepare_row(row, rod, h);
+        for (std::size_t rod = 0; rod < rods_; ++rod) {
+            const RodPath& path = paths_[rod];
+            const RodStage& first = path.stages.front();
+            const double turn_x = 0.5 * h * modes_.qx[row] * first.nx;
+            const Complex phase_x{std::cos(turn_x), std::sin(turn_x)};
+            for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
+                if (modes_.force[i] == 0.0)
+                    continue;
+                const double turn_y = 0.5 * h * modes_.qy[column] * first.ny;
+                // of the row's columns alone; a table of them would be read from memory
+                const Complex phase = phase_x * Complex{path.y.re[column], path.y.im[column]};
+                for (std::size_t part = 0; part < 2; ++part) {
+                    const double rate = part == 0 ? modes_.decay_longitudinal[i] : modes_.decay_transverse[i];
+                    const Phi half = phi({-0.5 * h * rate, turn_x + turn_y}, decay_[part * size + i] * phase);
+                    const Phi full = doubled(half);
+                    const double scale = h * modes_.force[i];
+                    weights_[(2 * rod + part) * size + i] = {0.5 * scale * half.one, scale * half.two,
+                                                             scale * full.one, scale * full.two,
+                                                             scale * full.three};
+                }
+            }
+        }
     });
 }
 
@@ -83,17 +80,7 @@ void ExponentialStep::add_stage(std::size_t rod, integrate::State before, integr
     const rods::Direction n = rods::direction(poses, rod), v = rods::direction(before, rod);
     const double dx = poses[3 * rod] - before[3 * rod] - v.cosine * time;
     const double dy = poses[3 * rod + 1] - before[3 * rod + 1] - v.sine * time;
-    paths_[rod].stages.push_back({n.cosine, n.sine, phases(modes_.qx(), -dx), phases(modes_.qy(), -dy)});
-}
-
-void ExponentialStep::decay_row(std::size_t row, bool half, std::span<const double> from,
-                                std::span<double> to) const {
-    const std::size_t columns = modes_.columns(), size = modes_.size();
-    for (std::size_t block = 0; block < 4; ++block) { // l_re, l_im, t_re, t_im
-        const double* e = &decay_[((half ? 0 : 2) + block / 2) * size];
-        for (std::size_t i = row * columns; i < (row + 1) * columns; ++i)
-            to[block * size + i] = e[i] * from[block * size + i];
-    }
+    paths_[rod].stages.push_back({n.cosine, n.sine, phases(modes_.qx, -dx), phases(modes_.qy, -dy)});
 }
 
 /// Adds what a rod's force did to one row of its field up to stage 1, 2, 3 or the end, 4.
@@ -104,7 +91,7 @@ void ExponentialStep::advance_row(std::size_t row, std::size_t stage, std::size_
     const Complex frame_x{path.x.re[row], path.x.im[row]};
     for (std::size_t column = 0; column < columns; ++column) {
         const std::size_t i = row * columns + column;
-        if (modes_.force()[i] == 0.0)
+        if (modes_.force[i] == 0.0)
             continue;
         std::array<Complex, 4> off; // phases of the stages so far
         for (std::size_t j = 0; j < stage; ++j) {
@@ -116,7 +103,7 @@ void ExponentialStep::advance_row(std::size_t row, std::size_t stage, std::size_
             std::array<Complex, 4> f; // forces along q, or across
             for (std::size_t j = 0; j < stage; ++j) {
                 const RodStage& s = path.stages[j];
-                const double ux = modes_.unit_x()[i], uy = modes_.unit_y()[i];
+                const double ux = modes_.unit_x[i], uy = modes_.unit_y[i];
                 f[j] = (part == 0 ? s.nx * ux + s.ny * uy : s.ny * ux - s.nx * uy) * off[j];
             }
             const StageWeights& w = weights_[(2 * rod + part) * size + i];
@@ -143,12 +130,17 @@ void ExponentialStep::fields_at(std::size_t stage, integrate::State before, std:
     const std::size_t numbers = 4 * modes_.size();
     for (std::size_t rod = 0; rod < rods_; ++rod) {
         const rods::Direction v = rods::direction(before, rod);
-        paths_[rod].x = phases(modes_.qx(), -(before[3 * rod] + v.cosine * time));
-        paths_[rod].y = phases(modes_.qy(), -(before[3 * rod + 1] + v.sine * time));
+        paths_[rod].x = phases(modes_.qx, -(before[3 * rod] + v.cosine * time));
+        paths_[rod].y = phases(modes_.qy, -(before[3 * rod + 1] + v.sine * time));
     }
     team_.run(modes_.rows(), [&](std::size_t row) {
-        for (std::size_t k = 0; k < fields_.count(); ++k)
-            decay_row(row, stage < 3, from.subspan(k * numbers, numbers), to.subspan(k * numbers, numbers));
+        const std::size_t columns = modes_.columns(), size = modes_.size();
+        for (std::size_t block = 0; block < 4 * fields_.count();
+             ++block) { // of each field l_re, l_im, t_re, t_im
+            const double* e = &decay_[((stage < 3 ? 0 : 2) + block % 4 / 2) * size];
+            for (std::size_t i = row * columns; i < (row + 1) * columns; ++i)
+                to[block * size + i] = e[i] * from[block * size + i];
+        }
         for (std::size_t rod = 0; rod < rods_; ++rod) {
             if (fields_.common())
                 advance_row(row, stage, rod, to.first(numbers));

@@ -60,12 +60,10 @@ private:
     };
 
     void prepare(const Coupled& before, double h);
-    void prepare_row(std::size_t row, std::size_t rod, double h);
     void add_stage(std::size_t rod, integrate::State before, integrate::State poses, double time);
     void fields_at(std::size_t stage, integrate::State before, std::span<const double> from, double time,
                    std::span<double> to);
     void advance_row(std::size_t row, std::size_t stage, std::size_t rod, std::span<double> field) const;
-    void decay_row(std::size_t row, bool half, std::span<const double> from, std::span<double> to) const;
 
     ModalField modes_;
     std::size_t rods_;

@@ -9,40 +9,30 @@ namespace rodwake::medium {
 namespace {
 
 /// Both transforms of a square of complex numbers with e^(+2 pi i j k/n), line by line and then across.
-class SquareTransform {
-public:
-    explicit SquareTransform(std::size_t points) : fft_(points), data_(points), other_(points) {}
-
-    void run(std::vector<Complex>& square) {
-        along(square, fft_.size(), 1);
-        along(square, 1, fft_.size());
-    }
-
-private:
-    /// Lines `apart` from each other, their elements `step`.
-    void along(std::vector<Complex>& square, std::size_t apart, std::size_t step) {
-        const std::size_t n = fft_.size();
-        for (std::size_t first = 0; first < n; first += fourier::Fft::lanes) {
-            const std::size_t count = std::min(fourier::Fft::lanes, n - first);
-            for (std::size_t j = 0; j < n; ++j)
+void transform_square(std::vector<Complex>& square, std::size_t points) {
+    fourier::Fft fft(points);
+    std::vector<fourier::Fft::Element> data(points), other(points);
+    for (const bool across : {false, true}) {
+        // Lines `apart` from each other, their elements `step`.
+        const std::size_t apart = across ? 1 : points, step = across ? points : 1;
+        for (std::size_t first = 0; first < points; first += fourier::Fft::lanes) {
+            const std::size_t count = std::min(fourier::Fft::lanes, points - first);
+            for (std::size_t j = 0; j < points; ++j)
                 for (std::size_t lane = 0; lane < fourier::Fft::lanes; ++lane) {
                     const Complex value =
                         lane < count ? square[(first + lane) * apart + j * step] : Complex{};
                     // parts swapped before and after change the sign of the exponent
-                    set_lane(data_[j], lane, {value.im, value.re});
+                    set_lane(data[j], lane, {value.im, value.re});
                 }
-            fft_.transform(data_, other_);
-            for (std::size_t j = 0; j < n; ++j)
+            fft.transform(data, other);
+            for (std::size_t j = 0; j < points; ++j)
                 for (std::size_t lane = 0; lane < count; ++lane) {
-                    const Complex value = lane_of(data_[j], lane);
+                    const Complex value = lane_of(data[j], lane);
                     square[(first + lane) * apart + j * step] = {value.im, value.re};
                 }
         }
     }
-
-    fourier::Fft fft_;
-    std::vector<fourier::Fft::Element> data_, other_;
-};
+}
 
 /// Where a wave number -n ... n stands in a transform of `points`.
 std::size_t folded(std::ptrdiff_t n, std::size_t points) {
@@ -70,7 +60,7 @@ void FieldGrid::evaluate(const ModalField& modes, std::span<const double> field,
             Complex& minus = square[folded(-n, points_) * points_ + folded(-m, points_)];
             minus = minus + sign * (conjugate(u.x) + times_i(conjugate(u.y)));
         }
-    SquareTransform(points_).run(square);
+    transform_square(square, points_);
     for (std::size_t k = 0; k < square.size(); ++k) {
         ux[k] = square[k].re;
         uy[k] = square[k].im;

@@ -17,12 +17,6 @@ namespace {
 constexpr std::size_t fewest_points = 4, most_points = 1024;
 constexpr double most_frames = 1e6;
 
-/// Least legal number of points a side that resolves the force.
-std::size_t points_needed(const DynamicMedium& m) {
-    const auto least = static_cast<std::size_t>(std::ceil(m.box / m.force_width));
-    return fourier::Fft::suitable(std::max(least, fewest_points));
-}
-
 } // namespace
 
 std::vector<double> film_times(const DynamicMedium& medium, double t_end) {
@@ -57,11 +51,14 @@ void validate_film(const DynamicMedium& m, std::size_t rods, double t_end) {
                                      m.film_grid, fewest_points, most_points,
                                      std::min(fourier::Fft::suitable(std::max(m.film_grid, fewest_points)),
                                               fourier::Fft::suitable(most_points))));
-    if (const double spacing = m.box / static_cast<double>(m.film_grid); spacing > m.force_width)
+    const double spacing = m.box / static_cast<double>(m.film_grid);
+    const auto points_needed = static_cast<std::size_t>(std::ceil(m.box / m.force_width));
+    if (spacing > m.force_width)
         throw InputError(fmt::format("film_grid = {}: its spacing box/film_grid = {:.4g} is above "
                                      "force_width = {}, so that rods would fall between the points; take {} "
                                      "or more",
-                                     m.film_grid, spacing, m.force_width, points_needed(m)));
+                                     m.film_grid, spacing, m.force_width,
+                                     fourier::Fft::suitable(std::max(points_needed, fewest_points))));
     const double frames = std::floor(t_end / *m.film_interval) + 1.0,
                  bytes = 8.0 * frames * static_cast<double>(film_frame_size(m, rods));
     if (frames > most_frames || bytes > most_film_bytes)

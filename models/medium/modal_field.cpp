@@ -11,79 +11,26 @@ namespace rodwake::medium {
 
 namespace {
 
-/// Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column, for each component of
-/// u.
-struct ColumnSums {
-    struct ComplexSums {
-        std::vector<double> re, im;
-    };
-    std::array<std::array<ComplexSums, 2>, 3> power;
-
-    ColumnSums(std::size_t columns, std::size_t powers) {
-        for (std::size_t k = 0; k < powers; ++k)
-            for (ComplexSums& c : power[k])
-                c = {std::vector<double>(columns), std::vector<double>(columns)};
-    }
+/// A complex vector, of each Cartesian component of u.
+struct ComplexRow {
+    std::vector<double> re, im;
 };
+using VectorRow = std::array<ComplexRow, 2>;
 
-/// Cartesian components of one row of a field.
-struct FieldRow {
-    std::array<ColumnSums::ComplexSums, 2> u;
-
-    explicit FieldRow(std::size_t columns) {
-        for (ColumnSums::ComplexSums& c : u)
-            c = {std::vector<double>(columns), std::vector<double>(columns)};
-    }
-    void clear() {
-        for (ColumnSums::ComplexSums& c : u) {
-            std::ranges::fill(c.re, 0.0);
-            std::ranges::fill(c.im, 0.0);
-        }
-    }
-};
-
+/// Adds one row of a field.
 void load_row(const ModalField& modes, std::size_t row, std::span<const double> field, double sign,
-              FieldRow& out) {
+              VectorRow& out) {
     const std::size_t n = modes.columns(), size = modes.size(), first = row * n;
-    const double *ux = &modes.unit_x()[first], *uy = &modes.unit_y()[first];
+    const double *ux = &modes.unit_x[first], *uy = &modes.unit_y[first];
     for (std::size_t part = 0; part < 2; ++part) { // real, imaginary
         const double *l = &field[part * size + first], *t = &field[(2 + part) * size + first];
-        double* x = (part == 0 ? out.u[0].re : out.u[0].im).data();
-        double* y = (part == 0 ? out.u[1].re : out.u[1].im).data();
+        double* x = (part == 0 ? out[0].re : out[0].im).data();
+        double* y = (part == 0 ? out[1].re : out[1].im).data();
         for (std::size_t i = 0; i < n; ++i) {
             x[i] += sign * (ux[i] * l[i] - uy[i] * t[i]);
             y[i] += sign * (uy[i] * l[i] + ux[i] * t[i]);
         }
     }
-}
-
-void add_row(const FieldRow& row, double re, double im, std::array<ColumnSums::ComplexSums, 2>& sums) {
-    for (std::size_t c = 0; c < 2; ++c) {
-        const double *ur = row.u[c].re.data(), *ui = row.u[c].im.data();
-        double *sr = sums[c].re.data(), *si = sums[c].im.data();
-        for (std::size_t i = 0; i < row.u[c].re.size(); ++i) {
-            sr[i] += re * ur[i] - im * ui[i];
-            si[i] += re * ui[i] + im * ur[i];
-        }
-    }
-}
-
-/// sum over columns of q_y^j p_y s for j = 0, 1, 2.
-struct Moments {
-    std::array<double, 3> re{}, im{};
-};
-
-Moments moments(const ColumnSums::ComplexSums& s, std::span<const double> qy, const PhaseFactors& p) {
-    Moments sum;
-    for (std::size_t i = 0; i < s.re.size(); ++i) {
-        const double re = p.re[i] * s.re[i] - p.im[i] * s.im[i], im = p.re[i] * s.im[i] + p.im[i] * s.re[i];
-        double weight = 1.0;
-        for (std::size_t j = 0; j < 3; ++j, weight *= qy[i]) {
-            sum.re[j] += weight * re;
-            sum.im[j] += weight * im;
-        }
-    }
-    return sum;
 }
 
 } // namespace
@@ -98,30 +45,30 @@ PhaseFactors phases(std::span<const double> q, double c) {
 }
 
 ModalField::ModalField(const elastic::Medium& elastic, const DynamicMedium& medium)
-    : inertia_(medium.inertia * elastic.xi) {
+    : inertia(medium.inertia * elastic.xi) {
     validate(elastic, medium, 1);
     const std::size_t half = (medium.modes + 1) / 2 - 1;
     const double unit = 2.0 * std::numbers::pi / medium.box, alpha = 1.0 / elastic.xi;
     for (std::size_t m = 0; m <= half; ++m)
-        qx_.push_back(unit * static_cast<double>(m));
+        qx.push_back(unit * static_cast<double>(m));
     for (std::size_t n = 0; n <= 2 * half; ++n)
-        qy_.push_back(unit * (static_cast<double>(n) - static_cast<double>(half)));
-    for (const double x : qx_)
-        for (const double y : qy_) {
+        qy.push_back(unit * (static_cast<double>(n) - static_cast<double>(half)));
+    for (const double x : qx)
+        for (const double y : qy) {
             const double q2 = x * x + y * y, q = std::sqrt(q2);
             const bool kept = x > 0.0 || y > 0.0;
-            unit_x_.push_back(kept ? x / q : 1.0);
-            unit_y_.push_back(kept ? y / q : 0.0);
-            decay_l_.push_back((1.0 + elastic.eta) * q2 / alpha);
-            decay_t_.push_back(q2 / alpha);
-            force_.push_back(kept ? std::exp(-0.5 * medium.force_width * medium.force_width * q2) /
-                                        (alpha * medium.box * medium.box)
-                                  : 0.0);
+            unit_x.push_back(kept ? x / q : 1.0);
+            unit_y.push_back(kept ? y / q : 0.0);
+            decay_longitudinal.push_back((1.0 + elastic.eta) * q2 / alpha);
+            decay_transverse.push_back(q2 / alpha);
+            force.push_back(kept ? std::exp(-0.5 * medium.force_width * medium.force_width * q2) /
+                                       (alpha * medium.box * medium.box)
+                                 : 0.0);
         }
 }
 
 void ModalField::add_steady(const rods::Pose& rod, std::span<double> field) const {
-    const PhaseFactors px = phases(qx_, -rod.x), py = phases(qy_, -rod.y);
+    const PhaseFactors px = phases(qx, -rod.x), py = phases(qy, -rod.y);
     for (std::size_t row = 0; row < rows(); ++row)
         add_steady_row(row, 0, columns(), rod, px, py, field);
 }
@@ -132,25 +79,25 @@ void ModalField::add_steady_row(std::size_t row, std::size_t first, std::size_t 
     const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
     const auto add = [&](std::size_t i, std::size_t block, double along, double decay, double qn, double re,
                          double im) {
-        const double d = decay - inertia_ * qn * qn;
-        const double scale = force_[i] * along / (d * d + qn * qn); // of 1/(d - i qn)
+        const double d = decay - inertia * qn * qn;
+        const double scale = force[i] * along / (d * d + qn * qn); // of 1/(d - i qn)
         const double u_re = scale * (re * d - im * qn), u_im = scale * (re * qn + im * d);
         field[block * size() + i] += u_re;
         field[(block + 1) * size() + i] += u_im;
-        if (inertia_ > 0.0) { // rates, -i qn u
+        if (inertia > 0.0) { // rates, -i qn u
             field[(block + 4) * size() + i] += qn * u_im;
             field[(block + 5) * size() + i] -= qn * u_re;
         }
     };
     for (std::size_t column = first; column < last; ++column) {
         const std::size_t i = row * columns() + column;
-        if (force_[i] == 0.0)
+        if (force[i] == 0.0)
             continue;
         const double re = px.re[row] * py.re[column] - px.im[row] * py.im[column];
         const double im = px.re[row] * py.im[column] + px.im[row] * py.re[column];
-        const double qn = qx_[row] * nx + qy_[column] * ny;
-        add(i, 0, nx * unit_x_[i] + ny * unit_y_[i], decay_l_[i], qn, re, im);
-        add(i, 2, ny * unit_x_[i] - nx * unit_y_[i], decay_t_[i], qn, re, im);
+        const double qn = qx[row] * nx + qy[column] * ny;
+        add(i, 0, nx * unit_x[i] + ny * unit_y[i], decay_longitudinal[i], qn, re, im);
+        add(i, 2, ny * unit_x[i] - nx * unit_y[i], decay_transverse[i], qn, re, im);
     }
 }
 
@@ -160,22 +107,47 @@ elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest re
         throw InputError(
             "a dynamic medium gives displacement, strain and polar vectors: no dipole, no gradients");
     const std::size_t powers = request.polar ? 3 : request.strain ? 2 : 1;
-    const PhaseFactors px = phases(qx_, x), py = phases(qy_, y);
-    ColumnSums sums(columns(), powers);
-    FieldRow u(columns());
+    const PhaseFactors px = phases(qx, x), py = phases(qy, y);
+
+    // Sums over the rows of p u, q_x p u, q_x^2 p u (p = e^(i q_x x)), column by column.
+    const ComplexRow zeros{std::vector<double>(columns()), std::vector<double>(columns())};
+    std::vector<VectorRow> sums(powers, {zeros, zeros});
+    VectorRow u;
     for (std::size_t row = 0; row < rows(); ++row) {
-        u.clear();
+        u.fill(zeros);
         load_row(*this, row, field, 1.0, u);
         if (!minus.empty())
             load_row(*this, row, minus, -1.0, u);
         double weight = 1.0;
-        for (std::size_t k = 0; k < powers; ++k, weight *= qx_[row])
-            add_row(u, weight * px.re[row], weight * px.im[row], sums.power[k]);
+        for (std::size_t k = 0; k < powers; ++k, weight *= qx[row]) {
+            const double re = weight * px.re[row], im = weight * px.im[row];
+            for (std::size_t c = 0; c < 2; ++c) {
+                const double *ur = u[c].re.data(), *ui = u[c].im.data();
+                double *sr = sums[k][c].re.data(), *si = sums[k][c].im.data();
+                for (std::size_t i = 0; i < columns(); ++i) {
+                    sr[i] += re * ur[i] - im * ui[i];
+                    si[i] += re * ui[i] + im * ur[i];
+                }
+            }
+        }
     }
-    std::array<std::array<Moments, 2>, 3> s;
+
+    // Of each the sum over columns of q_y^j p_y s for j = 0, 1, 2.
+    struct {
+        std::array<double, 3> re{}, im{};
+    } s[3][2];
     for (std::size_t k = 0; k < powers; ++k)
         for (std::size_t c = 0; c < 2; ++c)
-            s[k][c] = moments(sums.power[k][c], qy_, py);
+            for (std::size_t i = 0; i < columns(); ++i) {
+                const double sum_re = sums[k][c].re[i], sum_im = sums[k][c].im[i];
+                const double re = py.re[i] * sum_re - py.im[i] * sum_im,
+                             im = py.re[i] * sum_im + py.im[i] * sum_re;
+                double weight = 1.0;
+                for (std::size_t j = 0; j < 3; ++j, weight *= qy[i]) {
+                    s[k][c].re[j] += weight * re;
+                    s[k][c].im[j] += weight * im;
+                }
+            }
     // twice the real part, as the other half of the modes is the conjugate; s[k][c].re[j]: d_x^k d_y^j of u_c
     elastic::FieldValues values = elastic::unrequested();
     if (request.displacement)

@@ -19,7 +19,7 @@ struct Displacement {
 inline Displacement displacement(const ModalField& modes, std::size_t i, std::span<const double> field) {
     const std::size_t size = modes.size();
     const Complex l{field[i], field[size + i]}, t{field[2 * size + i], field[3 * size + i]};
-    const double ux = modes.unit_x()[i], uy = modes.unit_y()[i];
+    const double ux = modes.unit_x[i], uy = modes.unit_y[i];
     return {ux * l - uy * t, uy * l + ux * t};
 }
 

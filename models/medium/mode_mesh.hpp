@@ -40,17 +40,13 @@ public:
 
 private:
     void place(integrate::State poses);
-    void force_row(std::size_t row, std::span<double> rates);
     /// Puts a + i b into both modes +-q of a row, a and b of +q by `make(i, qx, qy, ux, uy)`.
     template<class Make>
     void fill_row(std::size_t row, const Make& make);
-    void strain(std::span<const double> field);
-    void sum_steady(integrate::State poses, std::span<double> field);
     void add_harmonic_row(std::size_t row, int k, std::span<double> field) const;
     double largest_ratio(std::size_t row, std::size_t column) const;
     bool summed(std::size_t row, std::size_t column) const;
     std::size_t first_summed() const;
-    void polar(std::span<const double> field, const rods::Couplings& couplings);
 
     const ModalField& modes_;
     ThreadPool& team_;

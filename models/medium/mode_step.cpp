@@ -26,7 +26,7 @@ ModeStep::ModeStep(const elastic::Medium& elastic, const DynamicMedium& medium,
         slopes_[k].resize(3 * rods);
     }
     turning_.resize(rods);
-    if (modes_.inertia() > 0.0)
+    if (modes_.inertia > 0.0)
         wave_.resize(2 * modes_.size());
     else
         decay_.resize(2 * modes_.size());
@@ -45,15 +45,15 @@ Coupled ModeStep::start(std::vector<double> poses) {
 
 /// Rods in blocks, whose phases fit into memory; rows of modes by the threads.
 void ModeStep::add_steady(std::span<const double> poses, std::span<double> fields) {
-    if (mesh_ && modes_.inertia() == 0.0)
+    if (mesh_ && modes_.inertia == 0.0)
         return mesh_->add_steady(poses, fields);
     constexpr std::size_t block = 128;
     std::vector<PhaseFactors> px(block), py(block);
     for (std::size_t first = 0; first < rods_; first += block) {
         const std::size_t count = std::min(block, rods_ - first);
         team_.run(count, [&](std::size_t k) {
-            px[k] = phases(modes_.qx(), -poses[3 * (first + k)]);
-            py[k] = phases(modes_.qy(), -poses[3 * (first + k) + 1]);
+            px[k] = phases(modes_.qx, -poses[3 * (first + k)]);
+            py[k] = phases(modes_.qy, -poses[3 * (first + k) + 1]);
         });
         team_.run(modes_.rows(), [&](std::size_t row) {
             for (std::size_t k = 0; k < count; ++k) {
@@ -94,37 +94,13 @@ void ModeStep::prepare(double h) {
     const std::size_t columns = modes_.columns(), size = modes_.size();
     team_.run(2 * modes_.rows(), [&](std::size_t row) {
         for (std::size_t k = row * columns; k < (row + 1) * columns; ++k) {
-            const double decay =
-                k < size ? modes_.decay_longitudinal()[k] : modes_.decay_transverse()[k - size];
-            if (modes_.force()[k < size ? k : k - size] == 0.0)
+            const double decay = k < size ? modes_.decay_longitudinal[k] : modes_.decay_transverse[k - size];
+            if (modes_.force[k < size ? k : k - size] == 0.0)
                 continue; // does not count, and stays 0
-            if (modes_.inertia() > 0.0)
-                wave_[k] = wave_weights(decay, modes_.inertia(), h);
+            if (modes_.inertia > 0.0)
+                wave_[k] = wave_weights(decay, modes_.inertia, h);
             else
                 decay_[k] = decay_weights(decay, h);
-        }
-    });
-}
-
-/// One rod's force on its fields.
-void ModeStep::sum_forces(std::size_t rod, integrate::State poses, Forces& forces) {
-    const rods::Direction n = rods::direction(poses, rod);
-    const PhaseFactors px = phases(modes_.qx(), -poses[3 * rod]),
-                       py = phases(modes_.qy(), -poses[3 * rod + 1]);
-    const std::size_t columns = modes_.columns(), size = modes_.size();
-    const std::size_t own = fields_.at(rod) / modes_.numbers() * 4 * size;
-    team_.run(modes_.rows(), [&](std::size_t row) {
-        for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
-            const double f = modes_.force()[i], ux = modes_.unit_x()[i], uy = modes_.unit_y()[i];
-            const double l = f * (n.cosine * ux + n.sine * uy), t = f * (n.sine * ux - n.cosine * uy);
-            const Complex phase = Complex{px.re[row], px.im[row]} * Complex{py.re[column], py.im[column]};
-            const std::array<double, 4> force{l * phase.re, l * phase.im, t * phase.re, t * phase.im};
-            for (std::size_t block = 0; block < 4; ++block) {
-                if (fields_.common())
-                    forces[block * size + i] += force[block];
-                if (fields_.own())
-                    forces[own + block * size + i] += force[block];
-            }
         }
     });
 }
@@ -133,24 +109,27 @@ void ModeStep::find_forces(integrate::State poses, Forces& forces) {
     if (mesh_)
         return mesh_->forces(poses, forces);
     std::ranges::fill(forces, 0.0);
-    for (std::size_t rod = 0; rod < rods_; ++rod)
-        sum_forces(rod, poses, forces);
-}
-
-void ModeStep::advance_number(std::size_t i, std::size_t block, std::size_t stage,
-                              const std::array<double, 4>& f, std::span<const double> from,
-                              std::span<double> to) const {
-    const std::size_t size = modes_.size(), at = block * size + i, mode = block / 2 * size + i;
-    if (wave_.empty()) {
-        const DecayWeights& w = decay_[mode];
-        to[at] = (stage < 3 ? w.half : w.full) * from[at] + weighted(stage, w.force, f);
-        return;
+    const std::size_t columns = modes_.columns(), size = modes_.size();
+    for (std::size_t rod = 0; rod < rods_; ++rod) {
+        const rods::Direction n = rods::direction(poses, rod);
+        const PhaseFactors px = phases(modes_.qx, -poses[3 * rod]),
+                           py = phases(modes_.qy, -poses[3 * rod + 1]);
+        const std::size_t own = fields_.at(rod) / modes_.numbers() * 4 * size;
+        team_.run(modes_.rows(), [&](std::size_t row) {
+            for (std::size_t column = 0, i = row * columns; column < columns; ++column, ++i) {
+                const double f = modes_.force[i], ux = modes_.unit_x[i], uy = modes_.unit_y[i];
+                const double l = f * (n.cosine * ux + n.sine * uy), t = f * (n.sine * ux - n.cosine * uy);
+                const Complex phase = Complex{px.re[row], px.im[row]} * Complex{py.re[column], py.im[column]};
+                const std::array<double, 4> force{l * phase.re, l * phase.im, t * phase.re, t * phase.im};
+                for (std::size_t block = 0; block < 4; ++block) {
+                    if (fields_.common())
+                        forces[block * size + i] += force[block];
+                    if (fields_.own())
+                        forces[own + block * size + i] += force[block];
+                }
+            }
+        });
     }
-    const WaveWeights& w = wave_[mode];
-    const WaveWeights::Propagator& p = stage < 3 ? w.half : w.full;
-    const double u = from[at], v = from[at + 4 * size];
-    to[at] = p.uu * u + p.uv * v + weighted(stage, w.u, f);
-    to[at + 4 * size] = p.vu * u + p.vv * v + weighted(stage, w.v, f);
 }
 
 void ModeStep::advance_row(std::size_t row, std::size_t stage, std::size_t field,
@@ -161,7 +140,17 @@ void ModeStep::advance_row(std::size_t row, std::size_t stage, std::size_t field
             std::array<double, 4> f{};
             for (std::size_t j = 0; j < stage; ++j)
                 f[j] = forces_[j][first + block * size + i];
-            advance_number(i, block, stage, f, from, to);
+            const std::size_t at = block * size + i, mode = block / 2 * size + i;
+            if (wave_.empty()) {
+                const DecayWeights& w = decay_[mode];
+                to[at] = (stage < 3 ? w.half : w.full) * from[at] + weighted(stage, w.force, f);
+                continue;
+            }
+            const WaveWeights& w = wave_[mode];
+            const WaveWeights::Propagator& p = stage < 3 ? w.half : w.full;
+            const double u = from[at], v = from[at + 4 * size];
+            to[at] = p.uu * u + p.uv * v + weighted(stage, w.u, f);
+            to[at + 4 * size] = p.vu * u + p.vv * v + weighted(stage, w.v, f);
         }
 }
 

@@ -43,12 +43,9 @@ private:
     void add_steady(std::span<const double> poses, std::span<double> fields);
     void prepare(double h);
     void find_forces(integrate::State poses, Forces& forces);
-    void sum_forces(std::size_t rod, integrate::State poses, Forces& forces);
     void fields_at(std::size_t stage, double h, std::span<const double> from, std::span<double> to);
     void advance_row(std::size_t row, std::size_t stage, std::size_t field, std::span<const double> from,
                      std::span<double> to) const;
-    void advance_number(std::size_t i, std::size_t block, std::size_t stage, const std::array<double, 4>& f,
-                        std::span<const double> from, std::span<double> to) const;
 
     ModalField modes_;
     rods::Couplings couplings_;

@@ -6,30 +6,10 @@ namespace rodwake::medium {
 
 namespace {
 
-/// r_+ and r_-.
-struct DecayRates {
-    Complex plus, minus;
-};
-
-DecayRates rates(double decay, double inertia) {
-    const double root = 1.0 - 4.0 * inertia * decay;
-    if (root >= 0.0) { // without the difference of nearly equal numbers
-        const double sum = 1.0 + std::sqrt(root);
-        return {{-2.0 * decay / sum, 0.0}, {-0.5 * sum / inertia, 0.0}};
-    }
-    const double real = -0.5 / inertia, imaginary = 0.5 * std::sqrt(-root) / inertia;
-    return {{real, imaginary}, {real, -imaginary}};
-}
-
 struct StepFactors {
     Complex a, b;
     PhiDifferences d;
 };
-
-StepFactors step(const DecayRates& r, double h) {
-    const Complex a = h * r.plus, b = h * r.minus;
-    return {a, b, phi_differences(a, b)};
-}
 
 WaveWeights::Propagator propagator(const StepFactors& s, double decay, double inertia, double h) {
     const double size = std::exp(s.a.re), real = size * std::cos(s.a.im); // of e^a; E is real
@@ -49,8 +29,22 @@ DecayWeights decay_weights(double decay, double h) {
 }
 
 WaveWeights wave_weights(double decay, double inertia, double h) {
-    const DecayRates r = rates(decay, inertia);
-    const StepFactors half = step(r, 0.5 * h), full = step(r, h);
+    // r_+ and r_-
+    Complex plus, minus;
+    const double root = 1.0 - 4.0 * inertia * decay;
+    if (root >= 0.0) { // without the difference of nearly equal numbers
+        const double sum = 1.0 + std::sqrt(root);
+        plus = {-2.0 * decay / sum, 0.0};
+        minus = {-0.5 * sum / inertia, 0.0};
+    } else {
+        plus = {-0.5 / inertia, 0.5 * std::sqrt(-root) / inertia};
+        minus = {plus.re, -plus.im};
+    }
+    const auto factors = [&](double time) -> StepFactors {
+        const Complex a = time * plus, b = time * minus;
+        return {a, b, phi_differences(a, b)};
+    };
+    const StepFactors half = factors(0.5 * h), full = factors(h);
     const double v = h / inertia, u = v * h;
     return {propagator(half, decay, inertia, 0.5 * h),
             propagator(full, decay, inertia, h),

@@ -21,54 +21,34 @@ constexpr double most_fit_error = 0.02; // some 1e-4 is usual
 
 /// A(tau) at given times, by the midpoint rule in x of q = 8 x^2/w and in y of phi = pi/2 (1 - y^2): the
 /// other quarters of the circle make the same real part. Error: some 1e-5 of the largest A for alpha w up
-/// to 10.
-class Kernel {
-public:
-    Kernel(const elastic::Medium& elastic, double width, const rods::Couplings& couplings)
-        : along_((1.0 + elastic.eta) * elastic.xi), across_(elastic.xi), width_(width), c_(couplings) {}
-
-    Eigen::VectorXd at(const Eigen::VectorXd& times) const {
-        constexpr int nodes = 160;
-        Eigen::VectorXd sum = Eigen::VectorXd::Zero(times.size());
-        for (int k = 0; k < nodes; ++k) {
-            const double x = (k + 0.5) / nodes, q = 8.0 * x * x / width_, dq = 16.0 * x / (width_ * nodes);
-            const double weight = across_ * q * dq / (2.0 * std::numbers::pi); // across_ = 1/alpha
-            add_ring(q, weight * std::exp(-0.5 * width_ * width_ * q * q), times, sum);
-        }
-        return sum;
-    }
-
-    // A has died away, and before it not yet begun to change, at
-    double longest() const { return std::max(12.0 * width_, 60.0 * along_); }
-    double shortest() const { return 0.02 * width_ / (1.0 + along_ / width_); }
-    // It decays by diffusion, as e^(-tau/(4 D)), and while the rod walks off by w; and no faster than these.
-    double slowest_decay() const { return std::min(0.15 / along_, 0.7 / width_); }
-    double fastest_decay() const { return 3.0 / width_ + 6.0 * along_ / (width_ * width_); }
-
-private:
-    void add_ring(double q, double weight, const Eigen::VectorXd& times, Eigen::VectorXd& sum) const {
-        const auto& [kappa, gamma1, gamma2] = c_;
-        constexpr int nodes = 96;
+/// to 10. `along`: (1 + eta)/alpha, `across`: 1/alpha.
+Eigen::VectorXd kernel_at(const Eigen::VectorXd& times, double along, double across, double width,
+                          const rods::Couplings& couplings) {
+    const auto& [kappa, gamma1, gamma2] = couplings;
+    constexpr int rings = 160, nodes = 96; // of a quarter of a ring
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(times.size());
+    for (int ring = 0; ring < rings; ++ring) {
+        const double x = (ring + 0.5) / rings, q = 8.0 * x * x / width, dq = 16.0 * x / (width * rings);
+        const double weight =
+            across * q * dq / (2.0 * std::numbers::pi) * std::exp(-0.5 * width * width * q * q);
         for (int k = 0; k < nodes; ++k) {
             const double y = (k + 0.5) / nodes, phi = 0.5 * std::numbers::pi * (1.0 - y * y);
-            const double c = std::cos(phi), s = std::sin(phi), dphi = 2.0 * y / nodes; // of the quarter
+            const double c = std::cos(phi), s = std::sin(phi), dphi = 2.0 * y / nodes;
             const Number l = i * kappa * q * c * s - (gamma1 + gamma2) * q * q * s;
             const Number t = 0.5 * i * kappa * q * (c * c - s * s) - gamma1 * q * q * c;
-            const Number from_l = -l * s * along_ * q / (along_ * q - i * c);
-            const Number from_t = t * (-c + i * s * s / (across_ * q - i * c));
+            const Number from_l = -l * s * along * q / (along * q - i * c);
+            const Number from_t = t * (-c + i * s * s / (across * q - i * c));
             for (Eigen::Index j = 0; j < times.size(); ++j) {
                 const double tau = times[j];
                 const Number parts =
-                    from_l * std::exp(-along_ * q * q * tau) + from_t * std::exp(-across_ * q * q * tau);
+                    from_l * std::exp(-along * q * q * tau) + from_t * std::exp(-across * q * q * tau);
                 sum[j] += weight * dphi *
                           (parts.real() * std::cos(q * c * tau) - parts.imag() * std::sin(q * c * tau));
             }
         }
     }
-
-    double along_, across_, width_; ///< (1 + eta)/alpha, 1/alpha, w
-    rods::Couplings c_;
-};
+    return sum;
+}
 
 /// From `first` to `last` in equal ratios.
 Eigen::VectorXd geometric(double first, double last, Eigen::Index count) {
@@ -81,15 +61,14 @@ OwnResponse::OwnResponse(const elastic::Medium& elastic, const DynamicMedium& me
                          const rods::Couplings& couplings, const ModalField& modes)
     : steady_(medium.start == Start::steady) {
     decay_.fill(1.0);
-    decay_[terms] = modes.qx()[1] * modes.qx()[1] * elastic.xi;
+    decay_[terms] = modes.qx[1] * modes.qx[1] * elastic.xi;
     if (!couplings.any())
         return;
     fit(elastic, medium, couplings);
-    if (steady_)
-        find_images(couplings, modes);
-}
+    if (!steady_)
+        return;
 
-void OwnResponse::find_images(const rods::Couplings& couplings, const ModalField& modes) {
+    // The harmonics by which a rod's images turn it.
     constexpr int headings = 24;
     harmonics_.assign(headings - 1, 0.0);
     for (int j = 0; j < headings; ++j) {
@@ -105,20 +84,17 @@ void OwnResponse::find_images(const rods::Couplings& couplings, const ModalField
     }
 }
 
-double OwnResponse::images(double heading) const {
-    double sum = 0.0;
-    for (std::size_t k = 0; k < harmonics_.size(); ++k)
-        sum += harmonics_[k] * std::sin(4.0 * static_cast<double>(k + 1) * heading);
-    return sum;
-}
-
 void OwnResponse::fit(const elastic::Medium& elastic, const DynamicMedium& medium,
                       const rods::Couplings& couplings) {
     constexpr Eigen::Index samples = 72;
-    const Kernel kernel(elastic, medium.force_width, couplings);
-    const Eigen::VectorXd times = geometric(kernel.shortest(), kernel.longest(), samples);
-    const Eigen::VectorXd decays = geometric(kernel.slowest_decay(), kernel.fastest_decay(), terms);
-    const Eigen::VectorXd wanted = times.cwiseProduct(kernel.at(times));
+    const double along = (1.0 + elastic.eta) * elastic.xi, width = medium.force_width;
+    // Before the first of these times A has not yet begun to change, after the last it has died away.
+    const Eigen::VectorXd times =
+        geometric(0.02 * width / (1.0 + along / width), std::max(12.0 * width, 60.0 * along), samples);
+    // It decays by diffusion, as e^(-tau/(4 D)), and while the rod walks off by w; and no faster than these.
+    const Eigen::VectorXd decays =
+        geometric(std::min(0.15 / along, 0.7 / width), 3.0 / width + 6.0 * along / (width * width), terms);
+    const Eigen::VectorXd wanted = times.cwiseProduct(kernel_at(times, along, elastic.xi, width, couplings));
     Eigen::MatrixXd exponentials(samples, static_cast<Eigen::Index>(terms));
     for (Eigen::Index row = 0; row < samples; ++row)
         exponentials.row(row) = times[row] * (-times[row] * decays.array()).exp().matrix().transpose();
@@ -150,7 +126,11 @@ double OwnResponse::turning(integrate::State poses, std::size_t rod, std::span<c
     double sum = 0.0;
     for (std::size_t k = 0; k < terms; ++k)
         sum += strength_[k] * (poses[3 * rod + 2] * state[rods * kept + k] - state[rod * kept + k]);
-    return sum + images(decay_[terms] * state[rod * kept + terms]);
+    const double heading = decay_[terms] * state[rod * kept + terms]; // that the images follow
+    double images = 0.0;
+    for (std::size_t k = 0; k < harmonics_.size(); ++k)
+        images += harmonics_[k] * std::sin(4.0 * static_cast<double>(k + 1) * heading);
+    return sum + images;
 }
 
 void OwnResponse::advance(std::size_t stage, double h, const std::array<integrate::State, 4>& stages,

@@ -64,9 +64,6 @@ public:
 private:
     void fit(const elastic::Medium& elastic, const DynamicMedium& medium, const rods::Couplings& couplings);
 
-    double images(double heading) const;
-    void find_images(const rods::Couplings& couplings, const ModalField& modes);
-
     bool steady_;
     std::array<double, kept> decay_{};
     std::array<double, terms> strength_{};

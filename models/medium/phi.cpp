@@ -16,16 +16,6 @@ constexpr std::array<double, 18> series_of_three = [] {
     return c;
 }();
 
-Phi near_zero(Complex z) {
-    Phi p;
-    for (unsigned k = series_of_three.size(); k-- > 0;)
-        p.three = z * p.three + Complex{series_of_three[k], 0.0};
-    p.two = z * p.three + Complex{0.5, 0.0};
-    p.one = z * p.two + Complex{1.0, 0.0};
-    p.zero = z * p.one + Complex{1.0, 0.0};
-    return p;
-}
-
 Phi at(Complex z) {
     const double size = std::exp(z.re);
     return phi(z, {size * std::cos(z.im), size * std::sin(z.im)});
@@ -47,27 +37,20 @@ constexpr std::array<double, 6> nodes{0.033765242898423987, 0.16939530676686774,
 constexpr std::array<double, 6> weights{0.085662246189585173, 0.18038078652406930, 0.23395696728634552,
                                         0.23395696728634552,  0.18038078652406930, 0.085662246189585173};
 
-PhiDifferences by_quadrature(Complex a, Complex b) {
-    PhiDifferences d{};
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const Complex z = b + nodes[k] * (a - b);
-        const Phi p = at(z);
-        d.zero += weights[k] * p.zero.re;
-        d.one += weights[k] * (p.one.re - p.two.re);
-        d.two += weights[k] * (p.two.re - 2.0 * p.three.re);
-        d.three += weights[k] * (p.three.re - 3.0 * four(z, p.three).re);
-    }
-    return d;
-}
-
 } // namespace
 
 Phi phi(Complex z, Complex exponential) {
     const double norm = z.re * z.re + z.im * z.im;
-    if (norm < 1.0)
-        return near_zero(z);
-    const Complex inverse{z.re / norm, -z.im / norm};
     Phi p{exponential, {}, {}, {}};
+    if (norm < 1.0) {
+        for (unsigned k = series_of_three.size(); k-- > 0;)
+            p.three = z * p.three + Complex{series_of_three[k], 0.0};
+        p.two = z * p.three + Complex{0.5, 0.0};
+        p.one = z * p.two + Complex{1.0, 0.0};
+        p.zero = z * p.one + Complex{1.0, 0.0};
+        return p;
+    }
+    const Complex inverse{z.re / norm, -z.im / norm};
     p.one = (p.zero - Complex{1.0, 0.0}) * inverse;
     p.two = (p.one - Complex{1.0, 0.0}) * inverse;
     p.three = (p.two - Complex{0.5, 0.0}) * inverse;
@@ -82,8 +65,18 @@ Phi doubled(const Phi& p) {
 PhiDifferences phi_differences(Complex a, Complex b) {
     const Complex d = a - b;
     const double norm = d.re * d.re + d.im * d.im;
-    if (norm < 1.0)
-        return by_quadrature(a, b);
+    if (norm < 1.0) { // the derivatives by quadrature
+        PhiDifferences sum{};
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const Complex z = b + nodes[k] * (a - b);
+            const Phi p = at(z);
+            sum.zero += weights[k] * p.zero.re;
+            sum.one += weights[k] * (p.one.re - p.two.re);
+            sum.two += weights[k] * (p.two.re - 2.0 * p.three.re);
+            sum.three += weights[k] * (p.three.re - 3.0 * four(z, p.three).re);
+        }
+        return sum;
+    }
     const Complex inverse{d.re / norm, -d.im / norm};
     const Phi p = at(a), q = at(b);
     return {((p.zero - q.zero) * inverse).re, ((p.one - q.one) * inverse).re, ((p.two - q.two) * inverse).re,

@@ -81,12 +81,6 @@ Tolerance tolerance(const integrate::OdeOptions& ode) {
     return {std::max(share * ode.rtol, smallest), share * std::min(ode.atol, 0.1 * ode.rtol)};
 }
 
-/// A checkpoint every few seconds; a step costs as much as modes times rods.
-long segment_steps(const DynamicMedium& medium, std::size_t rods) {
-    const auto modes = static_cast<double>(medium.modes);
-    return static_cast<long>(std::clamp(8e6 / (modes * modes * static_cast<double>(rods)), 20.0, 2000.0));
-}
-
 /// One run on its way.
 class MediumRun {
 public:
@@ -101,14 +95,18 @@ public:
           record_(from_.record), outputs_(from_.outputs), own_turn_(told_apart(medium, problem.rods.size())),
           control_(*method_, tolerance(options.ode), coupled(from_.state, own_turn_), from_.time,
                    from_.state[3 * problem.rods.size()]),
-          film_(*problem.medium, medium, problem.rods.size(), problem.t_end, film),
-          segment_(std::min(options.ode.segment_steps, segment_steps(medium, problem.rods.size()))) {
+          film_(*problem.medium, medium, problem.rods.size(), problem.t_end, film) {
+        // A checkpoint every few seconds; a step costs as much as modes times rods.
+        const auto modes = static_cast<double>(medium.modes), rods = static_cast<double>(problem.rods.size());
+        segment_ = std::min(options.ode.segment_steps,
+                            static_cast<long>(std::clamp(8e6 / (modes * modes * rods), 20.0, 2000.0)));
         if (options.resume_from)
             film_.skip(from_.time);
     }
 
     MediumResult finish() {
-        add_outputs(control_.time(), control_.state().poses);
+        while (output_due(control_.time()))
+            outputs_.push_back(control_.state().poses);
         if (film_.due(control_.time()))
             film_.add(control_.state().poses, control_.state().fields);
         if (auto met = rods::contact_at_start(problem_)) {
@@ -119,12 +117,22 @@ public:
             step();
         if (!ended_ && options_.on_end)
             options_.on_end(checkpoint());
-        conclude_solution();
+        if (solution_.final_state.empty()) {
+            solution_.final_time = control_.time();
+            solution_.final_state = control_.state().poses;
+        }
+        solution_.times.assign(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(outputs_.size()));
+        solution_.states = outputs_;
+        solution_.statistics = statistics();
+        solution_.status.reached = solution_.final_time;
+        solution_.status.wanted = problem_.t_end;
+        solution_.status.step = control_.next_step();
+        solution_.status.order = 4;
         MediumResult result;
         result.outcome = rods::classify_outcome(
             problem_, problem_.couplings.any(),
-            [&](State, std::span<double> ydot) { std::ranges::copy(final_rates_, ydot.begin()); }, solution_,
-            record_, options_.criteria);
+            [&](State, std::span<double> ydot) { std::ranges::copy(control_.rates(), ydot.begin()); },
+            solution_, record_, options_.criteria);
         result.own_turn = own_turn_;
         result.solution = std::move(solution_);
         return result;
@@ -138,14 +146,8 @@ private:
         return {{state.begin(), poses}, {fields, state.end()}};
     }
 
-    /// No longer than rods take to pass each other, or the width of a force, which the field resolves.
-    double longest() const {
-        const double limit =
-            problem_.rods.size() < 2
-                ? std::numeric_limits<double>::infinity()
-                : std::max(rods::encounter_step(control_.state().poses, problem_.box), width_);
-        const double seen = std::min(limit, rods::body_step(bodies_, control_.state().poses));
-        return options_.ode.max_step > 0.0 ? std::min(seen, options_.ode.max_step) : seen;
+    bool output_due(double until) const {
+        return outputs_.size() < times_.size() && times_[outputs_.size()] <= until;
     }
 
     void step() {
@@ -157,7 +159,16 @@ private:
         if (statistics().steps >= options_.ode.max_steps)
             return fail("TOO_MANY_STEPS", fmt::format("{} steps were not enough", options_.ode.max_steps),
                         "raise rods_run.max_steps or rods_run.rtol");
-        if (!control_.advance(longest(), problem_.t_end, failures_))
+
+        // No longer than rods take to pass each other, or the width of a force, which the field resolves.
+        const std::vector<double>& poses = control_.state().poses;
+        double longest = problem_.rods.size() < 2
+                             ? std::numeric_limits<double>::infinity()
+                             : std::max(rods::encounter_step(poses, problem_.box), width_);
+        longest = std::min(longest, rods::body_step(bodies_, poses));
+        if (options_.ode.max_step > 0.0)
+            longest = std::min(longest, options_.ode.max_step);
+        if (!control_.advance(longest, problem_.t_end, failures_))
             return fail("STEP_TOO_SMALL", "no step keeps the tolerance",
                         "raise rods_run.rtol or medium.dynamic.force_width");
         ++steps_;
@@ -165,36 +176,31 @@ private:
         const auto contact = problem_.contact_distance && problem_.rods.size() > 1
                                  ? contact_time(last, *problem_.contact_distance, problem_.box, bodies_.any())
                                  : std::nullopt;
-        const double until = contact.value_or(control_.time());
-        add_step(until);
-        last.add_own_turn(until, own_turn_);
-        add_frames(until);
-        if (contact)
-            return meet(until);
-        if (options_.on_checkpoint && steps_ % segment_ == 0 && control_.time() < problem_.t_end)
-            options_.on_checkpoint(checkpoint());
-    }
 
-    /// Frames of the film up to `until`, at most the end of the last step.
-    void add_frames(double until) {
+        // Outputs, separations and frames of the film up to contact, or to the end of the step.
+        const double until = contact.value_or(control_.time()), middle = last.time + last.half;
+        const auto poses_at = [&](double time) { return time == control_.time() ? poses : last.at(time); };
+        while (output_due(until))
+            outputs_.push_back(poses_at(times_[outputs_.size()]));
+        if (until <= middle) {
+            add_part(last.time, last.poses[0], until, until < middle ? last.at(until) : last.poses[1]);
+        } else {
+            add_part(last.time, last.poses[0], middle, last.poses[1]);
+            add_part(middle, last.poses[1], until, until < control_.time() ? last.at(until) : last.poses[2]);
+        }
+        last.add_own_turn(until, own_turn_);
         while (film_.due(until)) {
             const double time = film_.next_time();
-            film_.add(time == control_.time() ? control_.state().poses : control_.last().at(time),
-                      control_.fields_at(time));
+            film_.add(poses_at(time), control_.fields_at(time));
         }
-    }
-
-    /// Outputs and separations up to `until`, at most the end of the last step.
-    void add_step(double until) {
-        const DoubleStep& last = control_.last();
-        while (outputs_.size() < times_.size() && times_[outputs_.size()] <= until)
-            outputs_.push_back(times_[outputs_.size()] == control_.time() ? control_.state().poses
-                                                                          : last.at(times_[outputs_.size()]));
-        const double middle = last.time + last.half;
-        if (until <= middle)
-            return add_part(last.time, last.poses[0], until, until < middle ? last.at(until) : last.poses[1]);
-        add_part(last.time, last.poses[0], middle, last.poses[1]);
-        add_part(middle, last.poses[1], until, until < control_.time() ? last.at(until) : last.poses[2]);
+        if (contact) {
+            solution_.final_time = until;
+            solution_.final_state = last.at(until);
+            solution_.hits.push_back({0, until, solution_.final_state});
+            return end(integrate::Termination::stopped_at_event);
+        }
+        if (options_.on_checkpoint && steps_ % segment_ == 0 && control_.time() < problem_.t_end)
+            options_.on_checkpoint(checkpoint());
     }
 
     void add_part(double before, State state_before, double after, State state) {
@@ -209,18 +215,6 @@ private:
         rods::add_step(record_, part, rates, problem_.box, bodies_);
         if (options_.ode.on_step)
             options_.ode.on_step(part);
-    }
-
-    void add_outputs(double until, const std::vector<double>& poses) {
-        while (outputs_.size() < times_.size() && times_[outputs_.size()] <= until)
-            outputs_.push_back(poses);
-    }
-
-    void meet(double time) {
-        solution_.final_time = time;
-        solution_.final_state = control_.last().at(time);
-        solution_.hits.push_back({0, time, solution_.final_state});
-        end(integrate::Termination::stopped_at_event);
     }
 
     void end(integrate::Termination how) {
@@ -260,21 +254,6 @@ private:
         return now;
     }
 
-    void conclude_solution() {
-        if (solution_.final_state.empty()) {
-            solution_.final_time = control_.time();
-            solution_.final_state = control_.state().poses;
-        }
-        final_rates_ = control_.rates();
-        solution_.times.assign(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(outputs_.size()));
-        solution_.states = outputs_;
-        solution_.statistics = statistics();
-        solution_.status.reached = solution_.final_time;
-        solution_.status.wanted = problem_.t_end;
-        solution_.status.step = control_.next_step();
-        solution_.status.order = 4;
-    }
-
     const RodProblem& problem_;
     const RodOptions& options_;
     double width_;
@@ -287,10 +266,9 @@ private:
     std::vector<double> own_turn_; ///< up to now
     StepControl control_;
     FilmReel film_;
-    long segment_, steps_ = 0, failures_ = 0;
+    long segment_ = 0, steps_ = 0, failures_ = 0;
     bool ended_ = false;
     integrate::Solution solution_;
-    std::vector<double> final_rates_;
 };
 
 } // namespace

@@ -5,46 +5,32 @@
 
 namespace rodwake::medium {
 
-namespace {
-
-/// Of f(s) = sum of value_k f(k - 1) + rate_k f'(k - 1), k = 0, 1, 2, for polynomials f of degree 5.
-struct Basis {
-    std::array<double, 3> value, rate;
-};
-
-Basis basis(double s) {
-    const double s2 = s * s, inner = 1.0 - s2, left = s - 1.0, right = s + 1.0;
-    return {{0.25 * s2 * left * left * (4.0 + 3.0 * s), inner * inner,
-             0.25 * s2 * right * right * (4.0 - 3.0 * s)},
-            {0.25 * s2 * left * left * right, s * inner * inner, 0.25 * s2 * right * right * left}};
-}
-
-/// Its derivative by s.
-Basis basis_rate(double s) {
-    const double s2 = s * s, s3 = s2 * s, s4 = s2 * s2;
-    return {{2.0 * s - 3.75 * s2 - 2.0 * s3 + 3.75 * s4, -4.0 * s + 4.0 * s3,
-             2.0 * s + 3.75 * s2 - 2.0 * s3 - 3.75 * s4},
-            {0.25 * (2.0 * s - 3.0 * s2 - 4.0 * s3 + 5.0 * s4), 1.0 - 6.0 * s2 + 5.0 * s4,
-             0.25 * (-2.0 * s - 3.0 * s2 + 4.0 * s3 + 5.0 * s4)}};
-}
-
-} // namespace
+// Of polynomials f of degree 5: f(s) = sum of value_k f(k - 1) + rate_k f'(k - 1), k = 0, 1, 2.
 
 std::vector<double> DoubleStep::at(double when) const {
-    const Basis b = basis((when - time) / half - 1.0);
+    const double s = (when - time) / half - 1.0;
+    const double s2 = s * s, inner = 1.0 - s2, left = s - 1.0, right = s + 1.0;
+    const double value[] = {0.25 * s2 * left * left * (4.0 + 3.0 * s), inner * inner,
+                            0.25 * s2 * right * right * (4.0 - 3.0 * s)};
+    const double rate[] = {0.25 * s2 * left * left * right, s * inner * inner,
+                           0.25 * s2 * right * right * left};
     std::vector<double> y(poses[0].size());
     for (std::size_t i = 0; i < y.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-            y[i] += b.value[k] * poses[k][i] + b.rate[k] * half * rates[k][i];
+            y[i] += value[k] * poses[k][i] + rate[k] * half * rates[k][i];
     return y;
 }
 
 std::vector<double> DoubleStep::rates_at(double when) const {
-    const Basis b = basis_rate((when - time) / half - 1.0);
+    const double s = (when - time) / half - 1.0, s2 = s * s, s3 = s2 * s, s4 = s2 * s2;
+    const double value[] = {2.0 * s - 3.75 * s2 - 2.0 * s3 + 3.75 * s4, -4.0 * s + 4.0 * s3,
+                            2.0 * s + 3.75 * s2 - 2.0 * s3 - 3.75 * s4};
+    const double rate[] = {0.25 * (2.0 * s - 3.0 * s2 - 4.0 * s3 + 5.0 * s4), 1.0 - 6.0 * s2 + 5.0 * s4,
+                           0.25 * (-2.0 * s - 3.0 * s2 + 4.0 * s3 + 5.0 * s4)};
     std::vector<double> y(poses[0].size());
     for (std::size_t i = 0; i < y.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-            y[i] += b.value[k] * poses[k][i] / half + b.rate[k] * rates[k][i];
+            y[i] += value[k] * poses[k][i] / half + rate[k] * rates[k][i];
     return y;
 }
 
@@ -61,30 +47,6 @@ StepControl::StepControl(CoupledStep& method, Tolerance tolerance, Coupled state
       time_(time), step_(step) {
     method_.rates(state_.poses, state_.fields, rates_);
     own_ = method_.own_turning(state_);
-}
-
-void StepControl::attempt(double step) {
-    method_.take(state_, rates_, step, whole_);
-    method_.take(state_, rates_, 0.5 * step, middle_);
-    method_.rates(middle_.poses, middle_.fields, middle_rates_);
-    method_.take(middle_, middle_rates_, 0.5 * step, end_);
-    evaluations_ += 10;
-}
-
-/// Over the tolerance; above 1 the step is too long.
-double StepControl::error() {
-    for (std::size_t i = 0; i < field_error_.size(); ++i)
-        field_error_[i] = (end_.fields[i] - whole_.fields[i]) / 15.0;
-    method_.free_rates(end_.poses, field_error_, rate_error_); // linear in the fields
-    ++evaluations_;
-    double sum = 0.0;
-    for (std::size_t i = 0; i < rates_.size(); ++i) {
-        const double allowed = tolerance_.rtol * std::min(std::abs(end_.poses[i]), 1.0) + tolerance_.atol;
-        const double pose = (end_.poses[i] - whole_.poses[i]) / 15.0,
-                     turning = i % 3 == 2 ? rate_error_[i] : 0.0;
-        sum += (pose * pose + turning * turning) / (allowed * allowed);
-    }
-    return std::sqrt(sum);
 }
 
 void StepControl::accept(double step, double limit) {
@@ -132,8 +94,26 @@ bool StepControl::advance(double longest, double limit, long& failures) {
                                                   : wanted; // no crumb at the end
         if (!(step > 1e-13 * std::max(1.0, std::abs(time_))))
             return false;
-        attempt(step);
-        const double e = error();
+
+        // The whole step, and both halves.
+        method_.take(state_, rates_, step, whole_);
+        method_.take(state_, rates_, 0.5 * step, middle_);
+        method_.rates(middle_.poses, middle_.fields, middle_rates_);
+        method_.take(middle_, middle_rates_, 0.5 * step, end_);
+
+        // The error over the tolerance; above 1 the step is too long.
+        for (std::size_t i = 0; i < field_error_.size(); ++i)
+            field_error_[i] = (end_.fields[i] - whole_.fields[i]) / 15.0;
+        method_.free_rates(end_.poses, field_error_, rate_error_); // linear in the fields
+        evaluations_ += 11;
+        double sum = 0.0;
+        for (std::size_t i = 0; i < rates_.size(); ++i) {
+            const double allowed = tolerance_.rtol * std::min(std::abs(end_.poses[i]), 1.0) + tolerance_.atol;
+            const double pose = (end_.poses[i] - whole_.poses[i]) / 15.0,
+                         turning = i % 3 == 2 ? rate_error_[i] : 0.0;
+            sum += (pose * pose + turning * turning) / (allowed * allowed);
+        }
+        const double e = std::sqrt(sum);
         const double factor = e > 0.0 ? std::clamp(safety * std::pow(e, -1.0 / order), least, most) : most;
         step_ = std::isfinite(e) ? step * factor : least * step;
         if (e <= 1.0) {

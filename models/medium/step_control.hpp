@@ -52,8 +52,6 @@ public:
     long evaluations() const { return evaluations_; } ///< but for those of the start
 
 private:
-    void attempt(double step);
-    double error();
     void accept(double step, double limit);
 
     CoupledStep& method_;

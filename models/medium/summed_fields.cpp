@@ -15,17 +15,6 @@ std::size_t SummedFields::count(bool self_field, std::size_t rods) {
     return rods <= most_fields ? 1 + rods : 1;
 }
 
-void SummedFields::add_up(std::span<const double> fields) {
-    const std::size_t columns = modes_.columns();
-    team_.run(total_.size() / columns, [&](std::size_t row) {
-        for (std::size_t i = row * columns; i < (row + 1) * columns; ++i) {
-            total_[i] = 0.0;
-            for (std::size_t k = 0; k < rods_; ++k)
-                total_[i] += fields[k * stride_ + i];
-        }
-    });
-}
-
 double SummedFields::turning(integrate::State poses, std::size_t rod, std::span<const double> field,
                              std::span<const double> minus) const {
     const rods::Direction n = rods::direction(poses, rod);
@@ -35,8 +24,15 @@ double SummedFields::turning(integrate::State poses, std::size_t rod, std::span<
 }
 
 void SummedFields::rates(integrate::State poses, std::span<const double> fields, std::span<double> ydot) {
+    const std::size_t columns = modes_.columns();
     if (!total_.empty())
-        add_up(fields);
+        team_.run(total_.size() / columns, [&](std::size_t row) {
+            for (std::size_t i = row * columns; i < (row + 1) * columns; ++i) {
+                total_[i] = 0.0;
+                for (std::size_t k = 0; k < rods_; ++k)
+                    total_[i] += fields[k * stride_ + i];
+            }
+        });
     const bool acting = couplings_.any() && (self_field_ || rods_ > 1);
     team_.run(rods_, [&](std::size_t a) {
         const rods::Direction n = rods::direction(poses, a);

@@ -34,7 +34,6 @@ public:
     std::vector<double> own_turning(integrate::State poses, std::span<const double> fields);
 
 private:
-    void add_up(std::span<const double> fields);
     double turning(integrate::State poses, std::size_t rod, std::span<const double> field,
                    std::span<const double> minus) const;
 

@@ -87,17 +87,6 @@ void add_body_step(SeparationRecord& record, const integrate::Step& step, const 
     }
 }
 
-SeparationRecord start_record(integrate::State y, double tail_start, Box box, const BodyForces& bodies,
-                              double t_end) {
-    SeparationRecord record = start_record(y, tail_start, box);
-    if (!bodies.any() || y.size() < 6)
-        return record;
-    record.bodies.smallest_gap = bodies.closest(y).gap;
-    record.bodies.tail_start = (1.0 - bound_part) * t_end;
-    record.bodies.touching.resize(record.late.size());
-    return record;
-}
-
 std::optional<Separation> bound_pair(const SeparationRecord& record, integrate::State y, double t_end,
                                      Box box) {
     const std::vector<double>& touching = record.bodies.touching;

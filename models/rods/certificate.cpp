@@ -72,31 +72,6 @@ bool deep_contact(const TwoRuns& runs, std::size_t a, std::size_t b, double turn
                        (2.0 * std::abs(runs.run.time - runs.tight.time) + place_difference(runs, a, b));
 }
 
-Enclosure widened(double value, double other, double floor) {
-    const double error = times_the_difference * std::max(std::abs(value - other), floor);
-    return {value - error, value + error};
-}
-
-EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_t b, const TailWindow& late,
-                                  const TailWindow& tight) {
-    const Offset d = offset(runs.run.state, a, b, runs.box);
-    EncounterBounds bounds;
-    bounds.contact = EncounterBounds::Contact::none;
-    bounds.x = d.x;
-    bounds.y = d.y;
-    bounds.place_error = times_the_difference * place_difference(runs, a, b);
-    for (const std::size_t k : {0, 1}) {
-        bounds.heading[k] = runs.run.state[3 * (k == 0 ? a : b) + 2];
-        bounds.heading_error[k] = times_the_difference * heading_difference(runs, k == 0 ? a : b);
-    }
-    const double distance = place_difference(runs, a, b);
-    bounds.late_least = widened(late.min_separation, tight.min_separation, distance);
-    bounds.late_most = widened(late.max_separation, tight.max_separation, distance);
-    bounds.late_turning = widened(late.max_turning, tight.max_turning,
-                                  late.max_turning * distance * (1.0 + 4.0 / late.min_separation));
-    return bounds;
-}
-
 bool stays_apart(const TwoRuns& runs) {
     if (runs.contact == 0.0)
         return true;
@@ -125,8 +100,6 @@ bool done(const RodResult& run) {
            run.solution.status.termination == integrate::Termination::stopped_at_event;
 }
 
-double tighter(double rtol, double by) { return std::max(by * rtol, tightest); }
-
 /// A second run and its steps.
 struct FollowedRun {
     RodResult run;
@@ -151,7 +124,7 @@ FollowedRun follow_tighter(const RodProblem& problem, RodOptions options, double
     RodProblem again = problem;
     again.output_times.clear();
     integrate::OdeOptions& ode = options.ode;
-    ode.rtol = tighter(ode.rtol, by);
+    ode.rtol = std::max(by * ode.rtol, tightest);
     ode.atol *= by;
     ode.max_steps *= 10;
     ode.on_step = nullptr;
@@ -166,6 +139,31 @@ bool proved(const PairProblem& pair, const StepTrack& track, Ending ending, cons
     const auto bounds = proved_bounds(pair, track, ending == Ending::contact, criteria, space);
     return bounds && certain_ending(*bounds, criteria,
                                     feels_of(pair.medium, pair.couplings, pair.t_end, criteria)) == ending;
+}
+
+/// What the pair (a, b) of two runs differs by, enlarged, as bounds of its encounter.
+EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_t b, const TailWindow& late,
+                                  const TailWindow& tight) {
+    const Offset d = offset(runs.run.state, a, b, runs.box);
+    const double distance = place_difference(runs, a, b);
+    EncounterBounds bounds;
+    bounds.contact = EncounterBounds::Contact::none;
+    bounds.x = d.x;
+    bounds.y = d.y;
+    bounds.place_error = times_the_difference * distance;
+    for (const std::size_t k : {0, 1}) {
+        bounds.heading[k] = runs.run.state[3 * (k == 0 ? a : b) + 2];
+        bounds.heading_error[k] = times_the_difference * heading_difference(runs, k == 0 ? a : b);
+    }
+    const auto widened = [](double value, double other, double floor) -> Enclosure {
+        const double error = times_the_difference * std::max(std::abs(value - other), floor);
+        return {value - error, value + error};
+    };
+    bounds.late_least = widened(late.min_separation, tight.min_separation, distance);
+    bounds.late_most = widened(late.max_separation, tight.max_separation, distance);
+    bounds.late_turning = widened(late.max_turning, tight.max_turning,
+                                  late.max_turning * distance * (1.0 + 4.0 / late.min_separation));
+    return bounds;
 }
 
 /// Whether a second run at a tighter tolerance has the same ending by a clear margin.
@@ -221,27 +219,6 @@ std::optional<Certificate> certificate_at_once(const RodProblem& problem, const 
     return std::nullopt;
 }
 
-/// Adds to the reason of an open outcome that a run at the tighter tolerance, or by an explicit method, ends
-/// otherwise.
-void compare_endings(const RodProblem& problem, RodOptions options, const RodResult& tight,
-                     RodOutcome& outcome) {
-    if (done(tight) && tight.outcome.ending != outcome.ending) {
-        outcome.reason += fmt::format("; a run at a hundredth of the tolerance ends in {}",
-                                      to_string(tight.outcome.ending));
-    } else if (options.ode.method != integrate::Method::erk && options.form == Formulation::angle) {
-        options.ode.method = integrate::Method::erk;
-        options.ode.max_steps = std::min(options.ode.max_steps, 20'000L); // it may be stiff
-        options.ode.on_step = nullptr;
-        options.ode.on_segment = nullptr;
-        options.on_checkpoint = options.on_end = nullptr;
-        options.resume_from.reset();
-        const RodResult other = simulate(problem, options);
-        if (done(other) && other.outcome.ending != outcome.ending)
-            outcome.reason +=
-                fmt::format("; a run with method erk ends in {}", to_string(other.outcome.ending));
-    }
-}
-
 Certificate certificate_of(const RodProblem& problem, const RodOptions& options, FollowedRun& first,
                            bool thorough) {
     RodOutcome& outcome = first.run.outcome;
@@ -270,7 +247,25 @@ Certificate certificate_of(const RodProblem& problem, const RodOptions& options,
         return Certificate::verified;
     if (checked(problem, options, first.run, tight.run))
         return Certificate::checked;
-    compare_endings(problem, options, tight.run, outcome);
+
+    // It stays open: say so if this run, or one by an explicit method, ends otherwise.
+    if (done(tight.run) && tight.run.outcome.ending != outcome.ending) {
+        outcome.reason += fmt::format("; a run at a hundredth of the tolerance ends in {}",
+                                      to_string(tight.run.outcome.ending));
+    } else if (options.ode.method != integrate::Method::erk && options.form == Formulation::angle) {
+        RodOptions explicit_options = options;
+        integrate::OdeOptions& ode = explicit_options.ode;
+        ode.method = integrate::Method::erk;
+        ode.max_steps = std::min(ode.max_steps, 20'000L); // it may be stiff
+        ode.on_step = nullptr;
+        ode.on_segment = nullptr;
+        explicit_options.on_checkpoint = explicit_options.on_end = nullptr;
+        explicit_options.resume_from.reset();
+        const RodResult other = simulate(problem, explicit_options);
+        if (done(other) && other.outcome.ending != outcome.ending)
+            outcome.reason +=
+                fmt::format("; a run with method erk ends in {}", to_string(other.outcome.ending));
+    }
     return Certificate::open;
 }
 
@@ -293,16 +288,6 @@ bool checked(const PairProblem& pair, const PairResult& run, const PairResult& t
                           feels_of(pair.medium, pair.couplings, pair.t_end, options.criteria)) == run.ending;
 }
 
-std::optional<Certificate> certificate_at_once(const PairProblem& pair, const PairResult& run,
-                                               const PairOptions& options) {
-    if (run.handed_over())
-        return Certificate::open;
-    const bool turns = pair.couplings.any() && !(run.ending == Ending::contact && run.time == 0.0);
-    return turns ? std::nullopt
-                 : certificate_at_once(to_rod_problem(pair), outcome_of(pair, run, options.criteria),
-                                       options.criteria);
-}
-
 /// Runs the pairs and keeps their steps.
 std::vector<StepTrack> follow(std::span<const PairProblem> pairs, PairOptions options,
                               std::span<PairResult> results) {
@@ -319,7 +304,7 @@ std::vector<StepTrack> follow(std::span<const PairProblem> pairs, PairOptions op
 }
 
 PairOptions tighter(PairOptions options, double by) {
-    options.rtol = tighter(options.rtol, by);
+    options.rtol = std::max(by * options.rtol, tightest);
     options.atol *= by;
     options.max_attempts *= 10;
     options.on_step = nullptr;
@@ -378,7 +363,12 @@ void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& o
     ProofSpace space;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         PairResult& result = results[i];
-        const auto certificate = certificate_at_once(pairs[i], result, options);
+        std::optional<Certificate> certificate;
+        if (result.handed_over())
+            certificate = Certificate::open;
+        else if (!pairs[i].couplings.any() || (result.ending == Ending::contact && result.time == 0.0))
+            certificate = certificate_at_once(
+                to_rod_problem(pairs[i]), outcome_of(pairs[i], result, options.criteria), options.criteria);
         result.certificate = certificate.value_or(Certificate::open);
         if (!certificate && proved(pairs[i], tracks[i], result.ending, options.criteria, space))
             result.certificate = Certificate::verified;
@@ -390,50 +380,6 @@ void simulate_certified(std::span<const PairProblem> pairs, const PairOptions& o
         look_again(pairs, options, for_proof * tighter_by, true, results, rest, space);
 }
 
-namespace {
-
-/// The box of pairs that has given ones as corners, in each number.
-struct PairBox {
-    PairProblem middle;
-    PairSpread spread;
-    Couplings least, most; ///< by size
-};
-
-PairBox box_of(std::span<const PairProblem> pairs) {
-    PairBox box{pairs[0], {}, {}, {}};
-    const auto middle_and_half = [&](const auto& number) {
-        double least = number(pairs[0]), most = least;
-        for (const PairProblem& pair : pairs) {
-            least = std::min(least, number(pair));
-            most = std::max(most, number(pair));
-        }
-        return std::pair(0.5 * (least + most), 0.5 * (most - least));
-    };
-    for (std::size_t rod = 0; rod < 2; ++rod) {
-        const auto number = [&](double Pose::*member, double& spread) {
-            const auto [middle, half] =
-                middle_and_half([&](const PairProblem& pair) { return pair.rods[rod].*member; });
-            box.middle.rods[rod].*member = middle;
-            spread += half;
-        };
-        number(&Pose::x, box.spread.start[0]);
-        number(&Pose::y, box.spread.start[1]);
-        number(&Pose::heading, box.spread.start[2 + rod]);
-    }
-    for (const Coupling& coupling : coupling_list) {
-        const auto number = coupling.number;
-        const auto [middle, half] =
-            middle_and_half([&](const PairProblem& pair) { return pair.couplings.*number; });
-        box.middle.couplings.*number = middle;
-        box.spread.couplings.*number = half;
-        box.least.*number = std::max(0.0, std::abs(middle) - half);
-        box.most.*number = std::abs(middle) + half;
-    }
-    return box;
-}
-
-} // namespace
-
 bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOptions& options) {
     const PairProblem& first = corners[0];
     if (!std::ranges::all_of(corners, [&](const PairProblem& pair) {
@@ -441,21 +387,53 @@ bool all_end(std::span<const PairProblem> corners, Ending ending, const PairOpti
                    pair.t_end == first.t_end && pair.contact_distance == first.contact_distance;
         }))
         return false;
-    const PairBox box = box_of(corners);
+
+    // The box that has the pairs as corners, in each number, and its couplings by size.
+    PairProblem middle_pair = first;
+    PairSpread spread;
+    Couplings least, most;
+    const auto middle_and_half = [&](const auto& number) {
+        double low = number(first), high = low;
+        for (const PairProblem& pair : corners) {
+            low = std::min(low, number(pair));
+            high = std::max(high, number(pair));
+        }
+        return std::pair(0.5 * (low + high), 0.5 * (high - low));
+    };
+    for (std::size_t rod = 0; rod < 2; ++rod) {
+        constexpr double Pose::*members[] = {&Pose::x, &Pose::y, &Pose::heading};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [middle, half] =
+                middle_and_half([&](const PairProblem& pair) { return pair.rods[rod].*members[k]; });
+            middle_pair.rods[rod].*members[k] = middle;
+            spread.start[k == 2 ? 2 + rod : k] += half;
+        }
+    }
+    for (const Coupling& coupling : coupling_list) {
+        const auto number = coupling.number;
+        const auto [middle, half] =
+            middle_and_half([&](const PairProblem& pair) { return pair.couplings.*number; });
+        middle_pair.couplings.*number = middle;
+        spread.couplings.*number = half;
+        least.*number = std::max(0.0, std::abs(middle) - half);
+        most.*number = std::abs(middle) + half;
+    }
+
+    // Bounds from a run of the middle that hold in the whole box.
     std::vector<PairResult> result(1);
     const std::vector<StepTrack> track =
-        follow(std::span(&box.middle, 1), tighter(options, for_proof), result);
-    if (result[0].handed_over() || result[0].ending != ending || !box.middle.couplings.any())
+        follow(std::span(&middle_pair, 1), tighter(options, for_proof), result);
+    if (result[0].handed_over() || result[0].ending != ending || !middle_pair.couplings.any())
         return false;
     ProofSpace space;
     const auto bounds =
-        proved_bounds(box.middle, track[0], ending == Ending::contact, options.criteria, space, box.spread);
+        proved_bounds(middle_pair, track[0], ending == Ending::contact, options.criteria, space, spread);
     const auto ends = [&](const Couplings& couplings) {
         return certain_ending(*bounds, options.criteria,
-                              feels_of(box.middle.medium, couplings, box.middle.t_end, options.criteria)) ==
+                              feels_of(middle_pair.medium, couplings, middle_pair.t_end, options.criteria)) ==
                ending;
     };
-    return bounds && ends(box.least) && ends(box.most);
+    return bounds && ends(least) && ends(most);
 }
 
 } // namespace rodwake::rods

@@ -16,12 +16,6 @@ namespace {
 
 using integrate::State;
 
-/// Of the theory's own field in the plane; of another one it is not known how far it reaches.
-bool may_follow(const RodProblem& problem, double distance, const EndingCriteria& criteria) {
-    return !problem.medium || problem.field || problem.box ||
-           reaches(*problem.medium, problem.couplings, distance, problem.t_end, criteria.felt_turn);
-}
-
 /// Ending of all pairs together; sets the pair it is about.
 void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, const StateRates& rates,
               State y, const SeparationRecord& record, const EndingCriteria& criteria) {
@@ -29,6 +23,12 @@ void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, 
     const std::size_t rods = y.size() / 3;
     std::vector<double> ydot(y.size());
     rates(y, ydot);
+    // How far rods feel each other is known of the theory's own field on the plane only.
+    const bool unknown_reach = !problem.medium || problem.field || box;
+    const auto feel = [&](double distance) {
+        return interacting && (unknown_reach || reaches(*problem.medium, problem.couplings, distance,
+                                                        problem.t_end, criteria.felt_turn));
+    };
     bool all_escape = true;
     for (std::size_t a = 0; a < rods; ++a)
         for (std::size_t b = a + 1; b < rods; ++b) {
@@ -36,8 +36,7 @@ void classify(RodOutcome& outcome, bool interacting, const RodProblem& problem, 
             all_escape = all_escape && ending == Ending::escape;
             const Offset d = offset(y, a, b, box);
             const double distance = std::hypot(d.x, d.y);
-            if (ending == Ending::pursuit && outcome.ending != Ending::pursuit && interacting &&
-                may_follow(problem, distance, criteria)) {
+            if (ending == Ending::pursuit && outcome.ending != Ending::pursuit && feel(distance)) {
                 outcome.ending = Ending::pursuit;
                 outcome.pair = {a, b, distance};
                 outcome.separation = distance;
@@ -84,20 +83,6 @@ void look_at_pair(RodOutcome& outcome, const RodProblem& problem, const StateRat
     }
 }
 
-/// Finite places and headings; output times as RodProblem has them.
-void validate_numbers(const RodProblem& problem) {
-    for (const double number : to_state(problem.rods))
-        if (!std::isfinite(number))
-            throw InputError(fmt::format("rods: {}: places and headings must be finite", number));
-    double before = 0.0;
-    for (const double time : problem.output_times) {
-        if (!(time >= before && time <= problem.t_end * (1.0 + 1e-12)))
-            throw InputError(
-                fmt::format("output_times: {}: must rise within 0 and t_end = {}", time, problem.t_end));
-        before = time;
-    }
-}
-
 /// All but the separation at the start.
 void validate_shape(const RodProblem& problem) {
     if (problem.rods.empty())
@@ -109,7 +94,16 @@ void validate_shape(const RodProblem& problem) {
                                      to_string(*problem.box)));
     if (problem.contact_distance && !(*problem.contact_distance > 0.0))
         throw InputError(fmt::format("contact_distance = {}: must be > 0", *problem.contact_distance));
-    validate_numbers(problem);
+    for (const double number : to_state(problem.rods))
+        if (!std::isfinite(number))
+            throw InputError(fmt::format("rods: {}: places and headings must be finite", number));
+    double before = 0.0;
+    for (const double time : problem.output_times) {
+        if (!(time >= before && time <= problem.t_end * (1.0 + 1e-12)))
+            throw InputError(
+                fmt::format("output_times: {}: must rise within 0 and t_end = {}", time, problem.t_end));
+        before = time;
+    }
 }
 
 } // namespace

@@ -26,11 +26,6 @@ std::size_t stride_of(Formulation form) {
     return 5;
 }
 
-const char* component_of(std::size_t index) {
-    static constexpr std::array names = {"x", "y", "n_x", "n_y", "lambda"};
-    return names[index];
-}
-
 /// Poses with headings in (-pi, pi], for functions to which whole turns mean nothing.
 std::vector<double> poses_of(State state, std::size_t stride) {
     std::vector<double> poses(state.size() / stride * 3);
@@ -71,7 +66,6 @@ struct Directors {
     }
     void rhs(State state, std::span<double> rate) const;
     void rhs_with_multipliers(State state, std::span<double> rate) const;
-    void start_multipliers(std::span<double> state) const;
     void jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) const;
 };
 
@@ -107,15 +101,6 @@ void Directors::rhs_with_multipliers(State state, std::span<double> rate) const 
     }
 }
 
-/// Those of directors of length 1: their equation is linear. Left to the solver, which judges them by the
-/// tolerance of a guess, they would not be found where couplings are strong or rods close.
-void Directors::start_multipliers(std::span<double> state) const {
-    std::vector<double> rate(state.size());
-    rhs_with_multipliers(state, rate);
-    for (std::size_t i = 4; i < state.size(); i += 5)
-        state[i] -= rate[i];
-}
-
 /// From that of the angles: d theta/d n = (-n_y, n_x)/|n|^2.
 void Directors::jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) const {
     const auto rods = static_cast<Eigen::Index>(model.rods());
@@ -145,35 +130,6 @@ void Directors::jacobian(State state, Eigen::Ref<Eigen::MatrixXd> jacobian) cons
         jacobian(4 * a + 2, 4 * a + 3) -= turning;
         jacobian(4 * a + 3, 4 * a + 2) += turning;
     }
-}
-
-/// Puts all directors back on the unit circle.
-double normalise(std::span<double> state, std::size_t stride) {
-    double drift = 0.0;
-    for (std::size_t i = 2; i < state.size(); i += stride) {
-        const double length = std::hypot(state[i], state[i + 1]);
-        drift = std::max(drift, std::abs(length - 1.0));
-        state[i] /= length;
-        state[i + 1] /= length;
-    }
-    return drift;
-}
-
-/// Events and step limits see poses.
-void look_at_poses(integrate::OdeProblem& ode, std::size_t stride) {
-    for (integrate::Event& event : ode.events) {
-        event.value = [value = event.value, stride](double t, State y) {
-            return value(t, poses_of(y, stride));
-        };
-        event.candidate_time = [candidate = event.candidate_time, stride](const integrate::Step& step) {
-            const auto before = poses_of(step.state_before, stride), after = poses_of(step.state, stride);
-            return candidate({step.time_before, step.time, before, after});
-        };
-    }
-    if (ode.step_limit)
-        ode.step_limit = [limit = ode.step_limit, stride](double t, State y) {
-            return limit(t, poses_of(y, stride));
-        };
 }
 
 } // namespace
@@ -217,15 +173,45 @@ integrate::OdeProblem to_ode(const RodProblem& problem, Formulation form) {
             ode.jacobian = [rods](double, State y, Eigen::Ref<Eigen::MatrixXd> j) { rods->jacobian(y, j); };
     } else {
         ode.rhs = [rods](double, State y, std::span<double> f) { rods->rhs_with_multipliers(y, f); };
-        rods->start_multipliers(ode.initial_state);
+        // The multipliers of directors of length 1: their equation is linear. Left to the solver, which
+        // judges them by the tolerance of a guess, they would not be found where couplings are strong or rods
+        // close.
+        std::vector<double> rate(ode.initial_state.size());
+        rods->rhs_with_multipliers(ode.initial_state, rate);
+        for (std::size_t i = 4; i < rate.size(); i += 5)
+            ode.initial_state[i] -= rate[i];
         for (std::size_t i = 0; i < ode.initial_state.size(); ++i)
             ode.algebraic.push_back(i % stride == 4);
     }
-    ode.project = [stride](std::span<double> y) { return normalise(y, stride); };
-    ode.component_name = [stride](std::size_t i) {
-        return "rods[" + std::to_string(i / stride) + "]." + component_of(i % stride);
+    ode.project = [stride](std::span<double> y) { // all directors back on the unit circle
+        double drift = 0.0;
+        for (std::size_t i = 2; i < y.size(); i += stride) {
+            const double length = std::hypot(y[i], y[i + 1]);
+            drift = std::max(drift, std::abs(length - 1.0));
+            y[i] /= length;
+            y[i + 1] /= length;
+        }
+        return drift;
     };
-    look_at_poses(ode, stride);
+    ode.component_name = [stride](std::size_t i) {
+        static constexpr std::array names = {"x", "y", "n_x", "n_y", "lambda"};
+        return "rods[" + std::to_string(i / stride) + "]." + names[i % stride];
+    };
+
+    // Events and step limits see poses.
+    for (integrate::Event& event : ode.events) {
+        event.value = [value = event.value, stride](double t, State y) {
+            return value(t, poses_of(y, stride));
+        };
+        event.candidate_time = [candidate = event.candidate_time, stride](const integrate::Step& step) {
+            const auto before = poses_of(step.state_before, stride), after = poses_of(step.state, stride);
+            return candidate({step.time_before, step.time, before, after});
+        };
+    }
+    if (ode.step_limit)
+        ode.step_limit = [limit = ode.step_limit, stride](double t, State y) {
+            return limit(t, poses_of(y, stride));
+        };
     return ode;
 }
 

@@ -20,19 +20,19 @@ double start_length(const integrate::OdeOptions& options) { return 0.2 * std::cb
 /// Long steps from a state on, with what they have given so far.
 class HeldWakes {
 public:
-    HeldWakes(const integrate::OdeProblem& ode, const StateRates& wakes, const StateRates& others,
+    HeldWakes(const integrate::OdeProblem& problem, const StateRates& wakes, const StateRates& others,
               const integrate::OdeOptions& options, std::span<const double> times)
-        : ode_(ode), wakes_(wakes), options_(options), times_(times), now_(ode.initial_state.size()),
+        : ode(problem), wakes_(wakes), options_(options), times_(times), now_(ode.initial_state.size()),
           held_(now_.size()) {
-        ode_.jacobian = nullptr;
-        ode_.rhs = [this, &others](double, State y, std::span<double> ydot) {
+        ode.jacobian = nullptr;
+        ode.rhs = [this, &others](double, State y, std::span<double> ydot) {
             others(y, ydot);
             for (std::size_t i = 2; i < y.size(); i += 3)
                 ydot[i] += held_[i];
         };
         options_.on_segment = nullptr;
         options_.on_step = [this, &options](const integrate::Step& step) {
-            short_step_ = std::max(short_step_, step.time - step.time_before);
+            short_step = std::max(short_step, step.time - step.time_before);
             if (options.on_step)
                 options.on_step(step);
         };
@@ -40,39 +40,32 @@ public:
 
     /// Both halves of a step; false: the run has ended, by an event, a failure or a wish.
     bool advance(double length) {
-        const double start = ode_.start_time;
+        const double start = ode.start_time;
         const double end = start + 1.01 * length < times_.back() ? start + length : times_.back();
         const std::vector<double> before = now_; // half a step before the start
-        wakes_(ode_.initial_state, now_);
+        wakes_(ode.initial_state, now_);
         const std::vector<double> at_start = now_;
         held_ = at_start;
         if (!cross(0.5 * (start + end)))
             return false;
-        wakes_(ode_.initial_state, now_);
+        wakes_(ode.initial_state, now_);
         double squares = 0.0;
         for (std::size_t i = 2; i < now_.size(); i += 3) {
             held_[i] = 2.0 * now_[i] - at_start[i];
-            const double line = at_start[i] + (at_start[i] - before[i]) * (end - start) / last_length_;
-            const double error = (end - start) / 6.0 * (now_[i] - line);
-            squares += error * error;
+            const double line = at_start[i] + (at_start[i] - before[i]) * (end - start) / last_length;
+            const double difference = (end - start) / 6.0 * (now_[i] - line);
+            squares += difference * difference;
         }
-        error_ = last_length_ == HUGE_VAL ? 0.0 : std::sqrt(squares) / (options_.rtol + options_.atol);
-        last_length_ = end - start;
+        error = last_length == HUGE_VAL ? 0.0 : std::sqrt(squares) / (options_.rtol + options_.atol);
+        last_length = end - start;
         return cross(end);
     }
 
-    /// The length at which the last step's error would have been half the tolerance.
-    double suggested() const { return last_length_ * std::clamp(std::cbrt(0.5 / error_), 0.3, 1.5); }
-
-    /// Goes on as a run that starts here.
-    void begin_segment() {
-        last_length_ = HUGE_VAL;
-        short_step_ = 0.0;
-    }
-    double time() const { return ode_.start_time; }
-    State state() const { return ode_.initial_state; }
-
+    integrate::OdeProblem ode; ///< starts where the run is
     integrate::Solution solution;
+    /// Of the last long step, infinite at the start of a segment; the error in units of the tolerance.
+    double last_length = HUGE_VAL, error = 0.0;
+    double short_step = 0.0; ///< the longest since the last crossing; 0: none
 
 private:
     /// The short steps to a time.
@@ -84,10 +77,10 @@ private:
         if (!asked)
             stops.push_back(end);
         options_.initial_step =
-            std::min(short_step_ > 0.0 ? short_step_ : start_length(options_), end - ode_.start_time);
+            std::min(short_step > 0.0 ? short_step : start_length(options_), end - ode.start_time);
         options_.max_steps -= part_steps_;
-        short_step_ = 0.0;
-        integrate::Solution part = integrate::solve(ode_, options_, stops);
+        short_step = 0.0;
+        integrate::Solution part = integrate::solve(ode, options_, stops);
         part_steps_ = part.statistics.steps;
         if (!asked && part.times.size() == stops.size()) {
             part.times.pop_back();
@@ -100,17 +93,15 @@ private:
         solution.status = std::move(part.status);
         solution.status.wanted = times_.back();
         solution.final_time = part.final_time;
-        ode_.start_time = part.final_time;
-        ode_.initial_state = solution.final_state = std::move(part.final_state);
+        ode.start_time = part.final_time;
+        ode.initial_state = solution.final_state = std::move(part.final_state);
         return solution.status.termination == Termination::reached_end && end < times_.back();
     }
 
-    integrate::OdeProblem ode_;
     const StateRates& wakes_;
     integrate::OdeOptions options_;
     std::span<const double> times_;
     std::vector<double> now_, held_; ///< the last wakes, and those of the right-hand side
-    double last_length_ = HUGE_VAL, error_ = 0.0, short_step_ = 0.0;
     long part_steps_ = 0;
 };
 
@@ -125,14 +116,19 @@ integrate::Solution solve_with_held_wakes(const integrate::OdeProblem& ode, cons
     HeldWakes run(ode, wakes, others, options, times);
     double length = start_length(options);
     try {
-        for (long n = 1; run.advance(std::min(length, longest(run.time(), run.state()))); ++n) {
-            length = run.suggested();
+        const double& time = run.ode.start_time;
+        const std::vector<double>& state = run.ode.initial_state;
+        for (long n = 1; run.advance(std::min(length, longest(time, state))); ++n) {
+            // The length at which the last step's error would have been half the tolerance.
+            length = run.last_length * std::clamp(std::cbrt(0.5 / run.error), 0.3, 1.5);
             if (n % steps_of_segment != 0)
                 continue;
-            run.begin_segment();
+            // Go on as a run that starts here.
+            run.last_length = HUGE_VAL;
+            run.short_step = 0.0;
             length = start_length(options);
             if (options.on_segment)
-                options.on_segment({run.time(), run.state(), run.solution.states, run.solution.statistics});
+                options.on_segment({time, state, run.solution.states, run.solution.statistics});
         }
     } catch (const InputError& error) { // two rods in one place
         integrate::Status& status = run.solution.status;

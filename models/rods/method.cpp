@@ -29,30 +29,29 @@ Eigen::MatrixXd difference_jacobian(const RodModel& model, std::vector<double> y
     return jacobian;
 }
 
-/// As by the Jacobian, of which it takes no more than it needs: every point of a scan asks.
-double pair_stiffness(const PairProblem& pair) {
-    const elastic::Field field(pair.medium);
-    const std::vector<double> y = to_state(pair.rods);
-    double fastest = 0.0;
-    for (const std::size_t a : {0, 1}) {
-        const View at = view(y, a, 1 - a, direction(y, a), direction(y, 1 - a));
-        const TurningRate rate = turning_rate_derivatives(
-            field.at(at.x, at.y, request_of(pair.couplings, true)), pair.couplings, at.heading);
-        fastest = std::max(
-            {fastest, std::abs(rate.by_phi), std::abs(at.y * rate.by_x - at.x * rate.by_y - rate.by_phi)});
-    }
-    return fastest * closest_pair(y, {}).distance;
-}
-
 } // namespace
 
 double stiffness(const RodProblem& problem) {
-    if (const auto pair = to_pair_problem(problem))
-        return closest_pair(to_state(pair->rods), {}).distance == 0.0 ? 0.0 : pair_stiffness(*pair);
+    const auto y = to_state(problem.rods);
+    double fastest = 0.0;
+    if (const auto pair = to_pair_problem(problem)) {
+        // As by the Jacobian, of which it takes no more than it needs: every point of a scan asks.
+        const double distance = closest_pair(y, {}).distance;
+        if (distance == 0.0)
+            return 0.0;
+        const elastic::Field field(pair->medium);
+        for (const std::size_t a : {0, 1}) {
+            const View at = view(y, a, 1 - a, direction(y, a), direction(y, 1 - a));
+            const TurningRate rate = turning_rate_derivatives(
+                field.at(at.x, at.y, request_of(pair->couplings, true)), pair->couplings, at.heading);
+            fastest = std::max({fastest, std::abs(rate.by_phi),
+                                std::abs(at.y * rate.by_x - at.x * rate.by_y - rate.by_phi)});
+        }
+        return fastest * distance;
+    }
     const RodModel model = model_of(problem);
     if (!model.interacting())
         return 0.0;
-    const auto y = to_state(problem.rods);
     if (model.rods() > 1 && closest_pair(y, problem.box).distance == 0.0)
         return 0.0; // in contact before anything turns
     const auto size = static_cast<Eigen::Index>(y.size());
@@ -61,7 +60,6 @@ double stiffness(const RodProblem& problem) {
         model.jacobian(y, jacobian);
     else
         jacobian = difference_jacobian(model, y);
-    double fastest = 0.0;
     for (Eigen::Index row = 2; row < size; row += 3)
         for (Eigen::Index column = 2; column < size; column += 3)
             fastest = std::max(fastest, std::abs(jacobian(row, column)));

@@ -54,21 +54,17 @@ void RodModel::rhs(integrate::State y, std::span<double> ydot) const {
         ydot[3 * a + 1] = n.sine;
         ydot[3 * a + 2] = 0.0;
     }
-    if (field_)
-        turn(y, ydot);
+    if (field_) {
+        Wakes wakes(y);
+        const auto sums = wakes.sums_of(rods_);
+        field_->mutual(wakes.rods_of(rods_), request_of(couplings_, false), sums);
+        for (std::size_t a = 0; a < rods_; ++a)
+            ydot[3 * a + 2] = turning_rate(sums[a], couplings_, {ydot[3 * a], ydot[3 * a + 1]});
+    }
     if (rows_.any())
         for (std::size_t a = 0; a < rods_; ++a)
             ydot[3 * a + 2] += rows_.rate(y[3 * a + 2]);
     bodies_.add_rates(y, ydot);
-}
-
-/// The headings' rates in the wakes.
-void RodModel::turn(integrate::State y, std::span<double> ydot) const {
-    Wakes wakes(y);
-    const auto sums = wakes.sums_of(rods_);
-    field_->mutual(wakes.rods_of(rods_), request_of(couplings_, false), sums);
-    for (std::size_t a = 0; a < rods_; ++a)
-        ydot[3 * a + 2] = turning_rate(sums[a], couplings_, {ydot[3 * a], ydot[3 * a + 1]});
 }
 
 void RodModel::wakes(integrate::State y, std::span<elastic::FieldValues> sums) const {
@@ -112,44 +108,43 @@ void RodModel::fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jac
         if (rows_.any())
             jacobian(row + 2, row + 2) = rows_.rate_by_heading(y[3 * a + 2]);
     }
-    for (std::size_t b = 0; field_ && b < rods_; ++b)
-        add_by_source(y, b, jacobian, rates);
-}
+    if (!field_)
+        return;
 
-/// What the wake of rod b adds to the rows of the others, and that of its images to its own.
-void RodModel::add_by_source(integrate::State y, std::size_t b, Eigen::Ref<Eigen::MatrixXd> jacobian,
-                             std::span<double> rates) const {
-    const Direction nb = direction(y, b);
-    const auto column = static_cast<Eigen::Index>(3 * b);
-    const auto wake = field_->wake(y[3 * b + 2]);
+    // The wake of rod b adds to the rows of the others, and that of its images to its own.
     const bool images = field_->box().has_value();
     const elastic::FieldRequest values = request_of(couplings_, false);
-    if (images)
-        jacobian(column + 2, column + 2) +=
-            turning_rate(wake->own_place_by_heading(values), couplings_, {1.0, 0.0});
-    for (std::size_t a = 0; a < rods_; ++a) {
-        if (a == b)
-            continue;
-        const View at = view(y, a, b, direction(y, a), nb);
-        const auto row = static_cast<Eigen::Index>(3 * a);
-        const auto rate = turning_rate_derivatives(wake->at(at.x, at.y, request_of(couplings_, true)),
-                                                   couplings_, at.heading);
-        if (!rates.empty())
-            rates[3 * a + 2] += rate.value;
-        // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
-        const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
-        const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;
-        jacobian(row + 2, row) += by_x;
-        jacobian(row + 2, row + 1) += by_y;
-        jacobian(row + 2, row + 2) += rate.by_phi;
-        jacobian(row + 2, column) -= by_x;
-        jacobian(row + 2, column + 1) -= by_y;
-        // Turning b carries its frame along: d(x, y)/d theta_b = (y, -x), d phi/d theta_b = -1; and it turns
-        // b against the box.
-        jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
+    for (std::size_t b = 0; b < rods_; ++b) {
+        const Direction nb = direction(y, b);
+        const auto column = static_cast<Eigen::Index>(3 * b);
+        const auto wake = field_->wake(y[3 * b + 2]);
         if (images)
-            jacobian(row + 2, column + 2) +=
-                turning_rate(wake->heading_derivative(at.x, at.y, values), couplings_, at.heading);
+            jacobian(column + 2, column + 2) +=
+                turning_rate(wake->own_place_by_heading(values), couplings_, {1.0, 0.0});
+        for (std::size_t a = 0; a < rods_; ++a) {
+            if (a == b)
+                continue;
+            const View at = view(y, a, b, direction(y, a), nb);
+            const auto row = static_cast<Eigen::Index>(3 * a);
+            const auto rate = turning_rate_derivatives(wake->at(at.x, at.y, request_of(couplings_, true)),
+                                                       couplings_, at.heading);
+            if (!rates.empty())
+                rates[3 * a + 2] += rate.value;
+            // The gradient in b's frame, turned to the lab; moving a one way is moving b the other.
+            const double by_x = nb.cosine * rate.by_x - nb.sine * rate.by_y;
+            const double by_y = nb.sine * rate.by_x + nb.cosine * rate.by_y;
+            jacobian(row + 2, row) += by_x;
+            jacobian(row + 2, row + 1) += by_y;
+            jacobian(row + 2, row + 2) += rate.by_phi;
+            jacobian(row + 2, column) -= by_x;
+            jacobian(row + 2, column + 1) -= by_y;
+            // Turning b carries its frame along: d(x, y)/d theta_b = (y, -x), d phi/d theta_b = -1; and it
+            // turns b against the box.
+            jacobian(row + 2, column + 2) += at.y * rate.by_x - at.x * rate.by_y - rate.by_phi;
+            if (images)
+                jacobian(row + 2, column + 2) +=
+                    turning_rate(wake->heading_derivative(at.x, at.y, values), couplings_, at.heading);
+        }
     }
 }
 
@@ -181,10 +176,6 @@ Couplings from_divergence_basis(const Couplings& of_divergence) {
     return {kappa, 0.5 * gamma1, gamma2 + 0.5 * gamma1};
 }
 
-Couplings from_divergence_basis(double kappa, double gamma1, double gamma2) {
-    return from_divergence_basis({kappa, gamma1, gamma2});
-}
-
 namespace {
 
 using elastic::SymmetricTensor;
@@ -196,15 +187,8 @@ double axis_torque(const SymmetricTensor& e, RelativeHeading n) {
     return e.xy * cos2 + 0.5 * (e.yy - e.xx) * sin2;
 }
 
-double axis_torque_by_phi(const SymmetricTensor& e, RelativeHeading n) {
-    const double cos2 = n.cosine * n.cosine - n.sine * n.sine, sin2 = 2.0 * n.cosine * n.sine;
-    return (e.yy - e.xx) * cos2 - 2.0 * e.xy * sin2;
-}
-
 /// z.[n x v]
 double vector_torque(const Vector& v, RelativeHeading n) { return n.cosine * v.y - n.sine * v.x; }
-
-double vector_torque_by_phi(const Vector& v, RelativeHeading n) { return -n.sine * v.y - n.cosine * v.x; }
 
 Vector polar_vector(const Couplings& c, const Vector& laplacian, const Vector& gradient) {
     const auto& [kappa, gamma1, gamma2] = c;
@@ -246,12 +230,14 @@ TurningRate turning_rate_derivatives(const elastic::FieldValues& f, const Coupli
     if (c.apolar()) {
         rate.by_x += kappa * axis_torque(f.strain_x, n);
         rate.by_y += kappa * axis_torque(f.strain_y, n);
-        rate.by_phi += kappa * axis_torque_by_phi(f.strain, n);
+        const double cos2 = n.cosine * n.cosine - n.sine * n.sine, sin2 = 2.0 * n.cosine * n.sine;
+        rate.by_phi += kappa * ((f.strain.yy - f.strain.xx) * cos2 - 2.0 * f.strain.xy * sin2);
     }
     if (c.polar()) {
         rate.by_x += vector_torque(polar_vector(c, f.laplacian_x, f.gradient_of_trace_x), n);
         rate.by_y += vector_torque(polar_vector(c, f.laplacian_y, f.gradient_of_trace_y), n);
-        rate.by_phi += vector_torque_by_phi(polar_vector(c, f.laplacian, f.gradient_of_trace), n);
+        const Vector v = polar_vector(c, f.laplacian, f.gradient_of_trace);
+        rate.by_phi += -n.sine * v.y - n.cosine * v.x;
     }
     return rate;
 }

@@ -28,15 +28,6 @@ constexpr double approach_share =
     0.25;                          ///< of encounter_step, in which rods close a third of their separation
 constexpr double jump_share = 0.1; ///< of the separation: by how much it diffuses in a step
 
-void validate(const Noise& noise) {
-    if (!(noise.rotational >= 0.0 && noise.translational >= 0.0 && std::isfinite(noise.rotational) &&
-          std::isfinite(noise.translational)))
-        throw InputError(fmt::format("diffusion coefficients {} and {}: must be >= 0 and finite",
-                                     noise.rotational, noise.translational));
-    if (!(noise.time_step > 0.0))
-        throw InputError(fmt::format("time step {} of noisy runs: must be > 0", noise.time_step));
-}
-
 /// The fastest rate at which a heading can relax in these wakes: 2 |kappa| times the size of the traceless
 /// strain, and the size of the polar drive.
 double relaxation_rate(const elastic::FieldValues& f, const Couplings& c) {
@@ -51,14 +42,6 @@ double relaxation_rate(const elastic::FieldValues& f, const Couplings& c) {
 }
 
 double relaxation_rate(const Rows& rows) { return 6.0 * std::abs(rows.gamma); }
-
-/// Contact of rods whose separations are smooth: at the end of a step, or on the cubic within it.
-std::optional<Approach> smooth_contact(const integrate::Step& step, double distance, Box box) {
-    const Separation at_end = closest_pair(step.state, box);
-    if (at_end.distance <= distance)
-        return Approach{fall_time(step, at_end.first, at_end.second, distance), at_end};
-    return closest_approach(step, box, distance);
-}
 
 /// One run on its way.
 class Walk {
@@ -87,18 +70,13 @@ private:
     };
     using Path = std::vector<PathIncrement>;
 
-    void cross_spans();
-    void begin_span(std::uint32_t index, double start, double end);
     /// These go on to the end of a node; false: the run is over.
     bool advance(const PathNode& node);
     bool halve(const PathNode& node);
     /// Nothing if the step must be halved.
     std::optional<bool> take(const PathNode& node);
-    std::optional<bool> end_step(const integrate::Step& step, bool halvable);
 
-    bool may_go_on(const PathNode& node);
     bool stop(double time, Termination how);
-    bool stop_in(const integrate::Step& step, double share, const Separation& contact);
     void add(const integrate::Step& step);
     double step_limit();
     double strength(std::size_t component) const {
@@ -167,40 +145,12 @@ bool Walk::stop(double time, Termination how) {
     return false;
 }
 
-/// Two rods are in contact inside a step: the state there is taken between the step's ends, and the pair put
-/// at its distance along its line.
-bool Walk::stop_in(const integrate::Step& step, double share, const Separation& contact) {
-    for (std::size_t i = 0; i < y_.size(); ++i)
-        y_[i] = before_[i] + share * (y_[i] - before_[i]);
-    put_apart(y_, contact, problem_.box);
-    const double time = step.time_before + share * (step.time - step.time_before);
-    add({step.time_before, time, before_, y_});
-    return stop(time, Termination::stopped_at_event);
-}
-
 void Walk::add(const integrate::Step& step) {
     add_step(
         record_, step, [this](State y, std::span<double> ydot) { model_.rhs(y, ydot); }, problem_.box,
         model_.bodies());
     if (options_.ode.on_step)
         options_.ode.on_step(step);
-}
-
-std::optional<bool> Walk::end_step(const integrate::Step& step, bool halvable) {
-    const Box& box = problem_.box;
-    if (pairs_ && problem_.contact_distance) {
-        const double d = *problem_.contact_distance, h = step.time - step.time_before;
-        if (noise_.translational > 0.0) {
-            if (const auto met = bridge_contact(step, d, 4.0 * noise_.translational, box, place_))
-                return stop_in(step, met->share, {met->first, met->second, d});
-        } else if (const auto met = smooth_contact(step, d, box)) {
-            if (halvable && h > resolution)
-                return std::nullopt;
-            return stop_in(step, (met->time - step.time_before) / h, {met->pair.first, met->pair.second, d});
-        }
-    }
-    add(step);
-    return true;
 }
 
 std::optional<bool> Walk::take(const PathNode& node) {
@@ -210,34 +160,44 @@ std::optional<bool> Walk::take(const PathNode& node) {
     if (!std::ranges::all_of(y_, [](double value) { return std::isfinite(value); }))
         throw InputError("the state is not finite");
     place_.node = node.number;
-    const auto on = end_step({node.start, node.start + node.length, before_, y_}, node.depth < deepest);
-    if (!on) {
-        y_ = before_;
-        return on;
+
+    // The first contact in the step, if there is one. Of separations that are smooth it is at the end of the
+    // step, or on the cubic within it, and is located in short steps.
+    const integrate::Step step{node.start, node.start + node.length, before_, y_};
+    const double h = step.time - step.time_before;
+    std::optional<Meeting> met;
+    if (pairs_ && problem_.contact_distance) {
+        const double distance = *problem_.contact_distance;
+        if (noise_.translational > 0.0) {
+            met = bridge_contact(step, distance, 4.0 * noise_.translational, problem_.box, place_);
+        } else {
+            const Separation at_end = closest_pair(y_, problem_.box);
+            const auto contact =
+                at_end.distance <= distance
+                    ? std::optional(Approach{fall_time(step, at_end.first, at_end.second, distance), at_end})
+                    : closest_approach(step, problem_.box, distance);
+            if (contact && node.depth < deepest && h > resolution) {
+                y_ = before_;
+                return std::nullopt;
+            }
+            if (contact)
+                met = {(contact->time - step.time_before) / h, contact->pair.first, contact->pair.second};
+        }
     }
     rates_known_ = false;
     ++solution_.statistics.steps;
-    return on;
-}
-
-bool Walk::may_go_on(const PathNode& node) {
-    if (options_.ode.stop_requested && options_.ode.stop_requested())
-        return stop(node.start, Termination::interrupted);
-    if (solution_.statistics.steps < options_.ode.max_steps && node.depth < deepest)
+    if (!met) {
+        add(step);
         return true;
-    integrate::Status& status = solution_.status;
-    const bool many = solution_.statistics.steps >= options_.ode.max_steps;
-    status.step = node.length;
-    status.order = 2; // weak
-    const bool asked = noise_.time_step < node.length;
-    status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
-    status.cause = many    ? "the steps allowed were used up"
-                   : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
-                           : "headings turn too fast for any step";
-    status.advice = many    ? "raise rods_run.max_steps, or noise.time_step"
-                    : asked ? "choose a longer noise.time_step, or more output times"
-                            : "set rods_run.contact_distance, or a longer one";
-    return stop(node.start, Termination::failed);
+    }
+
+    // The state at contact is taken between the step's ends, and the pair put at its distance along its line.
+    for (std::size_t i = 0; i < y_.size(); ++i)
+        y_[i] = before_[i] + met->share * (y_[i] - before_[i]);
+    put_apart(y_, {met->first, met->second, *problem_.contact_distance}, problem_.box);
+    const double time = step.time_before + met->share * h;
+    add({step.time_before, time, before_, y_});
+    return stop(time, Termination::stopped_at_event);
 }
 
 bool Walk::halve(const PathNode& node) {
@@ -258,43 +218,53 @@ bool Walk::halve(const PathNode& node) {
 }
 
 bool Walk::advance(const PathNode& node) {
-    if (!may_go_on(node))
-        return false;
+    if (options_.ode.stop_requested && options_.ode.stop_requested())
+        return stop(node.start, Termination::interrupted);
+    const bool many = solution_.statistics.steps >= options_.ode.max_steps;
+    if (many || node.depth >= deepest) {
+        integrate::Status& status = solution_.status;
+        status.step = node.length;
+        status.order = 2; // weak
+        const bool asked = noise_.time_step < node.length;
+        status.flag = many ? "TOO_MUCH_WORK" : "STEP_TOO_SHORT";
+        status.cause = many    ? "the steps allowed were used up"
+                       : asked ? "noise.time_step is below 2^-30 of the time between two outputs"
+                               : "headings turn too fast for any step";
+        status.advice = many    ? "raise rods_run.max_steps, or noise.time_step"
+                        : asked ? "choose a longer noise.time_step, or more output times"
+                                : "set rods_run.contact_distance, or a longer one";
+        return stop(node.start, Termination::failed);
+    }
     if (node.length > step_limit())
         return halve(node);
     const std::optional<bool> on = take(node);
     return on ? *on : halve(node);
 }
 
-void Walk::begin_span(std::uint32_t index, double start, double end) {
-    place_.span = index;
-    path_.resize(std::max<std::size_t>(path_.size(), 1), Path(y_.size()));
-    later_.resize(path_.size(), Path(y_.size()));
-    for (std::size_t i = 0; i < y_.size(); ++i)
-        if (const double s = strength(i); s > 0.0)
-            path_[0][i] = integrate::draw_increment(end - start, s, normals(0, i));
-}
-
-void Walk::cross_spans() {
-    double start = 0.0;
-    std::uint32_t index = 0;
-    for (const double end : output_times(problem_)) {
-        if (end > start) {
-            begin_span(index++, start, end);
-            if (!advance({1, 0, start, end - start}))
-                return;
-        }
-        solution_.times.push_back(end);
-        solution_.states.push_back(y_);
-        start = end;
-    }
-    stop(start, Termination::reached_end);
-}
-
 RodResult Walk::run() {
     solution_.status.wanted = problem_.t_end;
     try {
-        cross_spans();
+        double start = 0.0;
+        bool on = true;
+        for (const double end : output_times(problem_)) {
+            if (end > start) {
+                // Draw the increments over the span, and go through it.
+                path_.resize(std::max<std::size_t>(path_.size(), 1), Path(y_.size()));
+                later_.resize(path_.size(), Path(y_.size()));
+                for (std::size_t i = 0; i < y_.size(); ++i)
+                    if (const double s = strength(i); s > 0.0)
+                        path_[0][i] = integrate::draw_increment(end - start, s, normals(0, i));
+                on = advance({1, 0, start, end - start});
+                if (!on)
+                    break;
+                ++place_.span;
+            }
+            solution_.times.push_back(end);
+            solution_.states.push_back(y_);
+            start = end;
+        }
+        if (on)
+            stop(start, Termination::reached_end);
     } catch (const InputError& error) {
         solution_.status.flag = "RHSFUNC_FAIL";
         solution_.status.cause = error.what();
@@ -330,7 +300,12 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options, const N
     if (auto met = contact_at_start(problem))
         return *std::move(met);
     validate(problem);
-    validate(noise);
+    if (!(noise.rotational >= 0.0 && noise.translational >= 0.0 && std::isfinite(noise.rotational) &&
+          std::isfinite(noise.translational)))
+        throw InputError(fmt::format("diffusion coefficients {} and {}: must be >= 0 and finite",
+                                     noise.rotational, noise.translational));
+    if (!(noise.time_step > 0.0))
+        throw InputError(fmt::format("time step {} of noisy runs: must be > 0", noise.time_step));
     if (problem.output_times.size() >= most_spans)
         throw InputError(fmt::format("noisy runs take fewer than {} output times", most_spans));
     return Walk(problem, options, noise, run).run();

@@ -8,8 +8,6 @@
 
 namespace rodwake::rods {
 
-std::vector<double> stored_times(const RodProblem& problem) { return output_times(problem); }
-
 NoiseSums no_runs(const RodProblem& problem) {
     const std::size_t times = output_times(problem).size(), size = times * problem.rods.size();
     const std::vector<double> none(size);

@@ -117,22 +117,51 @@ Row row_between(const Row& before, const Row& after, double time) {
     return row_of(time, state_at(time, step_of(before, after), before.rates, after.rates), turning);
 }
 
-/// Rows of the track, one at `tail_start` among them: there the last part begins.
-std::vector<Row> rows_of(const RodTrack& track, double tail_start) {
-    std::vector<Row> rows;
-    for (std::size_t k = 0; k < track.times.size(); ++k) {
-        const Row row = row_of(track.times[k], track.states[k], track.turning[k]);
-        if (!rows.empty() && rows.back().time < tail_start && tail_start < row.time)
-            rows.push_back(row_between(rows.back(), row, tail_start));
-        rows.push_back(row);
+/// Room for the rounding of a run that was stopped at contact.
+bool in_contact(const Separation& pair, double distance) { return pair.distance <= distance * (1.0 + 1e-9); }
+
+/// Cuts the rows at the first contact, if there is one: then the last is that of contact, the pair at its
+/// distance.
+bool cut_at_contact(std::vector<Row>& rows, double distance, Box box) {
+    if (in_contact(closest_pair(rows.front().y, box), distance)) {
+        rows.resize(1);
+        return true;
     }
-    return rows;
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+        const Row &before = rows[k - 1], &after = rows[k];
+        double outside = before.time, inside = after.time;
+        if (!in_contact(closest_pair(after.y, box), distance)) {
+            const auto approach = closest_approach(step_of(before, after), box, distance);
+            if (!approach)
+                continue;
+            inside = approach->time;
+        }
+        for (int halving = 0; halving < 53; ++halving) {
+            const double middle = 0.5 * (outside + inside);
+            const Separation pair = closest_pair(row_between(before, after, middle).y, box);
+            (in_contact(pair, distance) ? inside : outside) = middle;
+        }
+        Row met = row_between(before, after, inside);
+        Separation pair = closest_pair(met.y, box);
+        pair.distance = distance;
+        put_apart(met.y, pair, box);
+        rows.resize(k);
+        rows.push_back(std::move(met));
+        return true;
+    }
+    return false;
 }
 
-/// The way in chords is at most the time, and hardly below half of it however a rod turns: it would have to
-/// turn by more than half a turn from row to row.
-void check_speed(const RodTrack& track) {
-    const double time = track.times.back() - track.times.front();
+} // namespace
+
+RodOutcome outcome_of(const RodTrack& track, std::optional<double> contact_distance, Box box,
+                      bool interacting, const EndingCriteria& criteria) {
+    const double first = track.times.front(), last = track.times.back();
+    const double tail_start = last - criteria.steady_fraction * (last - first);
+
+    // The way in chords is at most the time, and hardly below half of it however a rod turns: it would have
+    // to turn by more than half a turn from row to row.
+    const double time = last - first;
     for (std::size_t i = 0; i < track.states.front().size(); i += 3) {
         double way = 0.0;
         for (std::size_t k = 1; k < track.states.size(); ++k)
@@ -144,55 +173,16 @@ void check_speed(const RodTrack& track) {
                                          "times in f/(mu v0), in rows that are less than half a turn apart",
                                          i / 3, way, time));
     }
-}
 
-/// Room for the rounding of a run that was stopped at contact.
-bool in_contact(const Separation& pair, double distance) { return pair.distance <= distance * (1.0 + 1e-9); }
-
-/// The first contact between two rows, the pair at its distance.
-std::optional<Row> contact_between(const Row& before, const Row& after, double distance, Box box) {
-    double outside = before.time, inside = after.time;
-    if (!in_contact(closest_pair(after.y, box), distance)) {
-        const auto approach = closest_approach(step_of(before, after), box, distance);
-        if (!approach)
-            return std::nullopt;
-        inside = approach->time;
+    // Rows of the track, one at `tail_start` among them: there the last part begins.
+    std::vector<Row> rows;
+    for (std::size_t k = 0; k < track.times.size(); ++k) {
+        const Row row = row_of(track.times[k], track.states[k], track.turning[k]);
+        if (!rows.empty() && rows.back().time < tail_start && tail_start < row.time)
+            rows.push_back(row_between(rows.back(), row, tail_start));
+        rows.push_back(row);
     }
-    for (int k = 0; k < 53; ++k) {
-        const double middle = 0.5 * (outside + inside);
-        const Separation pair = closest_pair(row_between(before, after, middle).y, box);
-        (in_contact(pair, distance) ? inside : outside) = middle;
-    }
-    Row met = row_between(before, after, inside);
-    Separation pair = closest_pair(met.y, box);
-    pair.distance = distance;
-    put_apart(met.y, pair, box);
-    return met;
-}
 
-/// The rows up to contact, if there is one: then the last is that of contact.
-bool cut_at_contact(std::vector<Row>& rows, double distance, Box box) {
-    if (in_contact(closest_pair(rows.front().y, box), distance)) {
-        rows.resize(1);
-        return true;
-    }
-    for (std::size_t k = 1; k < rows.size(); ++k)
-        if (auto met = contact_between(rows[k - 1], rows[k], distance, box)) {
-            rows.resize(k);
-            rows.push_back(std::move(*met));
-            return true;
-        }
-    return false;
-}
-
-} // namespace
-
-RodOutcome outcome_of(const RodTrack& track, std::optional<double> contact_distance, Box box,
-                      bool interacting, const EndingCriteria& criteria) {
-    check_speed(track);
-    const double first = track.times.front(), last = track.times.back();
-    const double tail_start = last - criteria.steady_fraction * (last - first);
-    std::vector<Row> rows = rows_of(track, tail_start);
     RodProblem problem;
     for (std::size_t a = 0; a < track.turning.front().size(); ++a)
         problem.rods.push_back(pose(rows.front().y, a));

@@ -21,28 +21,12 @@ void require(bool legal, const char* name, double value, const char* range) {
         throw InputError(fmt::format("{} = {}: must be {}", name, value, range));
 }
 
-void validate(const PairOptions& options, std::size_t pairs, std::size_t results) {
-    require(options.rtol >= 1e-13 && options.rtol <= 0.1, "rtol", options.rtol, "in [1e-13, 0.1]");
-    require(options.atol > 0.0 && std::isfinite(options.atol), "atol", options.atol, "> 0 and finite");
-    if (pairs != results)
-        throw InputError(fmt::format("{} results for {} pairs: give as many", results, pairs));
-}
-
 double start_separation(const PairProblem& pair) {
     return std::hypot(pair.rods[0].x - pair.rods[1].x, pair.rods[0].y - pair.rods[1].y);
 }
 
 bool starts_in_contact(const PairProblem& pair) {
     return pair.contact_distance > 0.0 && start_separation(pair) <= pair.contact_distance;
-}
-
-PairResult contact_at_start(const PairProblem& pair) {
-    PairResult result;
-    result.ending = Ending::contact;
-    std::ranges::copy(to_state(pair.rods), result.state.begin());
-    result.rate.fill(std::nan(""));
-    result.separation = result.min_separation = start_separation(pair);
-    return result;
 }
 
 } // namespace
@@ -78,15 +62,23 @@ void validate(const PairProblem& pair) {
 
 void simulate_pairs(std::span<const PairProblem> pairs, const PairOptions& options,
                     std::span<PairResult> results) {
-    validate(options, pairs.size(), results.size());
+    require(options.rtol >= 1e-13 && options.rtol <= 0.1, "rtol", options.rtol, "in [1e-13, 0.1]");
+    require(options.atol > 0.0 && std::isfinite(options.atol), "atol", options.atol, "> 0 and finite");
+    if (pairs.size() != results.size())
+        throw InputError(fmt::format("{} results for {} pairs: give as many", results.size(), pairs.size()));
     std::vector<std::size_t>
         order[2]; // without and with polar couplings: a lane computes no more than its pair needs
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         validate(pairs[i]);
-        if (starts_in_contact(pairs[i]))
-            results[i] = contact_at_start(pairs[i]);
-        else
+        if (!starts_in_contact(pairs[i])) {
             order[pairs[i].couplings.polar()].push_back(i);
+            continue;
+        }
+        PairResult& result = results[i] = {};
+        result.ending = Ending::contact;
+        std::ranges::copy(to_state(pairs[i].rods), result.state.begin());
+        result.rate.fill(std::nan(""));
+        result.separation = result.min_separation = start_separation(pairs[i]);
     }
     for (const bool polar : {false, true}) {
         if (order[polar].empty())

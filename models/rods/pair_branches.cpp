@@ -44,7 +44,6 @@ struct OpenPair {
     elastic::Medium medium_at(double p) const;
     Couplings couplings_at(double p) const;
     ScaledPair at(double p) const { return {medium_at(p), couplings_at(p)}; }
-    Pose pose(const State& z) const { return pose_of(family, {z[0], z[1]}); }
 };
 
 elastic::Medium OpenPair::medium_at(double p) const {
@@ -228,15 +227,6 @@ bool is_on(const std::vector<Traced>& points, const State& z) {
     return false;
 }
 
-void check(const OpenPair& open) {
-    if (!(std::isfinite(open.least) && std::isfinite(open.most) && open.least < open.most))
-        throw InputError(
-            fmt::format("the range of a branch must rise; it is {} to {}", open.least, open.most));
-    if (!(open.least > open.domain_begin()))
-        throw InputError(fmt::format("the range of a branch must be above {}; it begins at {}",
-                                     open.domain_begin(), open.least));
-}
-
 } // namespace
 
 BranchParameter branch_parameter(std::string_view name) {
@@ -251,7 +241,11 @@ BranchParameter branch_parameter(std::string_view name) {
 std::vector<PairBranch> pair_branches(const elastic::Medium& medium, const Couplings& couplings,
                                       BranchParameter over, double least, double most) {
     OpenPair open{medium, couplings, over, least, most};
-    check(open);
+    if (!(std::isfinite(least) && std::isfinite(most) && least < most))
+        throw InputError(fmt::format("the range of a branch must rise; it is {} to {}", least, most));
+    if (!(least > open.domain_begin()))
+        throw InputError(fmt::format("the range of a branch must be above {}; it begins at {}",
+                                     open.domain_begin(), least));
     std::vector<PairBranch> branches;
     std::vector<std::pair<Family, std::vector<Traced>>> traced;
     for (std::size_t k = 0; k < seeds; ++k) {
@@ -279,7 +273,8 @@ std::vector<PairBranch> pair_branches(const elastic::Medium& medium, const Coupl
                     points.push_back(point);
             for (const Traced& point : points)
                 branch.points.push_back({open.parameter(point.z),
-                                         described(open.at(open.parameter(point.z)), open.pose(point.z)),
+                                         described(open.at(open.parameter(point.z)),
+                                                   pose_of(open.family, {point.z[0], point.z[1]})),
                                          point.fold});
             branches.push_back(std::move(branch));
             traced.emplace_back(open.family, std::move(points));

@@ -31,51 +31,11 @@ Truth either(Truth a, Truth b) { return negated(both(negated(a), negated(b))); }
 
 Enclosure around(double value, double error) { return {value - error, value + error}; }
 
-double distance_of(const EncounterBounds& b) { return std::hypot(b.x, b.y); }
-double turn_error(const EncounterBounds& b) { return b.heading_error[0] + b.heading_error[1]; }
-
 /// A rod at (x, y) from one of this heading sits behind it, within `limit` of its axis.
 Truth follows(double x, double y, double heading, double error, double limit) {
     const double along = x * std::cos(heading) + y * std::sin(heading);
     const double across = y * std::cos(heading) - x * std::sin(heading);
     return at_most(around(std::atan2(std::abs(across), -along), error), std::asin(std::min(limit, 1.0)));
-}
-
-Truth in_pursuit(const EncounterBounds& b, const EndingCriteria& limit) {
-    const double s = 0.5 * limit.steady_separation, r = distance_of(b);
-    const auto unsteady = [&](double low, double high) { return high - low - s * (low + high); };
-    const double aside = std::asin(std::min(1.0, b.place_error / r));
-    const Truth locked =
-        at_most(around(angle_between(b.heading[0], b.heading[1]), turn_error(b)), limit.locked_heading);
-    const Truth steady = at_most(
-        {unsteady(b.late_least.high, b.late_most.low), unsteady(b.late_least.low, b.late_most.high)}, 0.0);
-    const Truth behind =
-        either(follows(b.x, b.y, b.heading[1], aside + b.heading_error[1], limit.lateral_offset),
-               follows(-b.x, -b.y, b.heading[0], aside + b.heading_error[0], limit.lateral_offset));
-    return both(both(locked, steady), behind);
-}
-
-Truth escapes(const EncounterBounds& b, const EndingCriteria& limit) {
-    const double vx = std::cos(b.heading[0]) - std::cos(b.heading[1]),
-                 vy = std::sin(b.heading[0]) - std::sin(b.heading[1]);
-    const double r = distance_of(b), v = std::hypot(vx, vy), turn = turn_error(b);
-    const Truth parting =
-        negated(at_most(around(b.x * vx + b.y * vy, r * turn + (v + turn) * b.place_error), 0.0));
-    if (v <= turn) // they may walk abreast
-        return parting == false ? Truth(false) : std::nullopt;
-    const double angle = angle_between(b.heading[0], b.heading[1]);
-    const Enclosure beyond{
-        b.late_turning.low * (r - b.place_error) / (v + turn) - limit.residual_turn * (angle + turn),
-        b.late_turning.high * (r + b.place_error) / (v - turn) - limit.residual_turn * (angle - turn)};
-    return both(parting, at_most(beyond, 0.0));
-}
-
-/// Over the places that the pair may be at.
-Truth felt(const EncounterBounds& b, const Feels& feels) {
-    const double r = distance_of(b);
-    if (feels(r + b.place_error))
-        return true;
-    return feels(std::max(0.0, r - b.place_error)) ? std::nullopt : Truth(false);
 }
 
 } // namespace
@@ -84,14 +44,38 @@ std::optional<Ending> certain_ending(const EncounterBounds& b, const EndingCrite
                                      const Feels& feels) {
     if (b.contact != EncounterBounds::Contact::none)
         return b.contact == EncounterBounds::Contact::certain ? std::optional(Ending::contact) : std::nullopt;
-    const Truth pursuit = in_pursuit(b, criteria);
+    const double r = std::hypot(b.x, b.y), angle = angle_between(b.heading[0], b.heading[1]),
+                 turn = b.heading_error[0] + b.heading_error[1];
+
+    // Pursuit: headings are locked, the distance is steady, and one rod is behind the other.
+    const double s = 0.5 * criteria.steady_separation, aside = std::asin(std::min(1.0, b.place_error / r));
+    const auto unsteady = [&](double low, double high) { return high - low - s * (low + high); };
+    const Truth locked = at_most(around(angle, turn), criteria.locked_heading);
+    const Truth steady = at_most(
+        {unsteady(b.late_least.high, b.late_most.low), unsteady(b.late_least.low, b.late_most.high)}, 0.0);
+    const Truth behind =
+        either(follows(b.x, b.y, b.heading[1], aside + b.heading_error[1], criteria.lateral_offset),
+               follows(-b.x, -b.y, b.heading[0], aside + b.heading_error[0], criteria.lateral_offset));
+    const Truth pursuit = both(both(locked, steady), behind);
     if (!pursuit)
         return std::nullopt;
-    if (*pursuit) {
-        const Truth follow = felt(b, feels);
-        return follow ? std::optional(*follow ? Ending::pursuit : Ending::undecided) : std::nullopt;
+    if (*pursuit) { // if they feel each other, wherever they may be
+        if (feels(r + b.place_error))
+            return Ending::pursuit;
+        return feels(std::max(0.0, r - b.place_error)) ? std::nullopt : std::optional(Ending::undecided);
     }
-    const Truth escape = escapes(b, criteria);
+
+    // Escape: the rods part, and turn little beyond.
+    const double vx = std::cos(b.heading[0]) - std::cos(b.heading[1]),
+                 vy = std::sin(b.heading[0]) - std::sin(b.heading[1]), v = std::hypot(vx, vy);
+    const Truth parting =
+        negated(at_most(around(b.x * vx + b.y * vy, r * turn + (v + turn) * b.place_error), 0.0));
+    if (v <= turn) // they may walk abreast
+        return parting == false ? std::optional(Ending::undecided) : std::nullopt;
+    const Enclosure beyond{
+        b.late_turning.low * (r - b.place_error) / (v + turn) - criteria.residual_turn * (angle + turn),
+        b.late_turning.high * (r + b.place_error) / (v - turn) - criteria.residual_turn * (angle - turn)};
+    const Truth escape = both(parting, at_most(beyond, 0.0));
     return escape ? std::optional(*escape ? Ending::escape : Ending::undecided) : std::nullopt;
 }
 

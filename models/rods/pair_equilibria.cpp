@@ -83,8 +83,9 @@ std::vector<double> steps_between(double first, double last, std::size_t steps) 
     return values;
 }
 
-/// Roots of (a) and (b) with b < pi/2: marching squares over the signs of (a).
-std::vector<Reduced> asymmetric_roots(const ScaledPair& pair, Family family) {
+/// Roots of (a) and (b).
+std::vector<Reduced> roots_of(const ScaledPair& pair, Family family) {
+    // Those with b < pi/2, by marching squares over the signs of (a).
     // On the borders b = 0 and b = pi/2 (a) vanishes by symmetry; the grid ends just short of them.
     const auto u = steps_between(std::log(least_searched), std::log(most_searched), 200);
     const auto b = steps_between(1e-6, quarter_turn - 1e-6, 80);
@@ -123,13 +124,8 @@ std::vector<Reduced> asymmetric_roots(const ScaledPair& pair, Family family) {
                     add_roots([&](double t) { return on_curve(pair, family, around[k], around[k + 1], t); },
                               roots);
         }
-    return roots;
-}
 
-/// Roots of (b) at b = pi/2, where rods are opposite or abreast.
-std::vector<Reduced> symmetric_roots(const ScaledPair& pair, Family family) {
-    const auto u = steps_between(std::log(least_searched), std::log(most_searched), 200);
-    std::vector<Reduced> roots;
+    // Those of (b) at b = pi/2, where rods are opposite or abreast.
     for (std::size_t i = 0; i + 1 < u.size(); ++i)
         add_roots(
             [&](double t) {
@@ -241,9 +237,7 @@ std::vector<PairEquilibrium> pair_equilibria(const elastic::Medium& medium, cons
     for (const Family family : {Family::orbit, Family::parallel}) {
         if (!couplings.any())
             continue;
-        std::vector<Reduced> roots = asymmetric_roots(pair, family);
-        for (const Reduced root : symmetric_roots(pair, family))
-            roots.push_back(root);
+        std::vector<Reduced> roots = roots_of(pair, family);
         std::erase_if(roots, [&](const Reduced& root) { return !is_resolved(pair, family, root); });
         std::sort(roots.begin(), roots.end(), [](const Reduced& a, const Reduced& b) { return a.u < b.u; });
         for (const Reduced root : roots) {

@@ -32,19 +32,6 @@ double separation(const State6& y) {
     return std::sqrt(x * x + across * across);
 }
 
-/// dr/dt
-double separation_rate(const State6& y, const State6& rate) {
-    return ((y[0] - y[3]) * (rate[0] - rate[3]) + (y[1] - y[4]) * (rate[1] - rate[4])) / separation(y);
-}
-
-/// How well contact is met: what coordinates of this size resolve.
-double lane_resolution(const State6& y) {
-    double largest = 0.0;
-    for (const double one : y)
-        largest = std::max(largest, std::abs(one));
-    return 1e-12 + 8.0 * ulp * largest;
-}
-
 } // namespace
 
 PairQueue::PairQueue(std::span<const PairProblem> pairs, std::span<const std::size_t> order,
@@ -105,18 +92,13 @@ void PairQueue::load(std::size_t lane, const PairProblem& pair) {
         l.state[k][lane] = l.start[k][lane] = k % 3 == 0 ? rod.x : k % 3 == 1 ? rod.y : rod.heading;
         l.rate[k][lane] = std::nan(""); // until the lanes evaluate it
     }
-    start_record(lane);
-    search_[lane] = {};
-    contact_[lane] = false;
-}
-
-void PairQueue::start_record(std::size_t lane) {
-    PairLanes& l = lanes;
     l.smallest[lane] = separation(numbers(l.state, lane));
     l.late_least[lane] = std::numeric_limits<double>::infinity();
     for (LaneNumbers* zero : {&l.smallest_time, &l.late_most, &l.late_turning, &l.most_turned, &l.ahead_x,
                               &l.ahead_y, &l.attempts, &l.steps})
         (*zero)[lane] = 0.0;
+    search_[lane] = {};
+    contact_[lane] = false;
 }
 
 bool PairQueue::inspect(std::size_t lane) {
@@ -125,13 +107,33 @@ bool PairQueue::inspect(std::size_t lane) {
     const State6 before = numbers(l.state, lane), after = numbers(l.end_state, lane);
     const integrate::Step step{l.time[lane], l.time[lane] + l.tried[lane], before, after};
     const double contact = pairs_[pair_[lane]].contact_distance, gap = separation(after) - contact;
-    if (contact > 0.0 && (gap <= 0.0 || search.aim == LaneSearch::Aim::root)) {
-        if (search.aim != LaneSearch::Aim::root) {
-            search = {LaneSearch::Aim::root, 0.0, l.tried[lane], 0};
-            l.forced[lane] = fall_time(step, 0, 1, contact) - l.time[lane];
-            return false;
+    if (contact > 0.0 && gap <= 0.0 && search.aim != LaneSearch::Aim::root) {
+        search = {LaneSearch::Aim::root, 0.0, l.tried[lane], 0};
+        l.forced[lane] = fall_time(step, 0, 1, contact) - l.time[lane];
+        return false;
+    }
+    if (contact > 0.0 && search.aim == LaneSearch::Aim::root) {
+        // Contact is met as well as coordinates of this size resolve it, or the step halved to its last bit.
+        constexpr int most_tries = 60;
+        const double length = l.tried[lane];
+        (gap > 0.0 ? search.outside : search.inside) = length;
+        double largest = 0.0;
+        for (const double number : after)
+            largest = std::max(largest, std::abs(number));
+        if (std::abs(gap) <= 1e-12 + 8.0 * ulp * largest || ++search.tries > most_tries) {
+            contact_[lane] = true;
+            l.forced[lane] = 0.0;
+            return true;
         }
-        return approach_contact(lane, gap, separation_rate(after, numbers(l.end_rate, lane)));
+        // Newton's method, kept between a step that ends outside and one that ends inside.
+        const State6 rate = numbers(l.end_rate, lane);
+        const double closing =
+            ((after[0] - after[3]) * (rate[0] - rate[3]) + (after[1] - after[4]) * (rate[1] - rate[4])) /
+            separation(after);
+        const double next = length - gap / closing;
+        const bool between = next > search.outside && next < search.inside;
+        l.forced[lane] = between ? next : 0.5 * (search.outside + search.inside);
+        return false;
     }
     const auto approach = closest_approach(step);
     const bool looked = std::exchange(search.aim, LaneSearch::Aim::none) == LaneSearch::Aim::look;
@@ -147,51 +149,6 @@ bool PairQueue::inspect(std::size_t lane) {
     l.forced[lane] = 0.0;
     return true;
 }
-
-/// One more step towards contact by Newton's method, kept between a step that ends outside and one that ends
-/// inside.
-bool PairQueue::approach_contact(std::size_t lane, double gap, double rate) {
-    constexpr int most_tries = 60; // halvings of a step down to its last bit
-    LaneSearch& search = search_[lane];
-    const double length = lanes.tried[lane];
-    (gap > 0.0 ? search.outside : search.inside) = length;
-    if (std::abs(gap) <= lane_resolution(numbers(lanes.end_state, lane)) || ++search.tries > most_tries) {
-        contact_[lane] = true;
-        lanes.forced[lane] = 0.0;
-        return true;
-    }
-    const double next = length - gap / rate;
-    const bool between = next > search.outside && next < search.inside;
-    lanes.forced[lane] = between ? next : 0.5 * (search.outside + search.inside);
-    return false;
-}
-
-/// Whether the rods of a lane without contact distance came so close that nothing holds behind that.
-bool PairQueue::passes_through(std::size_t lane, const PairResult& result) const {
-    const PairProblem& pair = pairs_[pair_[lane]];
-    if (pair.contact_distance != 0.0 || !pair.couplings.any())
-        return false;
-    const double first = separation(numbers(lanes.start, lane)),
-                 tolerance = options_.rtol + std::min(options_.atol, 0.1 * options_.rtol);
-    return result.min_separation <= passing_resolution(result.state, first, tolerance);
-}
-
-namespace {
-
-void look_for_orbit(const PairProblem& pair, PairResult& result) {
-    const std::array<double, 6>& y = result.state;
-    const std::optional<double> contact =
-        pair.contact_distance > 0.0 ? std::optional(pair.contact_distance) : std::nullopt;
-    const auto settled =
-        settled_orbit(pair.medium, pair.couplings, {y[0], y[1], y[2]}, {y[3], y[4], y[5]}, contact);
-    if (!settled)
-        return;
-    result.ending = Ending::orbit;
-    result.orbit_separation = settled->orbit.separation[0];
-    result.omega = settled->orbit.omega;
-}
-
-} // namespace
 
 void PairQueue::finish(std::size_t lane, PairEnding end) {
     const PairLanes& l = lanes;
@@ -210,20 +167,37 @@ void PairQueue::finish(std::size_t lane, PairEnding end) {
     result.steps = static_cast<long>(l.steps[lane]);
     result.rhs_evaluations =
         1 + static_cast<long>(integrate::tsitouras_famelis::stages - 1) * static_cast<long>(l.attempts[lane]);
+
+    // Without a contact distance nothing holds behind a passage as close as the tolerance.
+    const PairProblem& pair = pairs_[pair_[lane]];
+    bool passed_through = false;
+    if (pair.contact_distance == 0.0 && pair.couplings.any() && end == PairEnding::finished) {
+        const double first = separation(numbers(l.start, lane)),
+                     tolerance = options_.rtol + std::min(options_.atol, 0.1 * options_.rtol);
+        passed_through = result.min_separation <= passing_resolution(result.state, first, tolerance);
+    }
     if (contact_[lane])
         result.ending = Ending::contact;
-    else if (end == PairEnding::finished && passes_through(lane, result))
+    else if (passed_through)
         result.end = PairEnding::out_of_range; // rods::simulate says why
     else if (end == PairEnding::finished) {
         result.late = {l.late_least[lane], l.late_most[lane], l.late_turning[lane]};
         const Ending ending = classify_pair(result.state, result.rate, 0, 1, result.late, options_.criteria);
-        const PairProblem& pair = pairs_[pair_[lane]];
         const bool alone =
             ending == Ending::pursuit && // nobody follows whom he does not feel
             !reaches(pair.medium, pair.couplings, result.separation, pair.t_end, options_.criteria.felt_turn);
         result.ending = alone ? Ending::undecided : ending;
-        if (ending == Ending::undecided)
-            look_for_orbit(pair, result);
+        if (ending == Ending::undecided) {
+            const State6& y = result.state;
+            const auto contact =
+                pair.contact_distance > 0.0 ? std::optional(pair.contact_distance) : std::nullopt;
+            if (const auto settled = settled_orbit(pair.medium, pair.couplings, {y[0], y[1], y[2]},
+                                                   {y[3], y[4], y[5]}, contact)) {
+                result.ending = Ending::orbit;
+                result.orbit_separation = settled->orbit.separation[0];
+                result.omega = settled->orbit.omega;
+            }
+        }
     }
     next(lane);
 }

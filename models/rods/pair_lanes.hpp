@@ -76,10 +76,7 @@ public:
 
 private:
     void load(std::size_t lane, const PairProblem& pair);
-    void start_record(std::size_t lane);
     void next(std::size_t lane);
-    bool passes_through(std::size_t lane, const PairResult& result) const;
-    bool approach_contact(std::size_t lane, double gap, double rate);
 
     std::span<const PairProblem> pairs_;
     std::span<const std::size_t> order_;

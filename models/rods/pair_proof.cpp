@@ -28,39 +28,32 @@ constexpr std::size_t watched = watched_at.size();
 /// Bounds of errors: of the position, and of both headings.
 using Errors = Eigen::Vector3d;
 
+Eigen::Map<const Errors> errors(const double (&numbers)[3]) { return Eigen::Map<const Errors>(numbers); }
+
+auto block(const double (&numbers)[3][3]) {
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&numbers[0][0]);
+}
+
 /// Bounds of the change of the error over a piece: the numbers of pair_pieces.hpp as matrices.
-class StepBounds {
-public:
-    explicit StepBounds(const ProofPiece& piece) : of_(piece) {}
+struct StepBounds {
+    const Piece& piece;
+    const PieceReach<double>& reach;
+    const PieceExpansion<double>& seen;
 
-    const PieceReach<double>& reach() const { return of_.reach; }
-    const PieceExpansion<double>& seen() const { return of_.seen; }
-
-    static Eigen::Map<const Errors> errors(const double (&numbers)[3]) {
-        return Eigen::Map<const Errors>(numbers);
-    }
-    static auto block(const double (&numbers)[3][3]) {
-        return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&numbers[0][0]);
-    }
-    /// Bound of |e| from that of |d|, where e = E + (1 + W) d.
-    Errors whole(const Errors& d) const { return errors(seen().swing) + d + block(seen().turned) * d; }
     /// Bound of the part of a rate that is of first order in the error.
-    double linear(std::size_t rod, const Errors& e) const { return errors(seen().by[rod]).dot(e); }
+    double linear(std::size_t rod, const Errors& e) const { return errors(seen.by[rod]).dot(e); }
     /// Fraction of the room that an error takes up.
     double reached(const Errors& e) const {
-        return (std::numbers::sqrt2 * e[0] / reach().distance + e[1] + e[2]) / reach().room;
+        return (std::numbers::sqrt2 * e[0] / reach.distance + e[1] + e[2]) / reach.room;
     }
     /// Bound of the part that is of second order in the error.
     Errors curvature(const Errors& e) const {
         const double x = reached(e);
         const double share = x < 1.0 ? x * x / (1.0 - x) : HUGE_VAL;
-        return {0.5 * (e[1] * e[1] + e[2] * e[2]), reach().rate[0] * share, reach().rate[1] * share};
+        return {0.5 * (e[1] * e[1] + e[2] * e[2]), reach.rate[0] * share, reach.rate[1] * share};
     }
     /// Bound of |rate of turn| of the polynomial.
-    double rate(std::size_t rod) const { return of_.piece.p[2 + rod].steepest() * 2.0 / of_.piece.length; }
-
-private:
-    const ProofPiece& of_;
+    double rate(std::size_t rod) const { return piece.p[2 + rod].steepest() * 2.0 / piece.length; }
 };
 
 class Prover {
@@ -89,23 +82,10 @@ public:
         encounter_.late_most = {0.0, 0.0};
     }
 
-    std::optional<EncounterBounds> run(bool contact) {
-        if (!sample())
-            return std::nullopt;
-        watched_ = !contact; // rods in contact at the end may have been in contact before
-        encounter_.contact = EncounterBounds::Contact::none;
-        constexpr std::size_t at_once = 32; // a proof that fails early does not prepare the rest
-        for (std::size_t step = 0; step + 1 < track_.states.size(); step += at_once)
-            if (!advance_steps(step, std::min(step + at_once, track_.states.size() - 1)))
-                return std::nullopt;
-        finish(contact);
-        return encounter_;
-    }
+    std::optional<EncounterBounds> run(bool contact);
 
 private:
     std::array<double, 3> end_of(std::size_t state, int coordinate, double half) const;
-    bool sample();
-    bool advance_steps(std::size_t from, std::size_t to);
     Piece& add(int depth);
     void halve(std::size_t k);
     bool prepare(std::size_t first);
@@ -114,9 +94,7 @@ private:
     bool propagate(const StepBounds& bounds);
     bool stays_apart(const Piece& piece, double low, double high, double r_low, double r_high, double speed,
                      int depth) const;
-    bool watch(const Piece& piece, const StepBounds& bounds);
-    void watch_late(const Piece& piece, const StepBounds& bounds, const std::array<double, watched>& r,
-                    double speed);
+    bool watch(const StepBounds& bounds);
     void finish(bool contact);
 
     const PairProblem& pair_;
@@ -161,39 +139,6 @@ Piece& Prover::add(int depth) {
     return piece.piece;
 }
 
-/// Evaluates rates and derivatives at the ends of all steps.
-bool Prover::sample() {
-    const std::size_t states = track_.states.size();
-    PairJets& ends = space_.ends;
-    ends.resize(states);
-    for (std::size_t k = 0; k < states; ++k) {
-        const std::array<double, 6>& y = track_.states[k];
-        ends.at[PairJets::x][k] = y[0] - y[3];
-        ends.at[PairJets::y][k] = y[1] - y[4];
-        ends.at[PairJets::heading0][k] = y[2];
-        ends.at[PairJets::heading1][k] = y[5];
-    }
-    return states > 1 && fill_jets(pair_.medium, pair_.couplings, ends);
-}
-
-bool Prover::advance_steps(std::size_t from, std::size_t to) {
-    space_.used = 0;
-    for (std::size_t k = from; k < to; ++k) {
-        Piece& piece = add(most_splits);
-        piece.start = track_.times[k];
-        piece.length = track_.times[k + 1] - track_.times[k];
-        for (int i = 0; i < 4; ++i)
-            piece.p[static_cast<std::size_t>(i)] =
-                Quintic::through(end_of(k, i, 0.5 * piece.length), end_of(k + 1, i, 0.5 * piece.length));
-    }
-    if (!prepare(0))
-        return false;
-    for (std::size_t k = 0; k < to - from; ++k)
-        if (!advance(k))
-            return false;
-    return true;
-}
-
 /// Computes the bounds of the pieces from `first` on. Pieces without bounds, or over which errors grow much,
 /// are halved. Returns false if even the smallest piece has none.
 bool Prover::prepare(std::size_t first) {
@@ -230,18 +175,6 @@ void Prover::halve(std::size_t k) {
     }
 }
 
-/// q r = a by the Gram-Schmidt process, in the order of the columns.
-void orthogonalise(const Matrix& a, Matrix& q) {
-    q = a;
-    for (int k = 0; k < 4; ++k) {
-        for (int j = 0; j < k; ++j)
-            q.col(k) -= q.col(j).dot(q.col(k)) * q.col(j);
-        for (int j = 0; j < k; ++j) // twice, since columns may be nearly parallel
-            q.col(k) -= q.col(j).dot(q.col(k)) * q.col(j);
-        q.col(k).normalize();
-    }
-}
-
 /// Bound of the change of the rates by other couplings.
 Errors Prover::changed(const StepBounds& b, const Errors& e) const {
     Errors change = Errors::Zero();
@@ -250,45 +183,46 @@ Errors Prover::changed(const StepBounds& b, const Errors& e) const {
     const Errors curvature = b.curvature(e);
     for (std::size_t rod = 0; rod < 2; ++rod) {
         const auto row = static_cast<int>(rod) + 1;
-        change[row] = b.reach().change[rod] + share_.value_or(0.0) * (b.rate(rod) + b.seen().defect[1 + rod] +
-                                                                      b.linear(rod, e) + curvature[row]);
+        change[row] = b.reach.change[rod] + share_.value_or(0.0) * (b.rate(rod) + b.seen.defect[1 + rod] +
+                                                                    b.linear(rod, e) + curvature[row]);
     }
     return change;
 }
 
 bool Prover::propagate(const StepBounds& b) {
-    const PieceExpansion<double>& seen = b.seen();
+    const PieceExpansion<double>& seen = b.seen;
     if (!(seen.growth < HUGE_VAL))
         return false;
-    const double h = b.reach().length;
-    const auto mean = StepBounds::errors(seen.mean), known = StepBounds::errors(seen.known);
-    const auto grown = StepBounds::block(seen.grown), inverse = StepBounds::block(seen.inverse);
-    const auto second = [&](const Errors& d) -> Errors {
-        const Errors e = b.whole(d);
-        return inverse * (b.curvature(e) + changed(b, e));
-    };
+    const double h = b.reach.length;
+    const auto mean = errors(seen.mean), known = errors(seen.known);
+    const auto grown = block(seen.grown), inverse = block(seen.inverse);
     const Errors first = grown * (now_ + h * (mean + known));
 
-    // Iterate for the smallest bound d that maps into itself.
+    // Iterate for the smallest bound d that maps into itself. The error is e = E + (1 + W) d.
     Errors d, curved = Errors::Zero(), next = first;
     for (int k = 0; k == 0 || !(next.array() <= d.array()).all(); ++k) {
         if (k == most_tries || !next.allFinite())
             return false;
         d = 1.01 * next;
-        curved = second(d);
+        most_ = errors(seen.swing) + d + block(seen.turned) * d;
+        curved = inverse * (b.curvature(most_) + changed(b, most_));
         next = first + h * (grown * curved);
     }
 
     // The error moves with the propagator; its parallelepiped gets orthogonal edges and grows by what is
     // added.
-    most_ = b.whole(d);
     const double size = std::max(d[0] / seen.scale, std::max(d[1], d[2]));
-    const Errors added = h * (grown * (known + StepBounds::block(seen.wobble) * d + curved)) +
+    const Errors added = h * (grown * (known + block(seen.wobble) * d + curved)) +
                          2.0 * seen.truncation * size * Errors(seen.scale, 1.0, 1.0);
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> propagator(&seen.propagator[0][0]);
     const Matrix moved = propagator * frame_;
-    Matrix frame;
-    orthogonalise(moved, frame);
+    Matrix frame = moved; // the Gram-Schmidt process, in the order of the columns
+    for (int k = 0; k < 4; ++k) {
+        for (int repeat = 0; repeat < 2; ++repeat) // twice, since columns may be nearly parallel
+            for (int j = 0; j < k; ++j)
+                frame.col(k) -= frame.col(j).dot(frame.col(k)) * frame.col(j);
+        frame.col(k).normalize();
+    }
     const Vector g(added[0], added[0], added[1], added[2]);
     spread_ = ((frame.transpose() * moved).cwiseAbs() * spread_ + frame.cwiseAbs().transpose() * g).eval();
     spread_ *= 1.0 + 64.0 * proof_ulp;
@@ -314,27 +248,25 @@ bool Prover::stays_apart(const Piece& piece, double low, double high, double r_l
 
 /// Excludes contact on a piece, and records its part of the tail window. Returns false if contact cannot be
 /// excluded.
-bool Prover::watch(const Piece& piece, const StepBounds& b) {
+bool Prover::watch(const StepBounds& b) {
     constexpr int most_halvings = 40;
+    const Piece& piece = b.piece;
     const bool late = piece.start + piece.length >= late_from_;
-    if (!late && b.reach().distance - piece.place_excursion(1.0) > pair_.contact_distance + most_[0])
+    if (!late && b.reach.distance - piece.place_excursion(1.0) > pair_.contact_distance + most_[0])
         return true;
-    const double angle = piece.p[2].c[0] - piece.p[3].c[0], turn = b.reach().turn[0] + b.reach().turn[1];
-    const double speed = 0.5 * piece.length *
-                         (std::min(2.0, 2.0 * std::abs(std::sin(0.5 * angle)) + turn) + b.seen().defect[0]);
+    const double angle = piece.p[2].c[0] - piece.p[3].c[0], turn = b.reach.turn[0] + b.reach.turn[1];
+    const double speed =
+        0.5 * piece.length * (std::min(2.0, 2.0 * std::abs(std::sin(0.5 * angle)) + turn) + b.seen.defect[0]);
     std::array<double, watched> r;
     for (std::size_t j = 0; j < watched; ++j)
         r[j] = piece.separation(watched_at[j]);
     for (std::size_t j = 0; j + 1 < watched; ++j)
         if (!stays_apart(piece, watched_at[j], watched_at[j + 1], r[j], r[j + 1], speed, most_halvings))
             return false;
-    if (late)
-        watch_late(piece, b, r, speed);
-    return true;
-}
+    if (!late)
+        return true;
 
-void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::array<double, watched>& r,
-                        double speed) {
+    // Separations in the tail window: sampled at the points, and bounded between them by the speed.
     const double from = (late_from_ - piece.start) / (0.5 * piece.length) - 1.0, error = most_[0];
     Enclosure &least = encounter_.late_least, &most = encounter_.late_most,
               &turning = encounter_.late_turning;
@@ -353,29 +285,71 @@ void Prover::watch_late(const Piece& piece, const StepBounds& b, const std::arra
     }
     if (from > -1.0)
         add_value(piece.separation(std::min(from, 1.0)));
+
+    // The turning in the tail window, of the polynomial and by its error.
     const Errors off = changed(b, most_) + b.curvature(most_);
     for (std::size_t rod = 0; rod < 2; ++rod) {
-        const double further =
-            b.seen().defect[1 + rod] + b.linear(rod, most_) + off[static_cast<int>(rod) + 1];
+        const double further = b.seen.defect[1 + rod] + b.linear(rod, most_) + off[static_cast<int>(rod) + 1];
         turning.high = std::max(turning.high, b.rate(rod) + further);
         if (from <= -1.0)
             for (const double v : {-1.0, 0.0, 1.0})
                 turning.low =
                     std::max(turning.low, std::abs(piece.p[2 + rod].slope(v)) * 2.0 / piece.length - further);
     }
+    return true;
 }
 
 /// Propagates the error over a piece, or over its halves if the error does not stay small over the whole.
 bool Prover::advance(std::size_t k) {
     if (const std::size_t halves = space_.pieces[k].halves)
         return advance(halves) && advance(halves + 1);
-    const StepBounds b(space_.pieces[k]);
+    const ProofPiece& piece = space_.pieces[k];
+    const StepBounds b{piece.piece, piece.reach, piece.seen};
     if (propagate(b))
-        return !watched_ || watch(space_.pieces[k].piece, b);
+        return !watched_ || watch(b);
     if (space_.pieces[k].depth == 0 || b.reached(now_) > 0.5) // else halves would do no better
         return false;
     halve(k);
     return prepare(space_.pieces[k].halves) && advance(k);
+}
+
+std::optional<EncounterBounds> Prover::run(bool contact) {
+    // Evaluate rates and derivatives at the ends of all steps.
+    const std::size_t states = track_.states.size();
+    PairJets& ends = space_.ends;
+    ends.resize(states);
+    for (std::size_t k = 0; k < states; ++k) {
+        const std::array<double, 6>& y = track_.states[k];
+        ends.at[PairJets::x][k] = y[0] - y[3];
+        ends.at[PairJets::y][k] = y[1] - y[4];
+        ends.at[PairJets::heading0][k] = y[2];
+        ends.at[PairJets::heading1][k] = y[5];
+    }
+    if (states < 2 || !fill_jets(pair_.medium, pair_.couplings, ends))
+        return std::nullopt;
+
+    // Prepare some steps at once, and propagate the error over them.
+    watched_ = !contact;                // rods in contact at the end may have been in contact before
+    constexpr std::size_t at_once = 32; // a proof that fails early does not prepare the rest
+    for (std::size_t from = 0; from + 1 < states; from += at_once) {
+        const std::size_t count = std::min(at_once, states - 1 - from);
+        space_.used = 0;
+        for (std::size_t k = from; k < from + count; ++k) {
+            Piece& piece = add(most_splits);
+            piece.start = track_.times[k];
+            piece.length = track_.times[k + 1] - track_.times[k];
+            for (int i = 0; i < 4; ++i)
+                piece.p[static_cast<std::size_t>(i)] =
+                    Quintic::through(end_of(k, i, 0.5 * piece.length), end_of(k + 1, i, 0.5 * piece.length));
+        }
+        if (!prepare(0))
+            return std::nullopt;
+        for (std::size_t k = 0; k < count; ++k)
+            if (!advance(k))
+                return std::nullopt;
+    }
+    finish(contact);
+    return encounter_;
 }
 
 /// Fills in the end. Contact is certain if the rods are within the contact distance a little later for any
@@ -390,6 +364,7 @@ void Prover::finish(bool contact) {
     encounter_.place_error = now_[0];
     encounter_.heading_error[0] = now_[1];
     encounter_.heading_error[1] = now_[2];
+    encounter_.contact = EncounterBounds::Contact::none;
     if (!contact)
         return;
     encounter_.contact = EncounterBounds::Contact::unknown;

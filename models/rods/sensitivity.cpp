@@ -36,14 +36,7 @@ public:
     void operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
 
 private:
-    bool in_wakes() const { return request_.strain || request_.polar || medium_wanted_; }
     void add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
-    void add_contacts(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const;
-    using Rates = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
-    void add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const;
-    void add_own_images(const elastic::Wake& wake, Rates& rates) const;
-    void add(const elastic::FieldValues& field, const elastic::MediumDerivatives& derivatives,
-             RelativeHeading heading, Rates& rates) const;
 
     std::shared_ptr<const elastic::WakeField> field_;
     Couplings couplings_;
@@ -70,10 +63,21 @@ ParameterDerivatives::ParameterDerivatives(const RodProblem& problem, std::span<
 }
 
 void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
-    if (in_wakes())
+    if (request_.strain || request_.polar || medium_wanted_)
         add_wakes(y, by_parameter);
-    if (contacts_.any() && std::ranges::any_of(parameters_, of_bodies))
-        add_contacts(y, by_parameter);
+
+    // Rates by contacts go as stall_overlap^(-3/2), and are linear in the mobility ratio.
+    if (contacts_.any() && std::ranges::any_of(parameters_, of_bodies)) {
+        std::vector<double> rates(y.size(), 0.0), half(y.size(), 0.0);
+        contacts_.add_rates(y, rates);
+        half_across_.add_rates(y, half);
+        for (std::size_t j = 0; j < parameters_.size(); ++j)
+            for (std::size_t i = 0; of_bodies(parameters_[j]) && i < y.size(); ++i)
+                by_parameter(static_cast<Column>(i), static_cast<Column>(j)) +=
+                    parameters_[j] == Parameter::stall_overlap
+                        ? -1.5 * rates[i] / bodies_.stall_overlap
+                        : (rates[i] - half[i]) / (0.5 * bodies_.mobility_ratio);
+    }
     for (std::size_t j = 0; j < parameters_.size(); ++j)
         for (std::size_t a = 0; of_rows(parameters_[j]) && a < y.size() / 3; ++a)
             by_parameter(static_cast<Column>(3 * a + 2), static_cast<Column>(j)) =
@@ -83,81 +87,35 @@ void ParameterDerivatives::operator()(State y, Eigen::Ref<Eigen::MatrixXd> by_pa
 
 void ParameterDerivatives::add_wakes(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
     const std::size_t rods = y.size() / 3;
+    const elastic::FieldRequest of_couplings = request_of(couplings_, false);
     std::vector<Direction> n;
     for (std::size_t a = 0; a < rods; ++a)
         n.push_back(direction(y, a));
-    const auto columns = static_cast<Column>(parameters_.size());
-    const auto row = [&](std::size_t a) {
-        return Rates(by_parameter.row(static_cast<Column>(3 * a + 2)).head(columns));
-    };
     for (std::size_t b = 0; b < rods; ++b) {
         const auto wake = field_->wake(y[3 * b + 2]);
         for (std::size_t a = 0; a < rods; ++a) {
-            Rates rates = row(a);
-            if (a != b)
-                add_pair(*wake, view(y, a, b, n[a], n[b]), rates);
-            else if (field_->box())
-                add_own_images(*wake, rates);
+            const bool own = a == b; // then the wakes of its images
+            if (own && !field_->box())
+                continue;
+            const View at = own ? View{0.0, 0.0, {1.0, 0.0}} : view(y, a, b, n[a], n[b]);
+            elastic::FieldValues field;
+            elastic::MediumDerivatives derivatives;
+            if (request_.strain || request_.polar)
+                field = own ? wake->self_image_field(request_) : wake->at(at.x, at.y, request_);
+            if (medium_wanted_)
+                derivatives = own ? wake->own_place_by_medium(of_couplings)
+                                  : wake->medium_derivatives(at.x, at.y, of_couplings);
+            for (std::size_t j = 0; j < parameters_.size(); ++j) {
+                const Parameter p = parameters_[j];
+                if (of_rows(p) || of_bodies(p))
+                    continue;
+                by_parameter(static_cast<Column>(3 * a + 2), static_cast<Column>(j)) +=
+                    !of_medium(p) ? turning_rate(field, unit_coupling(p), at.heading)
+                                  : turning_rate(p == Parameter::eta ? derivatives.by_eta : derivatives.by_xi,
+                                                 couplings_, at.heading);
+            }
         }
     }
-}
-
-/// Rates by contacts go as stall_overlap^(-3/2), and are linear in the mobility ratio.
-void ParameterDerivatives::add_contacts(State y, Eigen::Ref<Eigen::MatrixXd> by_parameter) const {
-    std::vector<double> rates(y.size(), 0.0), half(y.size(), 0.0);
-    contacts_.add_rates(y, rates);
-    half_across_.add_rates(y, half);
-    for (std::size_t j = 0; j < parameters_.size(); ++j)
-        for (std::size_t i = 0; of_bodies(parameters_[j]) && i < y.size(); ++i)
-            by_parameter(static_cast<Column>(i), static_cast<Column>(j)) +=
-                parameters_[j] == Parameter::stall_overlap
-                    ? -1.5 * rates[i] / bodies_.stall_overlap
-                    : (rates[i] - half[i]) / (0.5 * bodies_.mobility_ratio);
-}
-
-void ParameterDerivatives::add_pair(const elastic::Wake& wake, const View& at, Rates& rates) const {
-    elastic::FieldValues field;
-    elastic::MediumDerivatives derivatives;
-    if (request_.strain || request_.polar)
-        field = wake.at(at.x, at.y, request_);
-    if (medium_wanted_)
-        derivatives = wake.medium_derivatives(at.x, at.y, request_of(couplings_, false));
-    add(field, derivatives, at.heading, rates);
-}
-
-void ParameterDerivatives::add_own_images(const elastic::Wake& wake, Rates& rates) const {
-    elastic::FieldValues field;
-    elastic::MediumDerivatives derivatives;
-    if (request_.strain || request_.polar)
-        field = wake.self_image_field(request_);
-    if (medium_wanted_)
-        derivatives = wake.own_place_by_medium(request_of(couplings_, false));
-    add(field, derivatives, {1.0, 0.0}, rates);
-}
-
-void ParameterDerivatives::add(const elastic::FieldValues& field,
-                               const elastic::MediumDerivatives& derivatives, RelativeHeading heading,
-                               Rates& rates) const {
-    for (std::size_t j = 0; j < parameters_.size(); ++j) {
-        const Parameter p = parameters_[j];
-        if (of_rows(p) || of_bodies(p))
-            continue;
-        rates(static_cast<Column>(j)) +=
-            !of_medium(p) ? turning_rate(field, unit_coupling(p), heading)
-                          : turning_rate(p == Parameter::eta ? derivatives.by_eta : derivatives.by_xi,
-                                         couplings_, heading);
-    }
-}
-
-/// Of the separation of the closest pair.
-Eigen::VectorXd contact_gradient(State y, Box box) {
-    const Separation pair = closest_pair(y, box);
-    const Offset d = offset(y, pair.first, pair.second, box);
-    const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Column>(y.size()));
-    gradient.segment<2>(a) = Eigen::Vector2d(d.x, d.y) / pair.distance;
-    gradient.segment<2>(b) = -gradient.segment<2>(a);
-    return gradient;
 }
 
 void check(const RodProblem& problem, std::span<const Parameter> parameters,
@@ -181,19 +139,6 @@ void check(const RodProblem& problem, std::span<const Parameter> parameters,
             throw InputError(
                 fmt::format("the position of rods[{}] is to be a parameter, but there are {} rods", index / 2,
                             problem.rods.size()));
-}
-
-Eigen::MatrixXd initial_sensitivities(std::size_t rods, std::size_t parameters,
-                                      std::span<const std::size_t> headings,
-                                      std::span<const std::size_t> indices) {
-    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(
-        static_cast<Column>(3 * rods), static_cast<Column>(parameters + headings.size() + indices.size()));
-    auto column = static_cast<Column>(parameters);
-    for (const std::size_t rod : headings)
-        S(static_cast<Column>(3 * rod + 2), column++) = 1.0;
-    for (const std::size_t index : indices)
-        S(static_cast<Column>(3 * (index / 2) + index % 2), column++) = 1.0;
-    return S;
 }
 
 } // namespace
@@ -236,12 +181,30 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
         };
     }
     // NOLINTEND(performance-unnecessary-value-param)
-    result.initial = initial_sensitivities(problem.rods.size(), parameters.size(), headings, indices);
     for (const Parameter p : parameters)
         result.parameter_scale.push_back(std::max(1.0, std::abs(value(problem, p))));
     result.parameter_scale.resize(result.parameters, 1.0);
-    result.event_gradient.assign(result.ode.events.size(),
-                                 [box = problem.box](double, State y) { return contact_gradient(y, box); });
+
+    // Headings and places are the initial state.
+    result.initial = Eigen::MatrixXd::Zero(static_cast<Column>(3 * problem.rods.size()),
+                                           static_cast<Column>(result.parameters));
+    auto column = static_cast<Column>(parameters.size());
+    for (const std::size_t rod : headings)
+        result.initial(static_cast<Column>(3 * rod + 2), column++) = 1.0;
+    for (const std::size_t index : indices)
+        result.initial(static_cast<Column>(3 * (index / 2) + index % 2), column++) = 1.0;
+
+    // The separation of the closest pair by the state.
+    const auto contact_gradient = [box = problem.box](double, State y) {
+        const Separation pair = closest_pair(y, box);
+        const Offset d = offset(y, pair.first, pair.second, box);
+        const auto a = static_cast<Column>(3 * pair.first), b = static_cast<Column>(3 * pair.second);
+        Eigen::VectorXd gradient = Eigen::VectorXd::Zero(static_cast<Column>(y.size()));
+        gradient.segment<2>(a) = Eigen::Vector2d(d.x, d.y) / pair.distance;
+        gradient.segment<2>(b) = -gradient.segment<2>(a);
+        return gradient;
+    };
+    result.event_gradient.assign(result.ode.events.size(), contact_gradient);
     return result;
 }
 

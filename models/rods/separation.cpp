@@ -24,10 +24,6 @@ Offset plane_offset(State y, std::size_t a, std::size_t b) {
 
 double square(Offset d) { return d.x * d.x + d.y * d.y; }
 
-double square_distance(State y, std::size_t a, std::size_t b, Box box) {
-    return square(offset(y, a, b, box));
-}
-
 /// d(r^2)/dt
 double square_rate(State y, std::size_t a, std::size_t b, Offset d) {
     const double ta = y[3 * a + 2], tb = y[3 * b + 2];
@@ -38,30 +34,11 @@ double square_rate(State y, std::size_t a, std::size_t b, Offset d) {
 struct Hermite {
     double f0, f1, g0, g1;
 
-    /// With g0 < 0 < g1.
-    double minimum_at() const {
-        const double a = 3.0 * (2.0 * (f0 - f1) + g0 + g1), b = 2.0 * (3.0 * (f1 - f0) - 2.0 * g0 - g1);
-        const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * g0));
-        return std::clamp(-2.0 * g0 / (b + root), 0.0, 1.0); // slope a u^2 + b u + g0, its rising zero
-    }
     double at(double u) const {
         const double v = 1.0 - u;
         return v * v * ((1.0 + 2.0 * u) * f0 + u * g0) + u * u * ((1.0 + 2.0 * v) * f1 - v * g1);
     }
 };
-
-/// The closest distance on the cubic of the offset itself. The cubic of its square loses digits if the
-/// distance is small beside those at the ends.
-double distance_of_offsets(const integrate::Step& step, std::size_t a, std::size_t b, Offset d0, Offset d1,
-                           double u) {
-    const double h = step.time - step.time_before;
-    const auto rate = [&](State y, auto part) { return h * (part(y[3 * a + 2]) - part(y[3 * b + 2])); };
-    const auto cosine = [](double angle) { return std::cos(angle); };
-    const auto sine = [](double angle) { return std::sin(angle); };
-    const Hermite x{d0.x, d1.x, rate(step.state_before, cosine), rate(step.state, cosine)},
-        y{d0.y, d1.y, rate(step.state_before, sine), rate(step.state, sine)};
-    return std::hypot(x.at(u), y.at(u));
-}
 
 /// The closest approach to one image of b, `shift` away from b itself.
 std::optional<Approach> approach_of_image(const integrate::Step& step, std::size_t a, std::size_t b,
@@ -75,11 +52,25 @@ std::optional<Approach> approach_of_image(const integrate::Step& step, std::size
     if (!(g0 < 0.0 && g1 > 0.0))
         return std::nullopt;
     const Hermite curve{square(d0), square(d1), g0, g1};
-    const double u = curve.minimum_at(), lowest = curve.at(u);
-    const double distance = lowest > lost * std::max(curve.f0, curve.f1)
-                                ? std::sqrt(lowest)
-                                : distance_of_offsets(step, a, b, d0, d1, u);
-    return Approach{step.time_before + u * h, {a, b, distance}};
+
+    // The minimum is the rising zero of the slope p u^2 + q u + g0.
+    const double p = 3.0 * (2.0 * (curve.f0 - curve.f1) + g0 + g1),
+                 q = 2.0 * (3.0 * (curve.f1 - curve.f0) - 2.0 * g0 - g1);
+    const double root = std::sqrt(std::max(0.0, q * q - 4.0 * p * g0));
+    const double u = std::clamp(-2.0 * g0 / (q + root), 0.0, 1.0), lowest = curve.at(u);
+    const double time = step.time_before + u * h;
+    if (lowest > lost * std::max(curve.f0, curve.f1))
+        return Approach{time, {a, b, std::sqrt(lowest)}};
+
+    // The cubic of the square loses digits if the distance is small beside those at the ends: take the cubics
+    // of the offset itself.
+    const auto rate = [&](State y) -> Offset {
+        const double ta = y[3 * a + 2], tb = y[3 * b + 2];
+        return {h * (std::cos(ta) - std::cos(tb)), h * (std::sin(ta) - std::sin(tb))};
+    };
+    const Offset r0 = rate(step.state_before), r1 = rate(step.state);
+    const Hermite x{d0.x, d1.x, r0.x, r1.x}, y{d0.y, d1.y, r0.y, r1.y};
+    return Approach{time, {a, b, std::hypot(x.at(u), y.at(u))}};
 }
 
 /// The closer approach of the two images that are nearest at the start and at the end of the step.
@@ -123,10 +114,10 @@ double longest_move(const integrate::Step& step) {
 } // namespace
 
 Separation closest_pair(State y, Box box) {
-    Separation best{0, 1, square_distance(y, 0, 1, box)};
+    Separation best{0, 1, square(offset(y, 0, 1, box))};
     Sweep(y, box).pairs([&](double gap) { return gap > 0.0 && gap * gap > best.distance; },
                         [&](std::size_t a, std::size_t b) {
-                            const double found = square_distance(y, a, b, box);
+                            const double found = square(offset(y, a, b, box));
                             if (found < best.distance || (found == best.distance && comes_first(a, b, best)))
                                 best = {a, b, found};
                         });
@@ -152,7 +143,7 @@ double encounter_step(State y, Box box) {
                         [&](std::size_t a, std::size_t b) {
                             const double relative_speed =
                                 2.0 * std::abs(std::sin(0.5 * (y[3 * a + 2] - y[3 * b + 2])));
-                            limit = std::min(limit, std::sqrt(square_distance(y, a, b, box)) /
+                            limit = std::min(limit, std::sqrt(square(offset(y, a, b, box))) /
                                                         (3.0 * std::max(relative_speed, 0.5)));
                         });
     return limit;
@@ -235,15 +226,6 @@ double fall_time(const integrate::Step& step, std::size_t a, std::size_t b, doub
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-void keep_smaller(SeparationRecord& record, const Separation& pair, double time) {
-    if (pair.distance < record.smallest.distance) {
-        record.smallest = pair;
-        record.smallest_time = time;
-    }
-}
-
 void add_late(SeparationRecord& record, integrate::State y, integrate::State ydot, Box box) {
     const std::size_t rods = y.size() / 3;
     for (std::size_t a = 0; a < rods; ++a)
@@ -256,7 +238,44 @@ void add_late(SeparationRecord& record, integrate::State y, integrate::State ydo
         }
 }
 
-void add_late_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box) {
+} // namespace
+
+SeparationRecord start_record(integrate::State y, double tail_start, Box box, const BodyForces& bodies,
+                              double t_end) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const std::size_t rods = y.size() / 3;
+    if (rods < 2)
+        return {{0, 0, infinity}, 0.0, tail_start, {}};
+    const std::size_t followed = rods <= most_followed_rods ? rods * rods : 0;
+    SeparationRecord record{closest_pair(y, box), 0.0, tail_start,
+                            std::vector<TailWindow>(followed, {infinity, 0.0, 0.0})};
+    if (bodies.any()) {
+        record.bodies.smallest_gap = bodies.closest(y).gap;
+        record.bodies.tail_start = (1.0 - bound_part) * t_end;
+        record.bodies.touching.resize(followed);
+    }
+    return record;
+}
+
+void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box,
+              const BodyForces& bodies) {
+    if (step.state.size() < 6)
+        return;
+    const auto keep_smaller = [&](const Separation& pair, double time) {
+        if (pair.distance < record.smallest.distance) {
+            record.smallest = pair;
+            record.smallest_time = time;
+        }
+    };
+    keep_smaller(closest_pair(step.state, box), step.time);
+    if (bodies.any())
+        add_body_step(record, step, rates, box, bodies);
+    else if (const auto approach = closest_approach(step, box, record.smallest.distance))
+        keep_smaller(approach->pair, approach->time);
+    if (step.time < record.tail_start || record.late.empty())
+        return;
+
+    // The last part: its beginning if that lies in this step, and the step's end.
     std::vector<double> rate(step.state.size()), other(step.state.size());
     rates(step.state, rate);
     if (step.time_before < record.tail_start && record.tail_start < step.time) {
@@ -268,57 +287,7 @@ void add_late_step(SeparationRecord& record, const integrate::Step& step, const 
     add_late(record, step.state, rate, box);
 }
 
-} // namespace
-
-SeparationRecord start_record(integrate::State y, double tail_start, Box box) {
-    const std::size_t rods = y.size() / 3;
-    if (rods < 2)
-        return {{0, 0, infinity}, 0.0, tail_start, {}};
-    const std::size_t followed = rods <= most_followed_rods ? rods * rods : 0;
-    return {closest_pair(y, box), 0.0, tail_start, std::vector<TailWindow>(followed, {infinity, 0.0, 0.0})};
-}
-
-void add_step(SeparationRecord& record, const integrate::Step& step, const StateRates& rates, Box box,
-              const BodyForces& bodies) {
-    if (step.state.size() < 6)
-        return;
-    keep_smaller(record, closest_pair(step.state, box), step.time);
-    if (bodies.any())
-        add_body_step(record, step, rates, box, bodies);
-    else if (const auto approach = closest_approach(step, box, record.smallest.distance))
-        keep_smaller(record, approach->pair, approach->time);
-    if (step.time >= record.tail_start && !record.late.empty())
-        add_late_step(record, step, rates, box);
-}
-
-namespace {
-
-using Words = std::array<std::uint32_t, 4>;
-
-/// A pair's own bits, from those of its first rod.
-Words bits_of_pair(const Words& first, std::size_t second, std::uint32_t draw) {
-    return philox_block({static_cast<std::uint32_t>(second), draw, first[2], first[3]}, {first[0], first[1]});
-}
-
-/// Inverse Gaussian, by Michael, Schucany and Haas, Am. Stat. 30, 88 (1976); the smaller root without
-/// cancellation.
-double inverse_gaussian(double mean, double shape, double normal, double uniform) {
-    const double a = 0.5 * mean * normal * normal / shape;
-    const double root = mean / (1.0 + a + std::sqrt(a * (2.0 + a)));
-    return uniform * (mean + root) <= mean ? root : mean * (mean / root);
-}
-
-/// When a pair that is d0 > 0 and d1 short of contact at the ends of a step of variance `spread` met first,
-/// as a share of the step; given that it did.
-double meeting_share(double d0, double d1, double spread, const Words& bits, double uniform) {
-    const double end = std::max(std::abs(d1), 1e-9 * d0);
-    const double odds = inverse_gaussian(d0 / end, d0 * d0 / spread, integrate::normals_of(bits)[0], uniform);
-    return odds / (1.0 + odds);
-}
-
-} // namespace
-
-Words NoisePlace::bits(Use use, std::size_t rod) const {
+std::array<std::uint32_t, 4> NoisePlace::bits(Use use, std::size_t rod) const {
     return philox_block(
         {node, (span << 8) | static_cast<std::uint32_t>(use), run, static_cast<std::uint32_t>(rod)},
         {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
@@ -339,11 +308,24 @@ std::optional<Meeting> bridge_contact(const integrate::Step& step, double distan
         if (d0 > reach - distance)
             return;
         const double d1 = gap(step.state, a, b);
-        const Words of_rod = position.bits(NoisePlace::Use::meeting, a), bits = bits_of_pair(of_rod, b, 0);
+        const std::array<std::uint32_t, 4> of_rod = position.bits(NoisePlace::Use::meeting, a);
+        const auto bits_of_pair = [&](std::uint32_t draw) {
+            return philox_block({static_cast<std::uint32_t>(b), draw, of_rod[2], of_rod[3]},
+                                {of_rod[0], of_rod[1]});
+        };
+        const auto bits = bits_of_pair(0);
         if (d1 > 0.0 && integrate::uniform_of(bits[0], bits[1]) >= std::exp(-2.0 * d0 * d1 / spread))
             return;
-        const double share = meeting_share(d0, d1, spread, bits_of_pair(of_rod, b, 1),
-                                           integrate::uniform_of(bits[2], bits[3]));
+
+        // They met: odds is the ratio of the times before and after, inverse Gaussian (Michael, Schucany and
+        // Haas, Am. Stat. 30, 88 (1976)). `root` is the smaller root without cancellation.
+        const double normal = integrate::normals_of(bits_of_pair(1))[0],
+                     uniform = integrate::uniform_of(bits[2], bits[3]);
+        const double mean = d0 / std::max(std::abs(d1), 1e-9 * d0), shape = d0 * d0 / spread;
+        const double c = 0.5 * mean * normal * normal / shape;
+        const double root = mean / (1.0 + c + std::sqrt(c * (2.0 + c)));
+        const double odds = uniform * (mean + root) <= mean ? root : mean * (mean / root);
+        const double share = odds / (1.0 + odds);
         if (!first || share < first->share || (share == first->share && a < first->first))
             first = {share, a, b};
     };

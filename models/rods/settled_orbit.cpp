@@ -63,9 +63,6 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
     const Eigen::Vector3d scale{r, r, 1.0};
     const Pose& q = orbit->pose;
     const Pose centre{q.x / pair.xi, q.y / pair.xi, q.heading};
-    const auto at = [&](const Eigen::Vector3d& d) {
-        return Pose{centre.x + r * d[0], centre.y + r * d[1], centre.heading + d[2]};
-    };
     const Eigen::Vector3d d{(now.x - q.x) / orbit->separation[0], (now.y - q.y) / orbit->separation[0],
                             std::remainder(now.heading - q.heading, 2.0 * std::numbers::pi)};
     const Eigen::Matrix3d J =
@@ -89,7 +86,7 @@ std::optional<SettledOrbit> settled_orbit(const elastic::Medium& medium, const C
     for (const double size : sizes)
         for (std::size_t k = 0; k < directions; ++k) {
             const Eigen::Vector3d e = size * radius * root.matrixU().solve(on_sphere(k));
-            const Pose sample = at(e);
+            const Pose sample{centre.x + r * e[0], centre.y + r * e[1], centre.heading + e[2]};
             const double separation = std::hypot(sample.x, sample.y);
             if (!(separation > 0.1 * r) || (contact_distance && separation * pair.xi <= *contact_distance))
                 return too_far();

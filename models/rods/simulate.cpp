@@ -17,42 +17,7 @@
 
 namespace rodwake::rods {
 
-namespace {
-
 using integrate::State;
-
-/// The separation inside a step is known from the headings, unless bodies push rods aside: then it is
-/// sampled.
-integrate::Event contact_event(double distance, Box box, bool bodies) {
-    integrate::Event event;
-    event.name = "contact";
-    event.value = [distance, box](double, State y) { return closest_pair(y, box).distance - distance; };
-    event.crossing = integrate::Crossing::falling;
-    event.terminal = true;
-    if (!bodies) {
-        event.candidate_time = [distance, box](const integrate::Step& step) {
-            return first_approach_time(step, box, distance);
-        };
-        event.sampled = false;
-    }
-    return event;
-}
-
-/// Of rods that walk straight: the places of a run have fewer digits than the closed form.
-std::vector<integrate::Event> known_contact(const RodProblem& problem) {
-    const double meeting = first_meeting(problem);
-    if (meeting == HUGE_VAL)
-        return {};
-    integrate::Event event;
-    event.name = "contact";
-    event.value = [meeting](double t, State) { return meeting - t; };
-    event.crossing = integrate::Crossing::falling;
-    event.terminal = true;
-    event.sampled = false;
-    return {event};
-}
-
-} // namespace
 
 double body_step(const BodyForces& bodies, State y) {
     return bodies.any() ? bodies.step_limit(y, y.size() / 3 > most_followed_rods ? 0.5 : 1.0 / 12.0)
@@ -122,27 +87,28 @@ integrate::OdeProblem to_ode(const RodProblem& problem) {
                             others ? others(t, y) : std::numeric_limits<double>::infinity());
         };
     ode.relative_cap = 1.0; // f/mu and rad: the plane has no origin and headings no zero
-    if (problem.contact_distance && problem.rods.size() > 1)
-        ode.events.push_back(contact_event(*problem.contact_distance, problem.box, bodies));
+    if (problem.contact_distance && problem.rods.size() > 1) {
+        // The separation inside a step is known from the headings, unless bodies push rods aside: then it is
+        // sampled.
+        const double distance = *problem.contact_distance;
+        integrate::Event contact;
+        contact.name = "contact";
+        contact.value = [distance, box = problem.box](double, State y) {
+            return closest_pair(y, box).distance - distance;
+        };
+        contact.crossing = integrate::Crossing::falling;
+        contact.terminal = true;
+        contact.sampled = bodies;
+        if (!bodies)
+            contact.candidate_time = [distance, box = problem.box](const integrate::Step& step) {
+                return first_approach_time(step, box, distance);
+            };
+        ode.events.push_back(std::move(contact));
+    }
     return ode;
 }
 
 namespace {
-
-/// Segments short enough that a checkpoint comes every few seconds: a step costs N (N - 1) field points.
-long segment_steps(std::size_t rods) {
-    const double steps = 2e7 / static_cast<double>(std::max<std::size_t>(rods * rods, 1));
-    return static_cast<long>(std::clamp(steps, 200.0, 20000.0));
-}
-
-/// Left alone, ARKODE starts at the time in which a coordinate that is 0 reaches its tolerance and needs half
-/// a dozen steps to get going. Rods matter to each other on the scale of f/mu; too long a step is rejected
-/// and costs one.
-double first_step(const integrate::OdeOptions& options) {
-    constexpr double start = 0.01; // f/(mu v0)
-    return options.initial_step == 0.0 && options.method == integrate::Method::erk ? start
-                                                                                   : options.initial_step;
-}
 
 RodCheckpoint beginning(const integrate::OdeProblem& ode, const RodProblem& problem,
                         const EndingCriteria& criteria) {
@@ -219,8 +185,16 @@ RodResult solve_equations(const RodProblem& problem, const RodOptions& options, 
 
     integrate::OdeOptions solver = options.ode;
     solver.atol = std::min(solver.atol, 0.1 * solver.rtol); // of coordinates of order 1: more would undo rtol
-    solver.segment_steps = std::min(solver.segment_steps, segment_steps(problem.rods.size()));
-    solver.initial_step = first_step(options.ode);
+    // Segments short enough that a checkpoint comes every few seconds: a step costs N (N - 1) field points.
+    const std::size_t rods = problem.rods.size();
+    const double steps = 2e7 / static_cast<double>(std::max<std::size_t>(rods * rods, 1));
+    solver.segment_steps =
+        std::min(solver.segment_steps, static_cast<long>(std::clamp(steps, 200.0, 20000.0)));
+    // Left alone, ARKODE starts at the time in which a coordinate that is 0 reaches its tolerance and needs
+    // half a dozen steps to get going. Rods matter to each other on the scale of f/mu; too long a step is
+    // rejected and costs one.
+    if (solver.initial_step == 0.0 && solver.method == integrate::Method::erk)
+        solver.initial_step = 0.01; // f/(mu v0)
     solver.on_step = [&](const integrate::Step& raw) {
         const integrate::Step step = track.step(raw);
         add_step(record, step, rates, problem.box, bodies);
@@ -310,8 +284,19 @@ RodResult simulate(const RodProblem& problem, const RodOptions& options) {
     if (auto met = contact_at_start(problem))
         return *std::move(met);
     integrate::OdeProblem ode = to_ode(problem, options.form);
-    if (!problem.box && walks_straight(problem) && problem.rods.size() <= most_followed_rods)
-        ode.events = known_contact(problem);
+    if (!problem.box && walks_straight(problem) && problem.rods.size() <= most_followed_rods) {
+        // The places of a run have fewer digits than the closed form.
+        ode.events.clear();
+        if (const double meeting = first_meeting(problem); meeting < HUGE_VAL) {
+            integrate::Event event;
+            event.name = "contact";
+            event.value = [meeting](double t, State) { return meeting - t; };
+            event.crossing = integrate::Crossing::falling;
+            event.terminal = true;
+            event.sampled = false;
+            ode.events.push_back(std::move(event));
+        }
+    }
     const RodModel model = model_of(problem);
     const StateRates rates = [&model](State y, std::span<double> ydot) { model.rhs(y, ydot); };
     Equations equations{std::move(ode), rates, model.interacting(), true};

@@ -40,23 +40,6 @@ struct Quintic {
         return std::abs(c[1]) + 2.0 * std::abs(c[2]) + 3.0 * std::abs(c[3]) + 4.0 * std::abs(c[4]) +
                5.0 * std::abs(c[5]);
     }
-    /// In the variable of the half below or above the middle.
-    Quintic half(double middle) const {
-        Quintic q{};
-        for (std::size_t k = 6; k-- > 0;) { // Horner's rule with v = middle + u/2
-            for (std::size_t j = 5; j > 0; --j)
-                q.c[j] = middle * q.c[j] + 0.5 * q.c[j - 1];
-            q.c[0] = middle * q.c[0] + c[k];
-        }
-        return q;
-    }
-    /// |p(v) - p(0)| for |v| <= reach, complex too.
-    double excursion(double reach) const {
-        double sum = 0.0;
-        for (std::size_t k = 5; k > 0; --k)
-            sum = reach * (std::abs(c[k]) + sum);
-        return sum;
-    }
 };
 
 inline double length_of(double x, double y) {
@@ -70,8 +53,16 @@ struct Piece {
 
     Piece half(bool upper) const {
         Piece piece{start + (upper ? 0.5 * length : 0.0), 0.5 * length, {}};
-        for (std::size_t k = 0; k < p.size(); ++k)
-            piece.p[k] = p[k].half(upper ? 0.5 : -0.5);
+        const double middle = upper ? 0.5 : -0.5;
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            std::array<double, 6>& c = piece.p[i].c;
+            c = {};
+            for (std::size_t k = 6; k-- > 0;) { // Horner's rule with v = middle + u/2
+                for (std::size_t j = 5; j > 0; --j)
+                    c[j] = middle * c[j] + 0.5 * c[j - 1];
+                c[0] = middle * c[0] + p[i].c[k];
+            }
+        }
         return piece;
     }
     double separation(double v) const { return length_of(p[0].at(v), p[1].at(v)); }

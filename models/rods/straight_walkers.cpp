@@ -39,9 +39,6 @@ struct StraightPair {
     }
     Real largest() const { return sqrt(x * x + y * y) + 2 * t_end; }
     Real gap(double contact) const { return nearest(Real(0)) - contact; }
-    Real rounding(double contact) const {
-        return 32 * std::numeric_limits<Real>::epsilon() * (largest() + contact);
-    }
     /// They start apart and come nearer than that: |d x v| < contact |v|.
     double meeting(double contact) const {
         const Real closing = -(x * vx + y * vy), reach = contact * sqrt(square_speed());
@@ -53,15 +50,11 @@ struct StraightPair {
 
 template<class Real>
 Contact contact_of(const StraightPair<Real>& pair, double contact) {
-    const Real gap = pair.gap(contact), rounding = pair.rounding(contact);
+    const Real gap = pair.gap(contact),
+               rounding = 32 * std::numeric_limits<Real>::epsilon() * (pair.largest() + contact);
     if (contact == 0.0 || gap > rounding)
         return Contact::none;
     return gap < -rounding ? Contact::certain : Contact::unknown;
-}
-
-Contact straight_contact(const Pose& a, const Pose& b, double t_end, double contact) {
-    const Contact found = contact_of(StraightPair<Extended>(a, b, t_end), contact);
-    return found == Contact::unknown ? contact_of(StraightPair<Quad>(a, b, t_end), contact) : found;
 }
 
 /// Two that do not meet, to the rounding of double.
@@ -111,7 +104,9 @@ std::optional<Ending> straight_ending(const RodProblem& problem, const EndingCri
     bool clear = true; // of contacts that are not certain: a contact outdoes the other endings
     for (std::size_t a = 0; a < rods.size(); ++a)
         for (std::size_t b = a + 1; b < rods.size(); ++b) {
-            const Contact met = straight_contact(rods[a], rods[b], problem.t_end, contact);
+            Contact met = contact_of(StraightPair<Extended>(rods[a], rods[b], problem.t_end), contact);
+            if (met == Contact::unknown)
+                met = contact_of(StraightPair<Quad>(rods[a], rods[b], problem.t_end), contact);
             if (met == Contact::certain)
                 return Ending::contact;
             clear = clear && met == Contact::none;

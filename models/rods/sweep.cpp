@@ -24,13 +24,6 @@ double spread(const std::vector<double>& at) {
     return high - low;
 }
 
-double largest(integrate::State y) {
-    double size = 0.0;
-    for (std::size_t k = 0; k < y.size(); ++k)
-        size = k % 3 == 2 ? size : std::max(size, std::abs(y[k]));
-    return size;
-}
-
 } // namespace
 
 Sweep::Sweep(integrate::State y, Box box) : rods_(y.size() / 3) {
@@ -52,7 +45,10 @@ Sweep::Sweep(integrate::State y, Box box) : rods_(y.size() / 3) {
     if (side) {
         around_ = *side;
         farthest_ = 0.5 * *side;
-        rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * (largest(y) + *side);
+        double largest = 0.0;
+        for (std::size_t k = 0; k < y.size(); ++k)
+            largest = k % 3 == 2 ? largest : std::max(largest, std::abs(y[k]));
+        rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * (largest + *side);
     }
 }
 

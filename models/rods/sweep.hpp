@@ -24,8 +24,12 @@ public:
     /// the next, never for fewer; so that it soon holds for most, next neighbours are seen first.
     template<class Beyond, class See>
     void pairs(const Beyond& beyond, const See& see) const {
-        if (order_.empty())
-            return all_pairs(see);
+        if (order_.empty()) {
+            for (std::size_t a = 0; a < rods_; ++a)
+                for (std::size_t b = a + 1; b < rods_; ++b)
+                    see(a, b);
+            return;
+        }
         const std::size_t rods = order_.size();
         const auto up_from = [&](std::size_t i, std::size_t first, std::size_t last) {
             for (std::size_t k = first; k <= last; ++k) {
@@ -44,13 +48,6 @@ public:
     }
 
 private:
-    template<class See>
-    void all_pairs(const See& see) const {
-        for (std::size_t a = 0; a < rods_; ++a)
-            for (std::size_t b = a + 1; b < rods_; ++b)
-                see(a, b);
-    }
-
     std::size_t rods_;
     std::vector<std::uint32_t> order_;                        ///< empty: not sorted
     std::vector<double> at_;                                  ///< coordinates, growing; in a box within it

@@ -5,6 +5,7 @@
 #include "rod_problem.hpp"
 #include "rodwake/app/rods.hpp"
 #include "rodwake/core/error.hpp"
+#include "rodwake/rods/classify_outcome.hpp"
 #include "rodwake/rods/noise_ensemble.hpp"
 #include "rodwake/scan/proportion.hpp"
 #include "signals.hpp"
@@ -122,7 +123,7 @@ void bind_noise(py::module_& module) {
              })
         .def("pairs", &pairs_of)
         .def("capture", &capture_of)
-        .def("t", [](const Ensemble& e) { return copy_of(rods::stored_times(e.problem)); })
+        .def("t", [](const Ensemble& e) { return copy_of(rods::output_times(e.problem)); })
         .def("runs_at_time", [](const Ensemble& e) { return copy_of(e.sums.reached); })
         .def("mean_square_displacement",
              [](const Ensemble& e) { return table_of(e, rods::mean_square_displacement(e.sums)); })

@@ -66,10 +66,6 @@ public:
     std::vector<double> weighted_errors() const override;
 
 private:
-    void attach_newton();
-    void attach_fixed_point();
-    void attach_projection();
-    void attach_sensitivities(const Eigen::MatrixXd& start);
     Statistics segment_counts() const override;
     std::string flag_name() const override;
 
@@ -102,50 +98,41 @@ void CvodeStepper::start(double t, State y) {
     require(CVodeSetInitStep(cvode, initial_step(t)));
     require(CVodeSetMaxStep(cvode, longest_step()));
     require(CVodeSetStopTime(cvode, end_time_));
-    bdf ? attach_newton() : attach_fixed_point();
-    if (calls_.projects())
-        attach_projection();
-    if (sensitive)
-        attach_sensitivities(start_sensitivities);
-}
 
-void CvodeStepper::attach_newton() {
+    // The solver of the implicit equation.
     const auto size = static_cast<sunindextype>(state().size());
-    if (!matrix_)
-        matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
-    linear_solver_.reset(made(SUNLinSol_Dense(after_.get(), matrix_.get(), context_.get())));
-    require(CVodeSetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()));
-    if (calls_.problem().jacobian)
-        require(CVodeSetJacFn(memory_.get(), call_jacobian));
-}
+    if (bdf) {
+        if (!matrix_)
+            matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
+        linear_solver_.reset(made(SUNLinSol_Dense(after_.get(), matrix_.get(), context_.get())));
+        require(CVodeSetLinearSolver(cvode, linear_solver_.get(), matrix_.get()));
+        if (calls_.problem().jacobian)
+            require(CVodeSetJacFn(cvode, call_jacobian));
+    } else { // the previous integrator is gone already, so its solver can go too
+        fixed_point_.reset(made(SUNNonlinSol_FixedPoint(after_.get(), 0, context_.get())));
+        require(CVodeSetNonlinearSolver(cvode, fixed_point_.get()));
+    }
+    if (calls_.projects()) {
+        require(CVodeSetProjFn(cvode, call_projection));
+        require(CVodeSetProjErrEst(cvode, SUNFALSE));
+        require(CVodeSetProjFrequency(cvode, 1));
+    }
+    if (!sensitive)
+        return;
 
-void CvodeStepper::attach_fixed_point() {
-    // The previous integrator is gone already, so its solver can go too.
-    fixed_point_.reset(made(SUNNonlinSol_FixedPoint(after_.get(), 0, context_.get())));
-    require(CVodeSetNonlinearSolver(memory_.get(), fixed_point_.get()));
-}
-
-void CvodeStepper::attach_projection() {
-    require(CVodeSetProjFn(memory_.get(), call_projection));
-    require(CVodeSetProjErrEst(memory_.get(), SUNFALSE));
-    require(CVodeSetProjFrequency(memory_.get(), 1));
-}
-
-/// Staggered: the state's corrector and error test come first, and the sensitivities' corrector needs the
-/// Jacobian once a step. With Newton CVODES makes the solver of both itself.
-void CvodeStepper::attach_sensitivities(const Eigen::MatrixXd& start) {
-    void* cvode = memory_.get();
-    const auto count = static_cast<int>(start.cols());
-    if (!sensitivities_.get())
-        sensitivities_ = sundials::VectorArray(start.cols(), after_.get());
-    copy(start, sensitivities_.get());
-    std::vector<double> atol(start.cols());
+    // Staggered: the state's corrector and error test come first, and the sensitivities' corrector needs the
+    // Jacobian once a step. With Newton CVODES makes the solver of both itself.
+    const auto count = static_cast<int>(start_sensitivities.cols());
+    if (!sensitivities_)
+        sensitivities_ = sundials::VectorArray(made(N_VCloneVectorArray(count, after_.get())), {count});
+    copy(start_sensitivities, sensitivities_.get());
+    std::vector<double> atol(start_sensitivities.cols());
     for (std::size_t j = 0; j < atol.size(); ++j)
         atol[j] = calls_.sensitivity_atol(j);
     require(CVodeSensInit(cvode, count, CV_STAGGERED, call_sensitivity_rhs, sensitivities_.get()));
     require(CVodeSensSStolerances(cvode, calls_.sensitivity_rtol(), atol.data()));
     require(CVodeSetSensErrCon(cvode, SUNTRUE));
-    if (options_.method == Method::bdf)
+    if (bdf)
         return;
     sensitivity_fixed_point_.reset(made(SUNNonlinSol_FixedPointSens(count, after_.get(), 0, context_.get())));
     require(CVodeSetNonlinearSolverSensStg(cvode, sensitivity_fixed_point_.get()));

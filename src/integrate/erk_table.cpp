@@ -10,33 +10,29 @@
 
 namespace rodwake::integrate {
 
-namespace {
-
-/// The same method with y1 itself as its last stage. ERKStep 6.4.1 takes the last slope of any table that
-/// ends in c = 1 for the first slope of the next step (llnl/sundials issue 311), which costs Verner's table,
-/// as shipped, its order. With this stage the assumption is true, at the same number of right-hand sides.
-sundials::ButcherTable with_first_same_as_last(sundials::ButcherTable method) {
-    const int stages = method->stages;
-    sundials::ButcherTable extended(sundials::made(ARKodeButcherTable_Alloc(stages + 1, 1)));
-    extended->q = method->q;
-    extended->p = method->p;
-    for (int i = 0; i < stages; ++i)
-        std::copy_n(method->A[i], stages, extended->A[i]);
-    std::copy_n(method->b, stages, extended->A[stages]);
-    std::copy_n(method->b, stages, extended->b);
-    std::copy_n(method->d, stages, extended->d);
-    std::copy_n(method->c, stages, extended->c);
-    extended->c[stages] = 1.0;
-    return extended;
-}
-
-} // namespace
-
 sundials::ButcherTable erk_table(Erk method) {
     const bool verner = method == Erk::verner;
     sundials::ButcherTable table(sundials::made(
         ARKodeButcherTable_LoadERK(verner ? ARKODE_VERNER_8_5_6 : ARKODE_DORMAND_PRINCE_7_4_5)));
-    return verner ? with_first_same_as_last(std::move(table)) : std::move(table);
+    if (!verner)
+        return table;
+
+    // The same method with y1 itself as its last stage. ERKStep 6.4.1 takes the last slope of any table that
+    // ends in c = 1 for the first slope of the next step (llnl/sundials issue 311), which costs Verner's
+    // table, as shipped, its order. With this stage the assumption is true, at the same number of right-hand
+    // sides.
+    const int stages = table->stages;
+    sundials::ButcherTable extended(sundials::made(ARKodeButcherTable_Alloc(stages + 1, 1)));
+    extended->q = table->q;
+    extended->p = table->p;
+    for (int i = 0; i < stages; ++i)
+        std::copy_n(table->A[i], stages, extended->A[i]);
+    std::copy_n(table->b, stages, extended->A[stages]);
+    std::copy_n(table->b, stages, extended->b);
+    std::copy_n(table->d, stages, extended->d);
+    std::copy_n(table->c, stages, extended->c);
+    extended->c[stages] = 1.0;
+    return extended;
 }
 
 namespace {
@@ -57,12 +53,6 @@ Eigen::MatrixXd powers_from(const std::vector<double>& at) {
             conditions(i, k) = static_cast<double>(k + 1) * std::pow(at[static_cast<std::size_t>(i - 1)], k);
     }
     return conditions.inverse().transpose();
-}
-
-const Eigen::MatrixXd& powers_from(std::size_t inner) {
-    static const std::array<Eigen::MatrixXd, 4> all = {powers_from(places[0]), powers_from(places[1]),
-                                                       powers_from(places[2]), powers_from(places[3])};
-    return all[inner];
 }
 
 } // namespace
@@ -96,6 +86,8 @@ void DenseOutput::make(const Stepper& stepper, UserFunctions& calls, State slope
         else if (calls.rhs(t, y, {slope.data(), y.size()}) != UserFunctions::fine)
             throw StepFailure{"RHSFUNC_FAIL", calls.fault()};
     };
+    static const std::array<Eigen::MatrixXd, 4> powers_of_rates = {
+        powers_from(places[0]), powers_from(places[1]), powers_from(places[2]), powers_from(places[3])};
     reset(); // what a failure leaves
     start_ = vector(stepper.state_before());
     Eigen::MatrixXd known(n, order_); // mean slope, then rates
@@ -115,7 +107,7 @@ void DenseOutput::make(const Stepper& stepper, UserFunctions& calls, State slope
                  known.col(static_cast<Eigen::Index>(k) + 1));
         }
         known.col(static_cast<Eigen::Index>(middle) + 2) = last;
-        powers_ = known.leftCols(static_cast<Eigen::Index>(middle) + 3) * powers_from(middle);
+        powers_ = known.leftCols(static_cast<Eigen::Index>(middle) + 3) * powers_of_rates[middle];
     }
     from_ = from;
     to_ = to;

@@ -37,19 +37,6 @@ EventSampler::EventSampler(UserFunctions& calls)
     largest_.resize(sampled_.size());
 }
 
-/// Two samples more than a polynomial of that order needs at the least: one of them is a check. From five
-/// panels on no two samples are a third of the part apart.
-void EventSampler::take_order(int order) {
-    const std::size_t panels = static_cast<std::size_t>(std::max(order, 4)) + 1;
-    if (panels == panels_)
-        return;
-    panels_ = panels;
-    gap_ = std::numbers::pi / static_cast<double>(fineness * panels);
-    cosines_.resize(2 * fineness * panels);
-    for (std::size_t k = 0; k < cosines_.size(); ++k)
-        cosines_[k] = std::cos(gap_ * static_cast<double>(k));
-}
-
 bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
                           const std::vector<double>& after, std::vector<double> times, const Look& look) {
     constexpr double most_parts = 64.0; // of a step, for the next one
@@ -63,7 +50,17 @@ bool EventSampler::search(Stepper& stepper, const std::vector<double>& before,
     const Subinterval step{stepper.time_before(), stepper.time(), 0};
     if (!needed())
         return report(step, {}, true);
-    take_order(stepper.order());
+
+    // Two samples more than a polynomial of that order needs at the least: one of them is a check. From five
+    // panels on no two samples are a third of the part apart.
+    const std::size_t panels = static_cast<std::size_t>(std::max(stepper.order(), 4)) + 1;
+    if (panels != panels_) {
+        panels_ = panels;
+        gap_ = std::numbers::pi / static_cast<double>(fineness * panels);
+        cosines_.resize(2 * fineness * panels);
+        for (std::size_t k = 0; k < cosines_.size(); ++k)
+            cosines_[k] = std::cos(gap_ * static_cast<double>(k));
+    }
     const bool stop = search(step);
     const double share = most_parts / static_cast<double>(std::max(parts_, 1L));
     stepper.limit_next_step(share < 1.0 ? share * (step.to - step.from)
@@ -82,13 +79,7 @@ bool EventSampler::search(const Subinterval& part) {
         part.to - part.from > 1e3 * roundoff * std::max(std::abs(part.from), std::abs(part.to));
     if (rough < all.size() && part.depth < deepest && divisible)
         return search({part.from, middle, part.depth + 1}) || search({middle, part.to, part.depth + 1});
-    count_rough(part, rough);
-    for (std::size_t k = 0; k < all.size(); ++k)
-        first_[sampled_[k]] = all[k].values.back();
-    return report(part, all, rough == all.size());
-}
 
-void EventSampler::count_rough(const Subinterval& part, std::size_t rough) {
     constexpr long most_rough = 64; // a jump or a kink has one or two, among many that are not
     ++parts_;
     rough_parts_ = std::max(rough_parts_ + (rough < sampled_.size() ? 1 : -1), 0L);
@@ -99,6 +90,9 @@ void EventSampler::count_rough(const Subinterval& part, std::size_t rough) {
                         "resolve: it is noisy, or needs a shorter max_step",
                         calls_.problem().events[sampled_[rough]].name, part.from, 1 << deepest,
                         stepper_->time_before(), stepper_->time())};
+    for (std::size_t k = 0; k < all.size(); ++k)
+        first_[sampled_[k]] = all[k].values.back();
+    return report(part, all, rough == all.size());
 }
 
 double EventSampler::time_of(const Subinterval& part, std::size_t fine) const {
@@ -197,8 +191,13 @@ bool EventSampler::report(const Subinterval& part, const std::vector<Samples>& a
         times, [&](double t) { return t > stepper_->time_before() && t < stepper_->time() && (*look_)(t); });
 }
 
-/// What is zero but for rounding is zero.
-std::vector<double> EventSampler::on_fine_points(const Samples& samples) const {
+/// Between two fine points the polynomial, whose shortest wave is eight of them long, has one root, or a dip,
+/// or is looked at more closely.
+void EventSampler::add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
+                             std::vector<double>& times) {
+    constexpr double near_zero = 0.01; // of the largest sample; a believed polynomial is off by less
+
+    // The polynomial on the fine points: what is zero but for rounding is zero.
     double size = 0.0;
     for (const double c : samples.coefficients)
         size += std::abs(c);
@@ -211,15 +210,6 @@ std::vector<double> EventSampler::on_fine_points(const Samples& samples) const {
         if (i % fineness == 0)
             p[i] = samples.values[i / fineness];
     }
-    return p;
-}
-
-/// Between two fine points the polynomial, whose shortest wave is eight of them long, has one root, or a dip,
-/// or is looked at more closely.
-void EventSampler::add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
-                             std::vector<double>& times) {
-    constexpr double near_zero = 0.01; // of the largest sample; a believed polynomial is off by less
-    const std::vector<double> p = on_fine_points(samples);
     const double zero = near_zero * largest(samples.values);
     for (std::size_t i = 0; i + 1 < p.size(); ++i) {
         const int sign = sign_of(p[i]);
@@ -235,7 +225,15 @@ void EventSampler::add_times(std::size_t event, const Subinterval& part, const S
         const bool dips = !changes && down > 0.0 && up > 0.0;
         if (!near && !(dips && sign * p[i] - 0.5 * down * down * gap_ / (down + up) <= zero))
             continue;
-        if (!is_monotone(samples, p, i) && gap.depth <= deepest && --closer_looks_ > 0)
+        // Where it is monotone, its slopes are like the mean slope, or like twice that in the first and the
+        // last gap, where it is even in the angle. At three roots together they are three times the mean and
+        // more.
+        const double usual = i == 0 || i + 2 == p.size() ? 2.0 : 1.0, mean = (p[i + 1] - p[i]) / gap_;
+        const auto is_like = [&](double slope) {
+            return slope / mean > 0.5 * usual && slope / mean < 1.5 * usual;
+        };
+        const bool monotone = is_like(slope(samples, i)) && is_like(slope(samples, i + 1));
+        if (!monotone && gap.depth <= deepest && --closer_looks_ > 0)
             add_times(event, gap, sample(event, gap), true, times);
         else if (dips)
             add_dip(event, sign, gap, times);
@@ -255,17 +253,6 @@ double EventSampler::slope(const Samples& samples, std::size_t i) const {
             slope -= c * cosines_[(k * i + turn - turn / 4) % turn]; // sin x = cos(x - pi/2)
     }
     return slope;
-}
-
-/// Between a fine point and the next: its slopes are like the mean slope, or like twice that in the first and
-/// the last gap, where it is even in the angle. At three roots together they are three times the mean and
-/// more.
-bool EventSampler::is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const {
-    const double usual = i == 0 || i + 2 == p.size() ? 2.0 : 1.0, mean = (p[i + 1] - p[i]) / gap_;
-    const auto is_like = [&](double slope) {
-        return slope / mean > 0.5 * usual && slope / mean < 1.5 * usual;
-    };
-    return is_like(slope(samples, i)) && is_like(slope(samples, i + 1));
 }
 
 /// The time at which the event has left this sign, if there is one.
@@ -300,8 +287,22 @@ std::vector<EventHit> EventFinder::in_last_step(Stepper& stepper, std::span<cons
         return {};
     values_before_.swap(values_after_);
     evaluate(stepper.time(), stepper.state(), values_after_);
-    std::vector<double> look_at = times_to_look_at(stepper.step(), times);
-    if (!sampler_.needed() && look_at.empty() && !any_crosses())
+
+    // The times inside the step at which events may change, or at which they are to be looked at.
+    const Step step = stepper.step();
+    std::vector<double> look_at;
+    bool changes = false;
+    for (std::size_t i = 0; i < events_.size(); ++i) {
+        changes = changes || crosses(i, values_before_[i], values_after_[i]);
+        if (events_[i].candidate_time)
+            if (const std::optional<double> t = calls_.candidate_time(i, step))
+                look_at.push_back(*t);
+    }
+    if (sampler_.needed())
+        look_at.insert(look_at.end(), times.begin(),
+                       std::ranges::lower_bound(times, step.time)); // they increase
+    std::erase_if(look_at, [&](double t) { return !(t > step.time_before && t < step.time); });
+    if (!sampler_.needed() && look_at.empty() && !changes)
         return {};
     last_ = {stepper.time_before(), values_before_, {}};
     const auto look = [&](double t) { return t > last_.time && go_to(point_at(t, stepper), stepper); };
@@ -329,33 +330,6 @@ bool EventFinder::crosses(std::size_t event, double from, double to) const {
     return rises || falls;
 }
 
-bool EventFinder::any_crosses() const {
-    for (std::size_t i = 0; i < events_.size(); ++i)
-        if (crosses(i, values_before_[i], values_after_[i]))
-            return true;
-    return false;
-}
-
-/// Those inside the step.
-std::vector<double> EventFinder::times_to_look_at(const Step& step, std::span<const double> times) const {
-    std::vector<double> inside;
-    const auto add = [&](double t) {
-        if (t > step.time_before && t < step.time)
-            inside.push_back(t);
-    };
-    for (std::size_t i = 0; i < events_.size(); ++i)
-        if (events_[i].candidate_time)
-            if (const std::optional<double> t = calls_.candidate_time(i, step))
-                add(*t);
-    if (sampler_.needed())
-        for (const double t : times) {
-            if (t >= step.time) // they increase
-                break;
-            add(t);
-        }
-    return inside;
-}
-
 EventFinder::EventPoint EventFinder::point_at(double t, Stepper& stepper) {
     EventPoint point{t, std::vector<double>(events_.size()), {}};
     stepper.interpolate(t, state_);
@@ -363,18 +337,17 @@ EventFinder::EventPoint EventFinder::point_at(double t, Stepper& stepper) {
     return point;
 }
 
-/// An event that has changed sign since the last point and has no root there yet.
-std::optional<std::size_t> EventFinder::next_crossing(const EventPoint& to) const {
-    for (std::size_t i = 0; i < events_.size(); ++i)
-        if (crosses(i, last_.values[i], to.values[i]) && std::ranges::count(to.roots, i) == 0)
-            return i;
-    return std::nullopt;
-}
-
 /// From the last point, by way of all roots between.
 bool EventFinder::go_to(EventPoint to, Stepper& stepper) {
+    // An event that has changed sign since the last point and has no root there yet.
+    const auto next_crossing = [&]() -> std::optional<std::size_t> {
+        for (std::size_t i = 0; i < events_.size(); ++i)
+            if (crosses(i, last_.values[i], to.values[i]) && std::ranges::count(to.roots, i) == 0)
+                return i;
+        return std::nullopt;
+    };
     const std::size_t most = 100 + 20 * events_.size(); // a smooth event has one between two points
-    for (std::size_t roots = 0; const auto event = next_crossing(to); ++roots) {
+    for (std::size_t roots = 0; const auto event = next_crossing(); ++roots) {
         if (roots > most)
             throw StepFailure{
                 "RTFUNC_FAIL",
@@ -394,20 +367,20 @@ bool EventFinder::go_to(EventPoint to, Stepper& stepper) {
     // one found at this point, and then at the root of another event just before it, is there once
     std::erase_if(to.roots, [&](std::size_t i) { return !crosses(i, last_.values[i], to.values[i]); });
     last_ = std::move(to);
-    return !last_.roots.empty() && record(last_, stepper);
-}
+    if (last_.roots.empty())
+        return false;
 
-bool EventFinder::record(const EventPoint& root, Stepper& stepper) {
+    // Record the roots at this point, but for the root from which the solve began.
     const State end = stepper.state();
-    if (root.time < stepper.time())
-        stepper.interpolate(root.time, state_);
+    if (last_.time < stepper.time())
+        stepper.interpolate(last_.time, state_);
     else
         std::copy(end.begin(), end.end(), state_.begin());
     bool terminal = false;
-    for (std::size_t i : root.roots) {
-        if (events_[i].crossing == Crossing::any && root.time <= latest_start_)
-            continue; // the root from which the solve began
-        hits_.push_back({i, root.time, state_});
+    for (const std::size_t i : last_.roots) {
+        if (events_[i].crossing == Crossing::any && last_.time <= latest_start_)
+            continue;
+        hits_.push_back({i, last_.time, state_});
         terminal = terminal || events_[i].terminal;
     }
     return terminal;

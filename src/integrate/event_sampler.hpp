@@ -35,7 +35,6 @@ private:
         int depth;
     };
 
-    void take_order(int order);
     double time_of(const Subinterval& part, std::size_t fine) const;
     double value_at(std::size_t event, double t);
     std::vector<Samples> sample(const Subinterval& part);
@@ -44,13 +43,10 @@ private:
     bool is_settled(std::size_t k, const Samples& samples, const Subinterval& part);
     double rounding(std::size_t k, const Samples& samples, const Subinterval& part);
     bool search(const Subinterval& part);
-    void count_rough(const Subinterval& part, std::size_t rough);
     bool report(const Subinterval& part, const std::vector<Samples>& all, bool settled);
-    std::vector<double> on_fine_points(const Samples& samples) const;
     void add_times(std::size_t event, const Subinterval& part, const Samples& samples, bool settled,
                    std::vector<double>& times);
     double slope(const Samples& samples, std::size_t i) const;
-    bool is_monotone(const Samples& samples, const std::vector<double>& p, std::size_t i) const;
     void add_dip(std::size_t event, int sign, const Subinterval& gap, std::vector<double>& times);
 
     UserFunctions& calls_;
@@ -95,13 +91,9 @@ private:
 
     void evaluate(double t, State y, std::vector<double>& values);
     bool crosses(std::size_t event, double from, double to) const;
-    bool any_crosses() const;
-    std::vector<double> times_to_look_at(const Step& step, std::span<const double> times) const;
     EventPoint point_at(double t, Stepper& stepper);
     // True: a terminal event ends the solve there.
     bool go_to(EventPoint to, Stepper& stepper);
-    bool record(const EventPoint& root, Stepper& stepper);
-    std::optional<std::size_t> next_crossing(const EventPoint& to) const;
     double locate(std::size_t event, const EventPoint& from, const EventPoint& to, Stepper& stepper);
 
     UserFunctions& calls_;

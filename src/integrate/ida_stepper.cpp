@@ -51,10 +51,6 @@ public:
     std::vector<double> weighted_errors() const override;
 
 private:
-    void guess_slope();
-    void attach_newton();
-    bool find_start();
-    void record_drift();
     Statistics segment_counts() const override;
     std::string flag_name() const override;
 
@@ -81,7 +77,17 @@ void IdaStepper::start(double t, State y) {
     if (memory_)
         earlier_ = counts();
     set_start(t, y);
-    guess_slope();
+
+    // y' before the algebraic components are known. IDACalcIC takes its scale of time from it: from zero it
+    // would take that of the whole run, which fails where the run is long or the problem stiff.
+    const std::span<double> slope = elements(slope_.get());
+    if (calls_.rhs(time_, state(), slope) != UserFunctions::fine)
+        N_VConst(0.0, slope_.get()); // the solver reports it
+    const std::vector<bool>& algebraic = calls_.problem().algebraic;
+    for (std::size_t i = 0; i < slope.size(); ++i)
+        if (algebraic[i])
+            slope[i] = 0.0;
+
     memory_.reset(made(IDACreate(context_.get())));
     void* ida = memory_.get();
     require(IDASetErrHandlerFn(ida, keep_text, static_cast<SundialsStepper*>(this)));
@@ -92,45 +98,24 @@ void IdaStepper::start(double t, State y) {
     require(IDASetSuppressAlg(ida, SUNTRUE));
     require(IDASetInitStep(ida, initial_step(t)));
     require(IDASetStopTime(ida, end_time_));
-    attach_newton();
-    consistent_ = false;
-}
-
-/// y' before the algebraic components are known. IDACalcIC takes its scale of time from it: from zero it
-/// would take that of the whole run, which fails where the run is long or the problem stiff.
-void IdaStepper::guess_slope() {
-    const std::span<double> slope = elements(slope_.get());
-    if (calls_.rhs(time_, state(), slope) != UserFunctions::fine)
-        N_VConst(0.0, slope_.get()); // the solver reports it
-    const std::vector<bool>& algebraic = calls_.problem().algebraic;
-    for (std::size_t i = 0; i < slope.size(); ++i)
-        if (algebraic[i])
-            slope[i] = 0.0;
-}
-
-void IdaStepper::attach_newton() {
     const auto size = static_cast<sunindextype>(state().size());
     if (!matrix_)
         matrix_.reset(made(SUNDenseMatrix(size, size, context_.get())));
     linear_solver_.reset(made(SUNLinSol_Dense(after_.get(), matrix_.get(), context_.get())));
-    require(IDASetLinearSolver(memory_.get(), linear_solver_.get(), matrix_.get()));
+    require(IDASetLinearSolver(ida, linear_solver_.get(), matrix_.get()));
     if (calls_.problem().jacobian)
-        require(IDASetJacFn(memory_.get(), call_jacobian));
-}
-
-/// The algebraic components and y' from the differential components.
-bool IdaStepper::find_start() {
-    flag_ = IDACalcIC(memory_.get(), IDA_YA_YDP_INIT, end_time_);
-    if (flag_ < 0)
-        return false;
-    require(IDAGetConsistentIC(memory_.get(), after_.get(), slope_.get()));
-    consistent_ = true;
-    return true;
+        require(IDASetJacFn(ida, call_jacobian));
+    consistent_ = false;
 }
 
 bool IdaStepper::advance() {
-    if (!consistent_ && !find_start())
-        return false;
+    if (!consistent_) { // find the algebraic components and y' from the differential components
+        flag_ = IDACalcIC(memory_.get(), IDA_YA_YDP_INIT, end_time_);
+        if (flag_ < 0)
+            return false;
+        require(IDAGetConsistentIC(memory_.get(), after_.get(), slope_.get()));
+        consistent_ = true;
+    }
     before_.swap(after_);
     const double from = time_;
     double to = from;
@@ -142,15 +127,11 @@ bool IdaStepper::advance() {
     }
     time_before_ = from;
     time_ = to;
-    record_drift();
+    if (calls_.projects()) { // a copy, which records the drift
+        projected_.assign(state().begin(), state().end());
+        calls_.project(projected_);
+    }
     return true;
-}
-
-void IdaStepper::record_drift() {
-    if (!calls_.projects())
-        return;
-    projected_.assign(state().begin(), state().end());
-    calls_.project(projected_);
 }
 
 void IdaStepper::interpolate(double t, std::span<double> y) {

@@ -9,7 +9,7 @@ namespace rodwake::integrate {
 namespace {
 
 std::unique_ptr<Stepper> make_stepper(UserFunctions& calls, const OdeOptions& options, double end_time) {
-    if (calls.constrained())
+    if (std::ranges::count(calls.problem().algebraic, true) > 0)
         return make_ida_stepper(calls, options, end_time);
     if (options.method != Method::erk)
         return make_cvode_stepper(calls, options, end_time);
@@ -28,9 +28,33 @@ Run::Run(const OdeProblem& problem, const SensitivityProblem* sensitivity, const
 SensitivitySolution Run::execute() {
     solution_.times.reserve(output_times_.size());
     solution_.states.reserve(output_times_.size());
-    bool going = start();
-    while (going)
-        going = advance() && digest_step() && go_on();
+    const double t = calls_.problem().start_time;
+    const State y = calls_.problem().initial_state;
+    stepper_->start(t, y);
+    store_outputs(t);
+    bool going = true;
+    try {
+        events_.emplace(calls_, t, y);
+    } catch (const StepFailure& failure) {
+        going = fail(failure, t, y);
+    }
+    if (going && all_stored())
+        going = end(Termination::reached_end, t, y);
+    while (going && advance() && digest_step()) {
+        // After a step: the end, a new segment, or the caller's wish to stop.
+        if (all_stored()) {
+            end(Termination::reached_end, stepper_->time(), stepper_->state());
+            break;
+        }
+        if (steps_ % options_.segment_steps == 0 && steps_ < options_.max_steps) {
+            stepper_->limit_next_step(std::numeric_limits<double>::infinity()); // a part of the history
+            stepper_->start(stepper_->time(), stepper_->state());
+            if (options_.on_segment)
+                options_.on_segment({stepper_->time(), stepper_->state(), solution_.states, statistics()});
+        }
+        if (options_.stop_requested && options_.stop_requested())
+            going = end(Termination::interrupted, stepper_->time(), stepper_->state());
+    }
     solution_.statistics = statistics();
     return std::move(result_);
 }
@@ -41,19 +65,6 @@ Statistics Run::statistics() const {
     counts.event_evaluations = calls_.event_evaluations();
     counts.drift = calls_.drift();
     return counts;
-}
-
-bool Run::start() {
-    const double t = calls_.problem().start_time;
-    const State y = calls_.problem().initial_state;
-    stepper_->start(t, y);
-    store_outputs(t);
-    try {
-        events_.emplace(calls_, t, y);
-    } catch (const StepFailure& failure) {
-        return fail(failure, t, y);
-    }
-    return all_stored() ? end(Termination::reached_end, t, y) : true;
 }
 
 bool Run::advance() {
@@ -86,21 +97,17 @@ bool Run::digest_step() {
     } catch (const StepFailure& failure) {
         return fail(failure, stepper_->time_before(), stepper_->state_before());
     }
-    report_step(stop);
+    if (options_.on_step) { // a step that a terminal event cut short ends there
+        Step step = stepper_->step();
+        if (stop) {
+            step.time = stop->time;
+            step.state = stop->state;
+        }
+        options_.on_step(step);
+    }
     const bool going = stop ? end(Termination::stopped_at_event, stop->time, stop->state) : true;
     std::move(hits.begin(), hits.end(), std::back_inserter(solution_.hits));
     return going;
-}
-
-/// After a step: the end, a new segment, or the caller's wish to stop.
-bool Run::go_on() {
-    if (all_stored())
-        return end(Termination::reached_end, stepper_->time(), stepper_->state());
-    if (steps_ % options_.segment_steps == 0 && steps_ < options_.max_steps)
-        begin_segment();
-    if (!options_.stop_requested || !options_.stop_requested())
-        return true;
-    return end(Termination::interrupted, stepper_->time(), stepper_->state());
 }
 
 bool Run::end(Termination termination, double t, State state) {
@@ -125,38 +132,15 @@ bool Run::fail(const StepFailure& failure, double reached, State state) {
 void Run::store_outputs(double until) {
     while (!all_stored() && output_times_[solution_.times.size()] <= until) {
         const double t = output_times_[solution_.times.size()];
-        solution_.states.push_back(state_at(t));
+        const State last = stepper_->state();
+        std::vector<double> state(last.begin(), last.end());
+        if (t < stepper_->time())
+            stepper_->interpolate(t, state);
+        solution_.states.push_back(std::move(state));
         solution_.times.push_back(t);
         if (calls_.sensitivity())
             result_.sensitivities.push_back(stepper_->sensitivities(t));
     }
-}
-
-std::vector<double> Run::state_at(double t) {
-    const State end = stepper_->state();
-    std::vector<double> y(end.begin(), end.end());
-    if (t < stepper_->time())
-        stepper_->interpolate(t, y);
-    return y;
-}
-
-/// A step that a terminal event cut short ends there.
-void Run::report_step(const EventHit* end) {
-    if (!options_.on_step)
-        return;
-    Step step = stepper_->step();
-    if (end) {
-        step.time = end->time;
-        step.state = end->state;
-    }
-    options_.on_step(step);
-}
-
-void Run::begin_segment() {
-    stepper_->limit_next_step(std::numeric_limits<double>::infinity()); // a part of the history
-    stepper_->start(stepper_->time(), stepper_->state());
-    if (options_.on_segment)
-        options_.on_segment({stepper_->time(), stepper_->state(), solution_.states, statistics()});
 }
 
 /// From g(y(t, p), p) = 0: grad g . (S + f dt/dp) + dg/dp = 0.

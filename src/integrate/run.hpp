@@ -22,17 +22,12 @@ public:
 
 private:
     // These say whether the solve goes on; if not, the termination is set.
-    bool start();
     bool advance();
     bool digest_step();
-    bool go_on();
     bool end(Termination termination, double t, State state);
     bool fail(const StepFailure& failure, double reached, State state);
 
     void store_outputs(double until);
-    std::vector<double> state_at(double t);
-    void report_step(const EventHit* end);
-    void begin_segment();
     Statistics statistics() const;
     bool all_stored() const { return solution_.times.size() == output_times_.size(); }
     /// How the time of the terminal event that ended the solve depends on the parameters.

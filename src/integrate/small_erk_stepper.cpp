@@ -36,15 +36,12 @@ private:
     using Numbers = std::array<double, fixed == 0 ? most_small : fixed>;
     using Slopes = std::array<Numbers, tableau::stages>;
 
-    bool first_slope();
-    double chosen_step();
     bool attempt(double from);
     UserFunctions::CallbackResult stages(double from, double h);
     double error_norm(double h);
     double factor(double error) const;
     void accept(double from, double to, double error);
     bool fail(const char* flag);
-    double cut(double from, double h) const;
 
     std::size_t size() const { return fixed > 0 ? fixed : size_of_state_; }
     std::span<double> of(Numbers& numbers) const { return {numbers.data(), size()}; }
@@ -83,44 +80,23 @@ bool SmallErkStepper<fixed>::fail(const char* flag) {
 }
 
 template<std::size_t fixed>
-bool SmallErkStepper<fixed>::first_slope() {
-    const UserFunctions::CallbackResult result = calls_.rhs(time_, state(), of(slopes_[0]));
-    if (result != UserFunctions::fine)
-        return fail("FIRST_RHSFUNC_ERR");
-    if (step_ == 0.0)
-        step_ = chosen_step();
-    return true;
-}
-
-/// Hairer, Norsett and Wanner I, II.4, without their trial step: a hundredth of the time in which the state
-/// changes by itself, or by the tolerance where it is zero.
-template<std::size_t fixed>
-double SmallErkStepper<fixed>::chosen_step() {
-    calls_.error_weights(state(), of(weights_));
-    double extent = 0.0, rate = 0.0;
-    for (std::size_t i = 0; i < size(); ++i) {
-        extent += std::pow(after_[i] * weights_[i], 2);
-        rate += std::pow(slopes_[0][i] * weights_[i], 2);
-    }
-    const bool known = extent > 1e-10 && rate > 1e-10;
-    return known ? 0.01 * std::sqrt(extent / rate) : 1e-6;
-}
-
-/// Not beyond the end, nor longer than the problem allows.
-template<std::size_t fixed>
-double SmallErkStepper<fixed>::cut(double from, double h) const {
-    const double longest = longest_step();
-    if (longest > 0.0)
-        h = std::min(h, longest);
-    return std::min(h, end_time_ - from);
-}
-
-template<std::size_t fixed>
 bool SmallErkStepper<fixed>::advance() {
     if (!fresh_)
         slopes_[0] = slopes_[tableau::stages - 1];
-    else if (!first_slope())
-        return false;
+    else if (calls_.rhs(time_, state(), of(slopes_[0])) != UserFunctions::fine)
+        return fail("FIRST_RHSFUNC_ERR");
+    else if (step_ == 0.0) {
+        // Hairer, Norsett and Wanner I, II.4, without their trial step: a hundredth of the time in which the
+        // state changes by itself, or by the tolerance where it is zero.
+        calls_.error_weights(state(), of(weights_));
+        double extent = 0.0, rate = 0.0;
+        for (std::size_t i = 0; i < size(); ++i) {
+            extent += std::pow(after_[i] * weights_[i], 2);
+            rate += std::pow(slopes_[0][i] * weights_[i], 2);
+        }
+        const bool known = extent > 1e-10 && rate > 1e-10;
+        step_ = known ? 0.01 * std::sqrt(extent / rate) : 1e-6;
+    }
     before_ = after_;
     calls_.error_weights(state_before(), of(weights_));
     return attempt(time_);
@@ -132,7 +108,10 @@ bool SmallErkStepper<fixed>::attempt(double from) {
     constexpr int most_failures = 60, most_faults = 20; // of a step: factors of 1e12 and more
     constexpr double shortening = 0.25;                 // after a fault, as CVODES
     int failures = 0, faults = 0;
-    for (double h = cut(from, step_);;) {
+    const double longest = longest_step(); // 0: no limit
+    double h = longest > 0.0 ? std::min(step_, longest) : step_;
+    h = std::min(h, end_time_ - from);
+    for (;;) {
         const UserFunctions::CallbackResult result = stages(from, h);
         if (result == UserFunctions::give_up)
             return fail("RHSFUNC_FAIL");

@@ -77,28 +77,6 @@ constexpr std::array entries{
                  "loosen rtol, or stop earlier by an event (a larger contact distance)"}},
 };
 
-Remedy remedy_for(const std::string& flag) {
-    const auto entry =
-        std::find_if(entries.begin(), entries.end(), [&](const StatusEntry& e) { return e.flag == flag; });
-    if (entry != entries.end())
-        return entry->remedy;
-    return {nullptr, "try another method, or loosen rtol"};
-}
-
-std::string failure_message(const Status& status) {
-    std::string text =
-        fmt::format("integration stopped at t={} of {} ({}, step {:.3g}, order {}): {}.", status.reached,
-                    status.wanted, status.flag, status.step, status.order, status.cause);
-    if (!status.worst.empty())
-        text += " Worst local errors over tolerance:";
-    for (std::size_t i = 0; i < status.worst.size(); ++i)
-        text +=
-            fmt::format("{} {} {:.2g}", i ? "," : "", status.worst[i].name, status.worst[i].weighted_error);
-    if (!status.worst.empty())
-        text += ".";
-    return text + " Try: " + status.advice + ".";
-}
-
 } // namespace
 
 Statistics& Statistics::operator+=(const Statistics& other) {
@@ -114,7 +92,9 @@ Statistics& Statistics::operator+=(const Statistics& other) {
 
 void describe_failure(const StepFailure& failure, const Stepper& stepper, const UserFunctions& calls,
                       Status& status) {
-    const Remedy remedy = remedy_for(failure.flag);
+    const auto entry = std::ranges::find(entries, failure.flag, &StatusEntry::flag);
+    const Remedy remedy =
+        entry != entries.end() ? entry->remedy : Remedy{nullptr, "try another method, or loosen rtol"};
     const double tried = calls.last_time() - stepper.time();
     if (tried > 0.0)
         status.step = tried;
@@ -141,15 +121,23 @@ void describe_failure(const StepFailure& failure, const Stepper& stepper, const 
 std::string Status::message() const {
     switch (termination) {
     case Termination::failed:
-        return failure_message(*this);
+        break;
     case Termination::reached_end:
         return fmt::format("integration reached t={}", reached);
     case Termination::stopped_at_event:
         return fmt::format("integration stopped by an event at t={} of {}", reached, wanted);
     case Termination::interrupted:
-        break;
+        return fmt::format("integration interrupted at t={} of {}", reached, wanted);
     }
-    return fmt::format("integration interrupted at t={} of {}", reached, wanted);
+    std::string text = fmt::format("integration stopped at t={} of {} ({}, step {:.3g}, order {}): {}.",
+                                   reached, wanted, flag, step, order, cause);
+    if (!worst.empty())
+        text += " Worst local errors over tolerance:";
+    for (std::size_t i = 0; i < worst.size(); ++i)
+        text += fmt::format("{} {} {:.2g}", i ? "," : "", worst[i].name, worst[i].weighted_error);
+    if (!worst.empty())
+        text += ".";
+    return text + " Try: " + advice + ".";
 }
 
 const char* to_string(Termination termination) {

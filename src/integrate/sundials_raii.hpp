@@ -42,37 +42,13 @@ using Matrix = Owner<SUNMatrix, SUNMatDestroy>;
 using LinearSolver = Owner<SUNLinearSolver, SUNLinSolFree>;
 using NonlinearSolver = Owner<SUNNonlinearSolver, SUNNonlinSolFree>;
 using ButcherTable = Owner<ARKodeButcherTable, ARKodeButcherTable_Free>;
-/// An array of vectors like one that exists.
-class VectorArray {
-public:
-    VectorArray() = default;
-    VectorArray(std::size_t size, N_Vector like)
-        : array_(N_VCloneVectorArray(static_cast<int>(size), like)), size_(size) {
-        if (!array_)
-            throw std::bad_alloc();
-    }
-    VectorArray(VectorArray&& other) noexcept { swap(other); }
-    VectorArray& operator=(VectorArray&& other) noexcept {
-        swap(other);
-        return *this;
-    }
-    ~VectorArray() {
-        if (array_)
-            N_VDestroyVectorArray(array_, static_cast<int>(size_));
-    }
 
-    N_Vector* get() const { return array_; }
-    std::size_t size() const { return size_; }
-
-private:
-    void swap(VectorArray& other) noexcept {
-        std::swap(array_, other.array_);
-        std::swap(size_, other.size_);
-    }
-
-    N_Vector* array_ = nullptr;
-    std::size_t size_ = 0;
+/// An array of vectors.
+struct VectorArrayDeleter {
+    int size = 0;
+    void operator()(N_Vector* vectors) const { N_VDestroyVectorArray(vectors, size); }
 };
+using VectorArray = std::unique_ptr<N_Vector, VectorArrayDeleter>;
 
 using CvodeMemory = Owner<void*, free_cvode>;
 using IdaMemory = Owner<void*, free_ida>;

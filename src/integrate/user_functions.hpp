@@ -31,7 +31,6 @@ public:
     /// S' = (df/dy) S + df/dp, states x parameters. Like rhs, not called again once it has thrown.
     CallbackResult sensitivity_rhs(double t, State y, const Eigen::MatrixXd& S,
                                    Eigen::MatrixXd& S_dot) noexcept;
-    bool constrained() const { return std::ranges::count(problem_.algebraic, true) > 0; }
     bool projects() const { return static_cast<bool>(problem_.project); }
     /// Puts y back on its manifold and keeps how far off it was.
     void project(std::span<double> y) { drift_ = std::max(drift_, problem_.project(y)); }

@@ -80,7 +80,7 @@ TEST_CASE("Rods of a scene become a problem and options") {
     CHECK(p.medium->eta == 2.0);
     CHECK(p.medium->xi == 4.0);
     CHECK(p.couplings.kappa == 0.5);
-    const rods::Couplings converted = rods::from_divergence_basis(0.5, 1.0, 0.0);
+    const rods::Couplings converted = rods::from_divergence_basis({0.5, 1.0, 0.0});
     CHECK(p.couplings.gamma1 == converted.gamma1);
     CHECK(p.couplings.gamma2 == converted.gamma2);
     CHECK(p.rods[0].heading == 0.25);

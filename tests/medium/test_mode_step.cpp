@@ -45,12 +45,12 @@ TEST_CASE("forces and turning rates of a mesh are those of sums over the modes")
         for (std::size_t a = 0; a < 30; ++a) {
             const rods::Pose rod = rods::pose(poses, a);
             modes.add_steady(rod, field);
-            const PhaseFactors x = phases(modes.qx(), -rod.x), y = phases(modes.qy(), -rod.y);
+            const PhaseFactors x = phases(modes.qx, -rod.x), y = phases(modes.qy, -rod.y);
             const double nx = std::cos(rod.heading), ny = std::sin(rod.heading);
             for (std::size_t i = 0; i < modes.size(); ++i) {
                 const Complex phase = Complex{x.re[i / modes.columns()], x.im[i / modes.columns()]} *
                                       Complex{y.re[i % modes.columns()], y.im[i % modes.columns()]};
-                const double f = modes.force()[i], ux = modes.unit_x()[i], uy = modes.unit_y()[i];
+                const double f = modes.force[i], ux = modes.unit_x[i], uy = modes.unit_y[i];
                 sums[i] += f * (nx * ux + ny * uy) * phase.re;
                 sums[modes.size() + i] += f * (nx * ux + ny * uy) * phase.im;
                 sums[2 * modes.size() + i] += f * (ny * ux - nx * uy) * phase.re;
@@ -138,8 +138,8 @@ TEST_CASE("free modes with inertia go on as damped waves, and lose energy") {
     double error = 0.0, before = 0.0, after = 0.0;
     const std::size_t numbers = 4 * modes.size();
     for (std::size_t i = 0; i < numbers; ++i) {
-        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal() : modes.decay_transverse();
-        const double k = decay[i % modes.size()], mass = modes.inertia();
+        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal : modes.decay_transverse;
+        const double k = decay[i % modes.size()], mass = modes.inertia;
         const std::complex<double> root = std::sqrt(std::complex<double>(1.0 - 4.0 * mass * k)),
                                    fast = (-1.0 - root) / (2.0 * mass), slow = (-1.0 + root) / (2.0 * mass);
         const double u = disturbed.fields[i], v = disturbed.fields[numbers + i];
@@ -207,7 +207,7 @@ TEST_CASE("from rest each mode is its steady state less that of the start, decay
     const Coupled first = steady.start({0.0, 0.0, 0.0}), last = steady.start({time, 0.0, 0.0});
     std::vector<double> exact = last.fields;
     for (std::size_t i = 0; i < 4 * modes.size(); ++i) {
-        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal() : modes.decay_transverse();
+        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal : modes.decay_transverse;
         exact[i] -= std::exp(-decay[i % modes.size()] * time) * first.fields[i];
     }
     CHECK(tests::distance(end.fields, exact) < rounding);
@@ -224,14 +224,14 @@ TEST_CASE("what is left of another rod's field decays mode by mode, and loses en
     const Coupled with = run(method, disturbed, time, 4), without = run(method, rest, time, 4);
     double before = 0.0, after = 0.0, error = 0.0; // solid energy: alpha decay |u_q|^2/2 a mode
     for (std::size_t i = 0; i < 4 * modes.size(); ++i) {
-        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal() : modes.decay_transverse();
+        const auto decay = i / modes.size() < 2 ? modes.decay_longitudinal : modes.decay_transverse;
         const double rate = decay[i % modes.size()], free = with.fields[i] - without.fields[i];
         before += rate * disturbed.fields[i] * disturbed.fields[i];
         after += rate * free * free;
         error = std::max(error, std::abs(free - std::exp(-rate * time) * disturbed.fields[i]));
     }
     CHECK(error < rounding);
-    CHECK(after < before * std::exp(-2.0 * modes.decay_transverse()[modes.size() / modes.rows() / 2 + 1] *
+    CHECK(after < before * std::exp(-2.0 * modes.decay_transverse[modes.size() / modes.rows() / 2 + 1] *
                                     time)); // the slowest
 }
 

@@ -137,7 +137,7 @@ TEST_CASE("modes whose force underflows carry nothing of the transform before") 
     const rods::Couplings couplings{1.0, 0.0, 0.0};
     const DynamicMedium medium{.box = 12.0, .force_width = 3.0, .modes = 96, .self_field = true};
     const ModalField modes(elastic, medium);
-    REQUIRE(modes.force().back() == 0.0);
+    REQUIRE(modes.force.back() == 0.0);
     ThreadPool team(1);
     ModeMesh mesh(modes, medium.box, team);
     const std::vector<double> poses = tests::crowd(5, 12.0), field = summed_start(modes, poses);

@@ -31,9 +31,8 @@ double response(const elastic::Medium& elastic, const DynamicMedium& medium, dou
     };
     std::vector<DecayWeights> weights;
     for (std::size_t i = 0; i < 2 * modes.size(); ++i)
-        weights.push_back(decay_weights(i < modes.size() ? modes.decay_longitudinal()[i]
-                                                         : modes.decay_transverse()[i - modes.size()],
-                                        h));
+        weights.push_back(decay_weights(
+            i < modes.size() ? modes.decay_longitudinal[i] : modes.decay_transverse[i - modes.size()], h));
     ThreadPool team(1);
     ModeMesh mesh(modes, medium.box, team);
     std::array<std::vector<double>, 4> forces;
@@ -160,13 +159,13 @@ Number integral(const Past& past, double decay) {
 std::vector<double> circle(const ModalField& modes, double rate) {
     std::vector<double> field(4 * modes.size());
     for (std::size_t i = 0; i < modes.size(); ++i) {
-        const double qx = modes.qx()[i / modes.columns()], qy = modes.qy()[i % modes.columns()];
-        const double ux = modes.unit_x()[i], uy = modes.unit_y()[i];
-        const Number force = modes.force()[i] * std::exp(Number{0.0, -qx * rod.x - qy * rod.y});
-        if (modes.force()[i] == 0.0)
+        const double qx = modes.qx[i / modes.columns()], qy = modes.qy[i % modes.columns()];
+        const double ux = modes.unit_x[i], uy = modes.unit_y[i];
+        const Number force = modes.force[i] * std::exp(Number{0.0, -qx * rod.x - qy * rod.y});
+        if (modes.force[i] == 0.0)
             continue;
-        const Number l = force * integral({qx, qy, ux, uy, rate}, modes.decay_longitudinal()[i]);
-        const Number t = force * integral({qx, qy, -uy, ux, rate}, modes.decay_transverse()[i]);
+        const Number l = force * integral({qx, qy, ux, uy, rate}, modes.decay_longitudinal[i]);
+        const Number t = force * integral({qx, qy, -uy, ux, rate}, modes.decay_transverse[i]);
         const std::array parts{l.real(), l.imag(), t.real(), t.imag()};
         for (std::size_t part = 0; part < 4; ++part)
             field[part * modes.size() + i] = parts[part];

@@ -147,7 +147,7 @@ TEST_CASE("the turning rate is z.[n x (kappa eps.n + gamma1 lap u + gamma2 grad 
 
 TEST_CASE("the divergence basis is the laplacian one with gamma1/2 and gamma2 + gamma1/2") {
     // div eps = (lap u + grad div u)/2 and grad tr eps = grad div u, so both must turn a rod alike.
-    const auto c = rods::from_divergence_basis(0.3, 1.5, -0.7);
+    const auto c = rods::from_divergence_basis({0.3, 1.5, -0.7});
     CHECK(c.kappa == 0.3);
     CHECK(c.gamma1 == 0.75);
     CHECK(c.gamma2 == Approx(0.05).epsilon(1e-15)); // one rounding

@@ -33,13 +33,13 @@
 
 #include "rodwake/core/periodic.hpp"
 #include "rodwake/elastic/field.hpp"
-#include "rodwake/elastic/medium_derivatives.hpp"
+#include "rodwake/elastic/wake_field.hpp"
 
 #include <memory>
 
 namespace rodwake::elastic {
 
-class PeriodicField {
+class PeriodicField final : public Wake {
 public:
     /// Sides of `box` > 0, in the unit of medium.xi; `heading` of the rod against the box's x side, rad.
     /// Throws InputError.
@@ -47,21 +47,21 @@ public:
 
     /// The field at (x, y) in the rod's frame (rod at the origin, heading along +x), components in that
     /// frame. All of it as asked for, gradients too.
-    FieldValues at(double x, double y, FieldRequest request) const;
+    FieldValues at(double x, double y, FieldRequest request) const override;
 
     /// What the images alone make at the rod's own place: a rod in a box is in its own images' wakes.
-    FieldValues self_image_field(FieldRequest request) const;
+    FieldValues self_image_field(FieldRequest request) const override;
 
     /// d/d heading of at(x, y) and self_image_field, per rad: place and components fixed in the rod's frame,
     /// so that it is the box that turns about the rod, clockwise. 0 in the infinite plane. Of displacement,
     /// strain, polar and dipole as asked for; gradients are not available: InputError.
-    FieldValues heading_derivative(double x, double y, FieldRequest request) const;
-    FieldValues own_place_by_heading(FieldRequest request) const;
+    FieldValues heading_derivative(double x, double y, FieldRequest request) const override;
+    FieldValues own_place_by_heading(FieldRequest request) const override;
 
     /// d/d eta and d/d xi at fixed place and box, of what is asked for (not gradients).
-    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const;
+    MediumDerivatives medium_derivatives(double x, double y, FieldRequest request) const override;
     /// The same of what the images alone make at the rod's own place.
-    MediumDerivatives own_place_by_medium(FieldRequest request) const;
+    MediumDerivatives own_place_by_medium(FieldRequest request) const override;
 
     const Medium& medium() const;
     const PeriodicBox& box() const;

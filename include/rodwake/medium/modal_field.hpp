@@ -31,33 +31,29 @@ struct PhaseFactors {
 using Phases [[deprecated("it is PhaseFactors")]] = PhaseFactors;
 PhaseFactors phases(std::span<const double> q, double c);
 
-class ModalField {
-public:
+struct ModalField {
     /// Throws InputError as validate does.
     ModalField(const elastic::Medium& elastic, const DynamicMedium& medium);
 
-    std::size_t rows() const { return qx_.size(); }
-    std::size_t columns() const { return qy_.size(); }
-    std::size_t size() const { return rows() * columns(); }
-    std::span<const double> qx() const { return qx_; } ///< of each row, mu/f
-    std::span<const double> qy() const { return qy_; } ///< of each column
+    double inertia;             ///< beta/alpha, f/(mu v0)
+    std::vector<double> qx, qy; ///< of each row, and of each column, mu/f
 
     // Of each mode, row by row.
-    std::span<const double> unit_x() const { return unit_x_; } ///< q/|q|
-    std::span<const double> unit_y() const { return unit_y_; }
-    std::span<const double> decay_longitudinal() const { return decay_l_; } ///< (1 + eta) q^2/alpha, mu v0/f
-    std::span<const double> decay_transverse() const { return decay_t_; }   ///< q^2/alpha
-    std::span<const double> force() const {
-        return force_;
-    } ///< e^(-w^2 q^2/2)/(alpha box^2), 0 of modes that do not count
-    double inertia() const { return inertia_; }                               ///< beta/alpha, f/(mu v0)
-    std::size_t numbers() const { return (inertia_ > 0.0 ? 8 : 4) * size(); } ///< of a field
+    std::vector<double> unit_x, unit_y;     ///< q/|q|
+    std::vector<double> decay_longitudinal; ///< (1 + eta) q^2/alpha, mu v0/f
+    std::vector<double> decay_transverse;   ///< q^2/alpha
+    std::vector<double> force;              ///< e^(-w^2 q^2/2)/(alpha box^2), 0 of modes that do not count
+
+    std::size_t rows() const { return qx.size(); }
+    std::size_t columns() const { return qy.size(); }
+    std::size_t size() const { return rows() * columns(); }
+    std::size_t numbers() const { return (inertia > 0.0 ? 8 : 4) * size(); } ///< of a field
 
     /// Adds the field of a rod that has always walked straight:
     /// l_q = f_q n.q/|q| / ((1 + eta) q^2/alpha - (beta/alpha) (q.n)^2 - i q.n), t_q alike; d_t l_q = -i q.n
     /// l_q.
     void add_steady(const rods::Pose& rod, std::span<double> field) const;
-    /// One row of it, columns first to last - 1; px and py are phases(qx(), -rod.x) and phases(qy(), -rod.y).
+    /// One row of it, columns first to last - 1; px and py are phases(qx, -rod.x) and phases(qy, -rod.y).
     void add_steady_row(std::size_t row, std::size_t first, std::size_t last, const rods::Pose& rod,
                         const PhaseFactors& px, const PhaseFactors& py, std::span<double> field) const;
 
@@ -65,10 +61,6 @@ public:
     /// field, or of its difference to another. No dipole, no gradients: InputError.
     elastic::FieldValues at(double x, double y, elastic::FieldRequest request, std::span<const double> field,
                             std::span<const double> minus = {}) const;
-
-private:
-    double inertia_;
-    std::vector<double> qx_, qy_, unit_x_, unit_y_, decay_l_, decay_t_, force_;
 };
 
 } // namespace rodwake::medium

@@ -128,6 +128,5 @@ struct Rows {
 
 /// Couplings from coefficients of div eps and grad tr eps.
 Couplings from_divergence_basis(const Couplings& of_divergence);
-Couplings from_divergence_basis(double kappa, double gamma1, double gamma2);
 
 } // namespace rodwake::rods

@@ -66,10 +66,7 @@ public:
     static std::string component_name(std::size_t component);
 
 private:
-    void turn(integrate::State y, std::span<double> ydot) const;
     void fill_jacobian(integrate::State y, Eigen::Ref<Eigen::MatrixXd> jacobian,
-                       std::span<double> rates) const;
-    void add_by_source(integrate::State y, std::size_t source, Eigen::Ref<Eigen::MatrixXd> jacobian,
                        std::span<double> rates) const;
 
     std::shared_ptr<const elastic::WakeField> field_; ///< none: nothing interacts

@@ -33,9 +33,6 @@ struct NoiseSums {
     std::vector<double> square, square_squares, cosine, cosine_squares;
 };
 
-/// The times of these sums: those at which runs are stored.
-std::vector<double> stored_times(const RodProblem& problem);
-
 NoiseSums no_runs(const RodProblem& problem);
 void add(NoiseSums& sums, const RodProblem& problem, const RodResult& run);
 

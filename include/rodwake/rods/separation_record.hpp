@@ -37,10 +37,9 @@ struct SeparationRecord {
     BodyRecord bodies = {};
 };
 
-SeparationRecord start_record(integrate::State y, double tail_start, Box box = {});
-/// With bodies, of a run from 0 to t_end.
-SeparationRecord start_record(integrate::State y, double tail_start, Box box, const BodyForces& bodies,
-                              double t_end);
+/// `t_end`: end of the run, for the record of bodies.
+SeparationRecord start_record(integrate::State y, double tail_start, Box box = {},
+                              const BodyForces& bodies = {}, double t_end = 0.0);
 /// Time derivatives of a state.
 using StateRates = std::function<void(integrate::State y, std::span<double> ydot)>;
 /// The last part is looked at when it begins, on the cubic through the step and its rates, and at every step
