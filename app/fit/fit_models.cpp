@@ -1,6 +1,7 @@
 // Rivals of a fit, [[fit.models]]: each fitted to the same data, and all of them weighed.
 
 #include "fit_data.hpp"
+#include "fit_json.hpp"
 #include "fit_records.hpp"
 #include "fit_stage.hpp"
 #include "rodwake/app/run.hpp"
@@ -150,7 +151,7 @@ void write_models(const fs::path& folder, const FitPlan& plan, const std::vector
                                          {"difference", finite_or_null(m.row.foretold_difference)},
                                          {"difference_stderr", finite_or_null(m.row.difference_error)},
                                          {"blocks", m.foretold->blocks.size()}};
-        model["misfit"] = misfit_json(m.misfit);
+        model["misfit"] = record_json(MisfitEntry{m.misfit});
         model["failure"] = m.ended() ? ordered_json(nullptr) : ordered_json(m.failure);
         model["folder"] = m.folder;
         out["models"].push_back(model);
@@ -193,25 +194,6 @@ void log_models(const std::vector<WeighedModel>& models, const std::vector<std::
 }
 
 } // namespace
-
-ordered_json misfit_json(const fitting::Misfit& m) {
-    ordered_json out = {{"probability", finite_or_null(m.probability)},
-                        {"describes", m.probability ? ordered_json(m.describes()) : ordered_json(nullptr)},
-                        {"worst", m.worst},
-                        {"tests", ordered_json::object()},
-                        {"regions", ordered_json::array()}};
-    for (const fitting::MisfitTest& test : m.tests)
-        out["tests"][test.name] = {{"value", finite_or_null(test.value)},
-                                   {"expected", finite_or_null(test.expected)},
-                                   {"probability", finite_or_null(test.probability)},
-                                   {"text", test.text}};
-    for (const fitting::MisfitRegion& region : m.regions)
-        out["regions"].push_back({{"name", region.name},
-                                  {"chi2", finite_or_null(region.chi2)},
-                                  {"expected", finite_or_null(region.expected)},
-                                  {"probability", finite_or_null(region.probability)}});
-    return out;
-}
 
 FitPlan model_plan(const scene::Scene& scene, const scene::FitModel& model, const FitPlan& plan,
                    FitInputs inputs) try {

@@ -1,6 +1,7 @@
 #include "fit_stage.hpp"
 
 #include "fit_data.hpp"
+#include "fit_json.hpp"
 #include "fit_records.hpp"
 #include "rodwake/app/run.hpp"
 #include "rodwake/core/build_info.hpp"
@@ -197,52 +198,6 @@ std::string fit_cost(const Plan& plan, const RunContext& context) {
                               count, duration_text(count * evaluation_time(problem, false) / threads));
 }
 
-/// Keys of fit.json, which write_fit.cpp writes; keys of the scene that it repeats are left out.
-constexpr ColumnInfo fit_keys[] = {
-    {"parameters.<k>.value", "{unit}", "best value"},
-    {"parameters.<k>.stderr", "{unit}", "standard error (null: fixed, at a bound, or not fixed by the data)"},
-    {"parameters.<k>.low", "{unit}", "lower end of its 95 % interval"},
-    {"parameters.<k>.high", "{unit}", "upper end of its 95 % interval"},
-    {"parameters.<k>.free", "1", "whether it was fitted"},
-    {"parameters.<k>.tied_to", "1", "the parameter that it follows (null: none)"},
-    {"parameters.<k>.at_bound", "1", "lower or upper, if it ended there (null: neither)"},
-    {"parameters.<k>.unit", "1", "of value, error and interval"},
-    {"derived.<k>.value", "{unit}", "of a quantity that follows from the parameters, such as alpha"},
-    {"derived.<k>.stderr", "{unit}", "its standard error"},
-    {"free", "1", "fitted parameters, in the order of correlation"},
-    {"correlation", "1", "correlation matrix (null: one of the two has no error)"},
-    {"chi2", "1", "sum of the squared residuals"},
-    {"dof", "1", "independent values less free parameters"},
-    {"residuals", "1", "number of residuals"},
-    {"sigma_known", "1", "whether the data have standard errors; otherwise errors come from the scatter"},
-    {"probability", "1", "of so large a chi2 if model and sigmas are right"},
-    {"error_factor", "1", "by which errors were multiplied"},
-    {"rms", "1", "root mean square of the residuals"},
-    {"objective", "1", "the minimum that was searched for, by fit.loss"},
-    {"termination", "1", "how the best search ended, with the reason in reason"},
-    {"distance", "1", "of the end from the minimum, in standard errors"},
-    {"evaluations", "1", "of the model, in all searches"},
-    {"rank", "1", "number of combinations of parameters that the data fix"},
-    {"flat.<k>.text", "1", "a combination that they do not fix"},
-    {"remarks", "1", "what to know before a number is quoted"},
-    {"same_optimum", "1", "starts that ended at the best optimum"},
-    {"starts.<k>.objective", "1", "where each start ended; with start, end, termination and evaluations"},
-    {"likelihood.<k>.low", "{unit}", "lower end of the 95 % interval by likelihood (null: none)"},
-    {"likelihood.<k>.high", "{unit}", "upper end of the 95 % interval by likelihood (null: none)"},
-    {"profiles.<k>.chi2", "1", "part of a profile in chi2"},
-    {"profiles.<k>.excess.scale", "1", "factor by which its data exceed the model, with stderr"},
-    {"trajectories.<k>.rms_position", "{data}", "root mean square distance of positions from the model"},
-    {"trajectories.<k>.rms_heading", "rad", "the same of headings"},
-    {"maps.<k>.chi2", "1", "part of a map in chi2"},
-    {"compare.<k>.chi2", "1", "with the values of a comparison"},
-    {"systematics.errors.<k>.curvature", "{unit}", "standard error from the curvature (as stderr)"},
-    {"systematics.errors.<k>.held", "{unit}", "error by the errors of constants that are held"},
-    {"systematics.errors.<k>.masks", "{unit}", "spread over the masks"},
-    {"systematics.errors.<k>.jackknife", "{unit}", "error by leaving out one map after the other"},
-    {"systematics.errors.<k>.total", "{unit}", "the error to quote for maps"},
-    {"misfit.probability", "1", "of a misfit like this if the model is right"},
-    {"length_unit", "1", "unit of the data"}};
-
 std::vector<FileKind> fit_files() {
     using enum Lifetime;
     static const std::vector<ColumnInfo> models = [] {
@@ -258,7 +213,7 @@ std::vector<FileKind> fit_files() {
         {"least_log_bayes", "1",
          "least of all pairs: mean logarithm of the evidence ratio of the true model and another"}};
     return {
-        {"fit.json", result, "parameters with errors, and how good the fit is", fit_keys},
+        {"fit.json", result, "parameters with errors, and how good the fit is", values_of<FitJson, true>()},
         {"medium.json", result, "the medium that the fit gives to field and rods"},
         {"fit_profile_<k>.csv", result, "a profile with its fit", columns_of<FitProfileRow>()},
         {"fit_curve_<k>.csv", result, "the model along a profile's line",

@@ -9,8 +9,6 @@
 #include "run/log.hpp"
 #include "run/session.hpp"
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -73,9 +71,6 @@ void log_posterior(const FitPlan& plan, const fitting::Posterior& posterior, con
 /// Writes the tables of the fit, then fit.json: if it exists, the tables do, too.
 void write_fit(const std::filesystem::path& folder, const FitPlan& plan, const FitResults& results,
                const std::string& command);
-
-/// Member `misfit` of fit.json and of models.json.
-nlohmann::ordered_json misfit_json(const fitting::Misfit& misfit);
 
 /// Writes posterior.csv, posterior.nc, posterior_curve_<k>.csv, posterior_trajectory_<k>.csv, and last
 /// posterior.json.

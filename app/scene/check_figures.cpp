@@ -51,23 +51,24 @@ void check_figures(const Scene& scene, const Report& report) {
 
         // Keys that only some kinds have must be at their defaults elsewhere.
         const Figure& f = figure;
-        const std::pair<const char*, bool> changed[] = {{"cut", f.cut != unset.cut},
-                                                        {"component", f.component != unset.component},
-                                                        {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
-                                                        {"along", f.along != unset.along},
-                                                        {"quantity", !f.quantity.empty() && f.quantity != figure_quantities().front()},
-                                                        {"against", f.against != unset.against},
-                                                        {"gammas", f.gammas != unset.gammas},
-                                                        {"frame", f.frame != unset.frame},
-                                                        {"colour", f.colour != unset.colour},
-                                                        {"fps", f.fps != unset.fps},
-                                                        {"profiles", f.profiles != unset.profiles},
-                                                        {"residuals", f.residuals != unset.residuals},
-                                                        {"parameter", f.parameter != unset.parameter},
-                                                        {"cells", f.cells != unset.cells},
-                                                        {"boundary", f.boundary != unset.boundary},
-                                                        {"slices", f.slices != unset.slices},
-                                                        {"column", f.column != unset.column}};
+        const std::pair<const char*, bool> changed[] = {
+            {"cut", f.cut != unset.cut},
+            {"component", f.component != unset.component},
+            {"sqrt_scaled", f.sqrt_scaled != unset.sqrt_scaled},
+            {"along", f.along != unset.along},
+            {"quantity", !f.quantity.empty() && f.quantity != figure_quantities().front()},
+            {"against", f.against != unset.against},
+            {"gammas", f.gammas != unset.gammas},
+            {"frame", f.frame != unset.frame},
+            {"colour", f.colour != unset.colour},
+            {"fps", f.fps != unset.fps},
+            {"profiles", f.profiles != unset.profiles},
+            {"residuals", f.residuals != unset.residuals},
+            {"parameter", f.parameter != unset.parameter},
+            {"cells", f.cells != unset.cells},
+            {"boundary", f.boundary != unset.boundary},
+            {"slices", f.slices != unset.slices},
+            {"column", f.column != unset.column}};
         for (const auto& [key, is_changed] : changed)
             if (is_changed && !has_key(figure, key)) {
                 std::vector<std::string> kinds = kinds_with(key); // "kind movie", "kinds a, b and c"
