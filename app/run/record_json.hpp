@@ -3,6 +3,7 @@
 // it brings JSON and a visit of each field.
 
 #include "rodwake/core/record.hpp"
+#include "run/record_members.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -10,19 +11,10 @@
 #include <optional>
 #include <string>
 #include <type_traits>
-#include <utility>
 #include <variant>
 #include <vector>
 
 namespace rodwake::app {
-
-/// A member that is null in a file where there is none.
-template<class T>
-using OrNull = std::variant<std::monostate, T>;
-
-/// A JSON object with a value for each name.
-template<class T>
-using Named = std::vector<std::pair<std::string, T>>;
 
 /// JSON has no infinity and no NaN; null stands for them.
 inline nlohmann::ordered_json finite_or_null(double value) {

@@ -5,6 +5,7 @@
 #include "rodwake/core/encounter.hpp"
 #include "rodwake/core/estimate.hpp"
 #include "rodwake/core/record.hpp"
+#include "run/record_members.hpp"
 
 #include <array>
 #include <cstdint>
