@@ -33,6 +33,7 @@ inline const auto {name}_size = rodwake::store::Kept<{name}::R>::layout().size()
 """
 # Words that files of several kinds have in common.
 GENERAL = set("algebraic bead bias blocks branch contact contacts cpu cutoff data drift error errors escape exponential failed failure fit high low mean median message model noise number other outcome "
+              "command compare curve distance evaluations free git maps masks medium objective probability profile provenance regions remarks stderr tests text version worst "
               "pair particles path perpendicular phase points pressure pursuit reason rods rows run scale scatter seconds share sigma spring status steady steps theta time times total turn undecided unit used value".split())
 # Names of described results that other C++ files quote, and why these may; to grow shorter.
 FIGURES = "app/scene/figure_kinds.cpp"  # columns of series.csv and tables that figures draw
@@ -64,14 +65,13 @@ QUOTED = {
     "sigma_y": {"app/bed/measured_file.cpp", "app/fit/read_fit_maps.cpp"},
     "turn1": {"app/run/record_table.hpp"},  # an example
     "aic": {"app/fit/fit_models.cpp"},  # what weights are from
-    "chi2": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_models.cpp", "app/fit/fit_stage.cpp", "fitting/misfit.cpp",
-             "include/rodwake/fitting/misfit.hpp"},  # of profiles, maps and regions; a test; the keys of fit.json
-    "dof": {"app/bed/measures/force.cpp", "app/fit/write_fit.cpp", "app/fit/fit_stage.cpp"},
+    "chi2": {"app/bed/measures/force.cpp", "fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # of a line; a test
+    "dof": {"app/bed/measures/force.cpp"},
     "square": {"app/scene/fields_rods.cpp"},  # where rods start
     "largest": {"fitting/misfit.cpp", "include/rodwake/fitting/misfit.hpp"},  # a test of the residuals
     "log_evidence": {"app/fit/fit_models.cpp", "app/fit/write_posterior.cpp"},  # of posterior.json
     "log_evidence_stderr": {"app/fit/fit_models.cpp"},
-    "misfit": {"app/fit/write_fit.cpp", "app/fit/fit_models.cpp"},  # a table of fit.json
+    "misfit": {"app/fit/fit_models.cpp"}, "sigma_known": {"app/fit/fit_models.cpp"},  # of models.json, as of fit.json
     "wall_seconds": {"app/scan/scan_results.cpp", "src/store/provenance.cpp"},  # of the scan; of the command
 }
 
