@@ -78,8 +78,7 @@ values = { f_over_mu = 4.4, alpha = 0.2 }
         self.assertEqual(set(found["compare"][0]), KEYS["compare"])
         self.assertEqual(np.shape(found["correlation"]), (3, 3))
         described = {one["name"].partition(".")[0] for one in json.loads((self.folder / "out/manifest.json").read_text())["files"]["fit.json"]["values"]}
-        self.assertEqual(set(found) - described, {"loss", "reason", "algorithm", "box", "core", "heading", "independent_spacing", "seed", "provenance",
-                                                  "flat", "trajectories", "maps", "systematics"})  # of the scene, in words, or empty here
+        self.assertEqual(set(found) - described, {"flat", "trajectories", "maps", "systematics"})  # empty here
         eta, likelihood = found["parameters"]["eta"], found["likelihood"]["eta"]
         self.assertTrue(likelihood["low"] < eta["value"] < likelihood["high"])
         self.assert_tables(found)
