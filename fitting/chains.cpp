@@ -144,7 +144,7 @@ std::optional<SampledChains> run_chains(const Density& density, const Mixture& s
     };
 
     // While the chains warm up they learn the proposal from each other, block by block. It learns from the
-    // later half of the blocks, because where the chains began tells nothing.
+    // later half of the blocks, because the points where the chains began say nothing about the density.
     const std::size_t warm_up = warm_up_blocks(method), blocks = block_count(method) / method.chains;
     std::vector<char> done(method.chains, 1);
     std::vector<std::vector<Eigen::VectorXd>> seen; // by block

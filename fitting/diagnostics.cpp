@@ -227,7 +227,7 @@ std::vector<std::string> diagnostics_of(const Problem& problem, const Fit& fit, 
     // Along a flat direction the gradient is worth any number of its huge errors; that it is flat says more.
     const bool finished =
         fit.termination == Termination::converged || fit.termination == Termination::roundoff;
-    if (finished && !exact && fit.distance > 0.5)
+    if (finished && !exact && !(fit.distance <= 0.5)) // NaN too
         diagnostics.push_back(
             fmt::format("not at a stationary point: the gradient is worth {:.2g} standard errors; errors "
                         "are not to be trusted ({})",

@@ -117,7 +117,8 @@ bool convert_file(const ConvertRequest& request, const fs::path& in, const fs::p
     const TrackFormat format =
         request.format == TrackFormat::automatic ? store::track_format(in) : request.format;
     // CSV without the columns, separators and gaps of other programs.
-    const TemporaryFile plain{request.out.string() + ".plain.csv"};
+    const TemporaryFile plain{format == TrackFormat::csv ? fs::path(request.out.string() + ".plain.csv")
+                                                         : fs::path()};
     if (format == TrackFormat::csv)
         store::write_plain_csv(
             store::read_track_csv(in, request.columns, [&](double) { return !context.stopped(); }),

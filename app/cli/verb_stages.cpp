@@ -43,11 +43,10 @@ std::vector<Stage> stages_of(Verb verb, const scene::Scene& scene, const std::fi
     const auto of = std::ranges::find(stage_verbs, verb, &StageVerb::verb);
     if (of == std::end(stage_verbs))
         return app::stages_of(scene);
-    // The verb looks at the order of rods: of those it integrates, and of those that are to be measured.
-    // Beside
-    // [measure] rods of the theory may be integrated later, in a field that is measured now.
-    const bool later =
-        scene.measure && !order_of_bed(scene) && app::stage_status(folder, Stage::rods) != "finished";
+    // Whether the verb looks at the order of rods: of those it integrates, and of those that are to be
+    // measured. Beside [measure] rods of the theory may be integrated later, in a field that is measured now.
+    const bool later = scene.rods_order && scene.measure && !order_of_bed(scene) &&
+                       app::stage_status(folder, Stage::rods) != "finished";
     const bool ordered =
         scene.rods_order && (verb == Verb::rods ? !order_of_bed(scene) : verb == Verb::measure && !later);
     if (!app::has_table(scene, of->stage) && !(verb == Verb::measure && ordered))

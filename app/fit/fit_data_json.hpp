@@ -42,10 +42,11 @@ inline FitValues values_of_parameters(const fitting::Report& report, const std::
 struct FitExcess : fitting::ScaleFactor {
     static constexpr auto fields() {
         using R = FitExcess;
-        return std::tuple{field("scale", &R::scale, {"1", "factor by which the data exceed the model"}),
-                          field("stderr", &R::standard_error, {"1", "its standard error"}),
-                          field("chi2", &R::chi2, {"1", "of the prediction itself"}),
-                          field("points", &R::points, {"1", "from which it is"})};
+        return std::tuple{
+            field("scale", &R::scale, {"1", "factor between data and model: data = scale * model"}),
+            field("stderr", &R::standard_error, {"1", "its standard error"}),
+            field("chi2", &R::chi2, {"1", "chi2 of the prediction itself (scale 1)"}),
+            field("points", &R::points, {"1", "number of points behind the factor"})};
     }
 
     static OrNull<FitExcess> of(const std::optional<fitting::ScaleFactor>& factor) {
@@ -79,7 +80,8 @@ struct FitProfileEntry {
                   [](const R& r) { return fmt::format("fit_profile_{}.csv", r.index); }),
             field("curve", {"1", "table of the model along the line"},
                   [](const R& r) { return fmt::format("fit_curve_{}.csv", r.index); }),
-            field("chi2", {"1", "part of the profile in chi2"}, [](const R& r) { return r.result.chi2; }),
+            field("chi2", {"1", "of the points outside the core; part of chi2 if role is fit"},
+                  [](const R& r) { return r.result.chi2; }),
             field("excess", {"1", "of its data over the model (null: the model is 0 everywhere)"},
                   [](const R& r) { return FitExcess::of(r.result.scale_factor); })};
     }
@@ -111,14 +113,16 @@ struct FitTrackEntry {
 struct FitMaskEntry : fitting::MapMask {
     static constexpr auto fields() {
         using R = FitMaskEntry;
-        return std::tuple{
-            field("strip", {"{data}", "half width of the strip that is left out"},
-                  [](const R& r) { return r.strip; }),
-            field("radius", {"{data}", "of the circle that is left out"},
-                  [](const R& r) { return r.radius; }),
-            field("sector", {"rad", "angles from the heading between which bins are kept"}, [](const R& r) {
-                return std::vector{r.from, r.to};
-            })};
+        return std::tuple{field("strip", {"{data}", "half width of the strip that is left out"},
+                                [](const R& r) { return r.strip; }),
+                          field("radius", {"{data}", "of the circle that is left out"},
+                                [](const R& r) { return r.radius; }),
+                          field("sector",
+                                {"rad", "lower and upper angle from the heading, on both sides of the rod; "
+                                        "bins between them are kept"},
+                                [](const R& r) {
+                                    return std::vector{r.from, r.to};
+                                })};
     }
 };
 
@@ -194,7 +198,8 @@ struct FitLineEntry {
     static constexpr auto fields() {
         using R = FitLineEntry;
         return std::tuple{
-            field("profile", &R::profile, {"1", "which the values were fitted to, from 0"}),
+            field("profile", &R::profile,
+                  {"1", "number of the profile that the values were fitted to, from 0"}),
             field("parameters", {"1", "of this fit"},
                   [](const R& r) { return FitEstimateEntry::of(r.report); }),
             field("chi2", {"1", "of this fit"}, [](const R& r) { return r.report.chi2; }),
@@ -214,13 +219,15 @@ struct FitCompareEntry {
         using R = FitCompareEntry;
         return std::tuple{
             field("name", {"1", "of the comparison"}, [](const R& r) { return r.keys().name; }),
-            field("values", {"1", "of the parameters, or of a point force"},
-                  [](const R& r) {
-                      const std::vector<double>& point = r.result().point;
-                      return point.empty()
-                                 ? values_of_parameters(r.results.report, r.result().values)
-                                 : FitValues{{"f_over_mu", point[0]}, {"eta", point[1]}, {"xi", point[2]}};
-                  }),
+            field(
+                "values",
+                {"1", "of the parameters, or f_over_mu, eta and xi of a point force in an isotropic medium"},
+                [](const R& r) {
+                    const std::vector<double>& point = r.result().point;
+                    return point.empty()
+                               ? values_of_parameters(r.results.report, r.result().values)
+                               : FitValues{{"f_over_mu", point[0]}, {"eta", point[1]}, {"xi", point[2]}};
+                }),
             field("chi2", {"1", "with these values"}, [](const R& r) { return r.result().chi2; }),
             field("profiles", {"1", "with these values"},
                   [](const R& r) {
@@ -260,9 +267,11 @@ struct FitHeldEntry {
 
     static constexpr auto fields() {
         using R = FitHeldEntry;
-        return std::tuple{field("name", &R::name, {"1", "of a constant"}),
-                          field("error", &R::error, {"{unit}", "its standard error in the scene"}),
-                          field("change", &R::change, {"1", "of the free parameters for one such error"})};
+        return std::tuple{
+            field("name", &R::name, {"1", "of a constant that is held (fit.fixed_errors)"}),
+            field("error", &R::error, {"{unit}", "its standard error, from fit.fixed_errors"}),
+            field("change", &R::change,
+                  {"1", "change of the free parameters if the constant changes by this error"})};
     }
 };
 
@@ -290,8 +299,9 @@ struct FitRunEntry {
 
     static constexpr auto fields() {
         using R = FitRunEntry;
-        return std::tuple{field("without", &R::without, {"1", "the map that was left out"}),
-                          field("parameters", &R::parameters, {"1", "free ones, fitted to the others"})};
+        return std::tuple{
+            field("without", &R::without, {"1", "the map that was left out"}),
+            field("parameters", &R::parameters, {"1", "free parameters, fitted to the other maps"})};
     }
 };
 

@@ -55,7 +55,7 @@ struct FitDerivedEntry {
         return std::tuple{field("value", &R::value,
                                 {"{unit}", "of a quantity that follows from the parameters, such as alpha"}),
                           field("stderr", &R::error, {"{unit}", "its standard error"}),
-                          field("unit", &R::unit, {"1", "of both"})};
+                          field("unit", &R::unit, {"1", "of value and error"})};
     }
 };
 
@@ -64,12 +64,13 @@ struct FitFlatEntry : fitting::FlatDirection {
 
     static constexpr auto fields() {
         using R = FitFlatEntry;
-        return std::tuple{
-            field("text", &R::text, {"1", "a combination of parameters that the data do not fix"}),
-            field("singular_value", &R::singular_value,
-                  {"1", "of this combination, relative to the largest"}),
-            field("change", {"1", "of the parameters along it, relative for log; largest = 1"},
-                  [](const R& r) { return values_of_parameters(r.report, r.change); })};
+        return std::tuple{field("text", &R::text,
+                                {"1", "a combination of parameters that the data do not fix, or hardly "
+                                      "(singular_value below 1e-3)"}),
+                          field("singular_value", &R::singular_value,
+                                {"1", "of this combination, relative to the largest"}),
+                          field("change", {"1", "of the parameters along it, relative for log; largest = 1"},
+                                [](const R& r) { return values_of_parameters(r.report, r.change); })};
     }
 };
 
@@ -102,11 +103,15 @@ struct FitLikelihoodEntry : fitting::ProfileLikelihood {
     static constexpr auto fields() {
         using R = FitLikelihoodEntry;
         return std::tuple{
-            field("value", {"{unit}", "values of the parameter"}, [](const R& r) { return r.value; }),
-            field("chi2", &R::chi2, {"1", "smallest over the other parameters at each value"}),
-            field("low", {"{unit}", "lower end of the 95 % interval by likelihood (null: none)"},
+            field("value", {"{unit}", "values of the parameter, in parameters.<k>.unit"},
+                  [](const R& r) { return r.value; }),
+            field("chi2", &R::chi2,
+                  {"1", "smallest chi2 (by fit.loss) over the other parameters, at each value"}),
+            field("low",
+                  {"{unit}", "lower end of the 95 % interval by likelihood (null: unbounded on this side)"},
                   [](const R& r) { return r.low.value_or(std::nan("")); }),
-            field("high", {"{unit}", "upper end of the 95 % interval by likelihood (null: none)"},
+            field("high",
+                  {"{unit}", "upper end of the 95 % interval by likelihood (null: unbounded on this side)"},
                   [](const R& r) { return r.high.value_or(std::nan("")); })};
     }
 };
@@ -210,7 +215,7 @@ struct FitJson {
                   [](const R& r) { return r.plan.problem.sigma_known; }),
             field("probability", {"1", "of so large a chi2 if model and sigmas are right"},
                   [](const R& r) { return r.report().probability; }),
-            field("error_factor", {"1", "by which errors were multiplied"},
+            field("error_factor", {"1", "factor by which errors were multiplied (null: no error is known)"},
                   [](const R& r) { return r.report().error_factor; }),
             field("rms", {"1", "root mean square of the residuals"},
                   [](const R& r) {
@@ -237,7 +242,7 @@ struct FitJson {
                   [](const R& r) { return to_string(r.plan.method.algorithm); }),
             field("rank", {"1", "number of combinations of parameters that the data fix"},
                   [](const R& r) { return r.report().rank; }),
-            field("flat", {"1", "combinations that they do not fix"},
+            field("flat", {"1", "combinations that the data do not fix, or hardly"},
                   [](const R& r) {
                       return listed(r.report().flat.size(), [&](std::size_t i) {
                           return FitFlatEntry{r.report().flat[i], r.report()};

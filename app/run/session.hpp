@@ -35,10 +35,7 @@ public:
     void fail(const std::string& why) noexcept;
 
 private:
-    /// What later stages need of those that an earlier command finished.
-
     void tell_lost() const;
-
     void write_provenance(const std::string& status, bool results_kept) const;
     std::vector<Stage> finished_;
     bool closing_ = false;

@@ -65,10 +65,10 @@ std::optional<Root> graze(Encounters& encounters, Bracket& bracket, double gap_l
 }
 
 /// The zero of the squared angle, long after, between the headings of rods that part: between `near`, where
-/// they part, and `end`, where they no longer do. The
-/// value as a polynomial in it, through all angles so far, each fivefold closer, until the zero changes by no
-/// more than `width`. `far` is farther out than `near`; a `root` that is known saves the last angle. Nothing
-/// if the angle does not fall to zero as a square root: then the change is another one.
+/// they part, and `end`, where they no longer do. The value as a polynomial in it, through all angles so far,
+/// each fivefold closer, until the zero changes by no more than `width`. `far` is farther out than `near`; a
+/// `root` that is known saves the last angle. Nothing if the angle does not fall to zero as a square root:
+/// then the change is another one.
 std::optional<double> unbind(Encounters& encounters, double far, double near, double end, double width,
                              double root = std::nan("")) {
     std::vector<double> squares, values; // values: Neville's scheme, its last diagonal

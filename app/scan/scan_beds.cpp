@@ -2,12 +2,12 @@
 
 #include "bed/run_tables.hpp"
 #include "rodwake/core/error.hpp"
-#include "rodwake/core/stopwatch.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 
 #include <cmath>
 
@@ -20,7 +20,10 @@ namespace fs = std::filesystem;
 /// Makes the run of a point, or resumes it.
 void evaluate_bed(const ScanPlan& plan, const fs::path& folder, const RunContext& context, const Logger& log,
                   const scan::Point& point, scan::Result& result) {
-    const Stopwatch watch;
+    using Clock = std::chrono::steady_clock;
+    const auto seconds = [start = Clock::now()] {
+        return std::chrono::duration<double>(Clock::now() - start).count();
+    };
     result.point = point;
     try {
         const BedPlan bed = scanned_bed(plan, point);
@@ -31,7 +34,7 @@ void evaluate_bed(const ScanPlan& plan, const fs::path& folder, const RunContext
             require_same_run(task, granular.scene_key);
         RunContext limited = context;
         if (plan.time_limit)
-            limited.stop = [&] { return context.stopped() || watch.seconds() > *plan.time_limit; };
+            limited.stop = [&] { return context.stopped() || seconds() > *plan.time_limit; };
         const GranularResult end = execute_task(granular, task, limited, log, 1, [](auto&&...) {});
         if (end.end == StageEnd::finished) {
             const BedObservables yield = observables_of(bed.of.scene, run_tables(task.folder));
@@ -57,7 +60,7 @@ void evaluate_bed(const ScanPlan& plan, const fs::path& folder, const RunContext
         result.status = scan::Status::exception;
         result.set_cause(rodwake::describe(error));
     }
-    result.seconds = watch.seconds();
+    result.seconds = seconds();
 }
 
 /// None of a folder that somebody else made.

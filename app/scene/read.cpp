@@ -98,9 +98,8 @@ Node model_document(Node root, const std::vector<Override>& set, Diagnostics& di
             held && !contains(used(), held->first) && !(held->first == "alpha" && contains(used(), "xi")))
             apply_override(root, {"fit.fixed." + held->first, Node{item.place, held->second}, item.place},
                            diagnostics);
-    // What [fit] says of parameters that the rival has not goes; what the rival itself says of them stays, to
-    // be
-    // refused.
+    // Keys of [fit] for parameters that the rival does not have are removed; those that the rival sets itself
+    // stay, to be refused.
     Node& own = root.find("fit")->value;
     const auto set_by_rival = [&](const std::string& path) {
         return std::ranges::find(set, path, &Override::path) != set.end();
@@ -252,7 +251,7 @@ Scene parse_scene(std::string_view text, std::string name, std::span<const std::
     Scene scene = resolve(*root, diagnostics);
     // Each variant is applied to the document, and what is wrong with it beyond what is wrong already
     // reported.
-    if (!scene.variants.empty()) { // none, or too many: reported
+    if (!scene.variants.empty()) { // empty: there are none, or too many, which is reported
         Node base = *root;
         remove_key(base, "variants");
         remove_key(base, "figures");

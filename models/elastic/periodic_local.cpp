@@ -304,7 +304,7 @@ WaveVectorJets PeriodicPotential::at(double x, double y, Needed needed) const {
         return sum;
     }
 
-    // Of the two directions of a column the one the rod heads across: wakes do not run along it.
+    // Images are taken along the direction that the rod heads across: wakes do not run along it.
     if (std::abs(c_.ux) >= std::abs(c_.uy)) {
         columns_.add_others(sum, x, y, needed);
         add_column_images(sum, c_, box_.y, x, y, needed);

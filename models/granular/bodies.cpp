@@ -130,7 +130,7 @@ Agitation agitation_of(const Bodies& bodies) {
     // Whole rows, four numbers at a time: they are looked at every few steps.
     const Eigen::Map<const Eigen::Array4Xd> v(bodies.velocity.data(), 4,
                                               static_cast<Eigen::Index>(bodies.beads));
-    // Of the beads' centre of mass; 0 if there are none.
+    // The mean velocity is that of the beads' centre of mass; 0 if there are none.
     Eigen::Array4d mean = Eigen::Array4d::Zero();
     double masses = 0.0;
     for (Eigen::Index i = 0; i < v.cols(); ++i) {

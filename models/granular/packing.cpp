@@ -298,7 +298,6 @@ BeadPositions at_random(const GranularProblem& problem, const Room& room, std::u
     BeadPositions places;
     const PeriodicBox& sides = bed_sides(problem);
     const BeadSizes sizes = bead_sizes(problem, run);
-
     for (std::size_t i = 0; i < problem.beads; ++i) {
         auto random = stream_for(Purpose::place, problem.seed, run, i);
         double x = 0.0, y = 0.0;

@@ -78,7 +78,6 @@ private:
     void unequal_beads(Bodies& bodies, const TouchingPair& meeting, PlaneTensor& virial) const;
     void bead_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
     void rod_rod(Bodies& bodies, const TouchingPair& meeting, Counters& tallies) const;
-
     double move_apart(Bodies& bodies, std::span<const Pair> pairs) const;
 
     PairSetting setting_;

@@ -53,7 +53,6 @@ bool sound(const Vector3& position, const Vector3& velocity, const Vector3& spin
 struct Simulation::Impl {
     GranularProblem problem;
     Bodies bodies;
-
     PairFinder finder;
     PairContacts contacts;
     std::optional<Wall> wall;

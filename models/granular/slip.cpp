@@ -198,7 +198,7 @@ void slide_curved(std::span<SlipPath> paths) {
     }
 }
 
-/// What is left of an impact once its slip does not turn. Throws RunError if K is not positive definite.
+/// Follows an impact to its end once its slip does not turn. Throws RunError if K is not positive definite.
 void go_on_straight(const ContactTerms& contact, ImpactProgress& at) {
     if (!at.ended && at.speed > 0.0) {
         // Slip along a root of h, until it stops or the impact ends.

@@ -75,7 +75,7 @@ void set_velocities(Beads& beads, const GranularProblem& problem, std::uint32_t 
     }
     const bool alike =
         std::ranges::adjacent_find(beads.radius, std::ranges::not_equal_to()) == beads.radius.end();
-    // Takes away the velocity of the centre of mass; masses go as the cubes of the radii.
+    // The velocity of the centre of mass is taken away; masses go as the cubes of the radii.
     for (auto* velocity : {&beads.vx, &beads.vy, &beads.vz}) {
         double sum = 0.0, weights = 0.0;
         for (std::size_t i = 0; i < velocity->size(); ++i) {

@@ -197,7 +197,7 @@ void Wall::rod(Bodies& bodies, std::size_t index, WallTally& tally) const {
         return;
     double left = time_step_;
     for (int impulses = 0; impulses < most_of_rod; ++impulses) {
-        // Of the spheres that are through the wall and go on, the first to touch it.
+        // Find the first to touch the wall among the spheres that are through it and go on.
         std::optional<WallTouch> first;
         std::size_t sphere = 0;
         for (const std::size_t k : rod.outline()) {

@@ -31,9 +31,9 @@ struct BinSamples {
 // so bins with few beads are as unbiased as others. It starts from the unwrapped phases of the largest set of
 // blocks with one lattice and nearly one heading.
 
-/// Places are where the beads were (displaced). Throws RunError without a crystal,
-/// unless the largest peak of each run with frames is at least 20 times the ring's mean. All accumulators of
-/// one estimator, phase or density, with frames in at least one.
+/// Places are where the beads were (displaced). Throws RunError without a crystal: the
+/// largest peak of each run with frames must be at least 20 times the ring's mean. All accumulators of one
+/// estimator, phase or density, with frames in at least one.
 BinSamples phase_samples(std::span<const DisplacementAccumulator> runs);
 
 // Mean displacement in each bin over the blocks of all runs, a block counting by its beads.

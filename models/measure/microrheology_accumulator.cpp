@@ -218,11 +218,10 @@ void MicrorheologyAccumulator::save(StateWriter& out) const {
 void MicrorheologyAccumulator::load(StateReader& in) {
     times_.load(in);
     temperature_sum_ = in.get();
-    order_.resize(in.count()); // every bead once; none before the first frame
-    const std::size_t beads = layout_.beads, expected = frames() > 0 ? beads : 0;
-    if (order_.size() != expected)
-        throw RunError(
-            fmt::format("measure: microrheology: {} beads stored, expected {}", order_.size(), expected));
+    const std::size_t beads = layout_.beads, expected = frames() > 0 ? beads : 0, count = in.count();
+    if (count != expected) // every bead once; none before the first frame
+        throw RunError(fmt::format("measure: microrheology: {} beads stored, expected {}", count, expected));
+    order_.resize(count);
     std::vector<bool> seen(beads, false);
     for (std::size_t& bead : order_) {
         bead = in.count();

@@ -252,7 +252,7 @@ private:
             out_.cut_rule =
                 fmt::format("more than tracks.longest_step = {:.3g} a away", step_ / scale_.bead_radius);
         } else if (!scale_.box && rows_.certain_ids && rows_.box) {
-            // Of a periodic box seen in a window: what leaves on one side comes in on the other.
+            // The window shows a periodic box: particles that leave on one side come in on the other.
             step_ = gap_ = 0.5 * scale_.pixel * rows_.box->shorter();
             out_.cut_rule = "across the border of the file's box";
         } else if (!scale_.box && !rows_.certain_ids) {

@@ -11,7 +11,7 @@ namespace rodwake::medium {
 
 namespace {
 
-/// A complex vector, of each Cartesian component of u.
+/// One row of complex numbers; a VectorRow has one for each Cartesian component of u.
 struct ComplexRow {
     std::vector<double> re, im;
 };
@@ -132,7 +132,7 @@ elastic::FieldValues ModalField::at(double x, double y, elastic::FieldRequest re
         }
     }
 
-    // Of each the sum over columns of q_y^j p_y s for j = 0, 1, 2.
+    // The sum of q_y^j p_y s over the columns of each, for j = 0, 1, 2.
     struct {
         std::array<double, 3> re{}, im{};
     } s[3][2];

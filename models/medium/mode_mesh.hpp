@@ -40,7 +40,7 @@ public:
 
 private:
     void place(integrate::State poses);
-    /// Puts a + i b into both modes +-q of a row, a and b of +q by `make(i, qx, qy, ux, uy)`.
+    /// Puts a + i b into both modes +-q of a row, a and b of +q by `make(i, qx, qy)`.
     template<class Make>
     void fill_row(std::size_t row, const Make& make);
     void add_harmonic_row(std::size_t row, int k, std::span<double> field) const;

@@ -5,7 +5,7 @@
 
 namespace rodwake::medium {
 
-// Of polynomials f of degree 5: f(s) = sum of value_k f(k - 1) + rate_k f'(k - 1), k = 0, 1, 2.
+// A polynomial f of degree 5 is f(s) = sum of value_k f(k - 1) + rate_k f'(k - 1), k = 0, 1, 2.
 
 std::vector<double> DoubleStep::at(double when) const {
     const double s = (when - time) / half - 1.0;

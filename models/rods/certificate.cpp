@@ -141,7 +141,7 @@ bool proved(const PairProblem& pair, const StepTrack& track, Ending ending, cons
                                     feels_of(pair.medium, pair.couplings, pair.t_end, criteria)) == ending;
 }
 
-/// What the pair (a, b) of two runs differs by, enlarged, as bounds of its encounter.
+/// Bounds of the encounter of the pair (a, b) from the enlarged difference of two runs.
 EncounterBounds difference_bounds(const TwoRuns& runs, std::size_t a, std::size_t b, const TailWindow& late,
                                   const TailWindow& tight) {
     const Offset d = offset(runs.run.state, a, b, runs.box);

@@ -63,7 +63,8 @@ public:
 
     integrate::OdeProblem ode; ///< starts where the run is
     integrate::Solution solution;
-    /// Of the last long step, infinite at the start of a segment; the error in units of the tolerance.
+    /// Length of the last long step, infinite at the start of a segment, and its error in units of the
+    /// tolerance.
     double last_length = HUGE_VAL, error = 0.0;
     double short_step = 0.0; ///< the longest since the last crossing; 0: none
 

@@ -184,10 +184,10 @@ std::optional<bool> Walk::take(const PathNode& node) {
                 met = {(contact->time - step.time_before) / h, contact->pair.first, contact->pair.second};
         }
     }
-    rates_known_ = false;
-    ++solution_.statistics.steps;
     if (!met) {
         add(step);
+        rates_known_ = false;
+        ++solution_.statistics.steps;
         return true;
     }
 
@@ -197,6 +197,8 @@ std::optional<bool> Walk::take(const PathNode& node) {
     put_apart(y_, {met->first, met->second, *problem_.contact_distance}, problem_.box);
     const double time = step.time_before + met->share * h;
     add({step.time_before, time, before_, y_});
+    rates_known_ = false;
+    ++solution_.statistics.steps;
     return stop(time, Termination::stopped_at_event);
 }
 

@@ -194,7 +194,7 @@ integrate::SensitivityProblem to_sensitivity_problem(const RodProblem& problem,
     for (const std::size_t index : indices)
         result.initial(static_cast<Column>(3 * (index / 2) + index % 2), column++) = 1.0;
 
-    // The separation of the closest pair by the state.
+    // The derivative of the closest pair's separation by the state.
     const auto contact_gradient = [box = problem.box](double, State y) {
         const Separation pair = closest_pair(y, box);
         const Offset d = offset(y, pair.first, pair.second, box);

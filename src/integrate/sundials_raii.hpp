@@ -43,7 +43,7 @@ using LinearSolver = Owner<SUNLinearSolver, SUNLinSolFree>;
 using NonlinearSolver = Owner<SUNNonlinearSolver, SUNNonlinSolFree>;
 using ButcherTable = Owner<ARKodeButcherTable, ARKodeButcherTable_Free>;
 
-/// An array of vectors.
+/// Frees an array of `size` vectors.
 struct VectorArrayDeleter {
     int size = 0;
     void operator()(N_Vector* vectors) const { N_VDestroyVectorArray(vectors, size); }

@@ -130,7 +130,7 @@ TrackRows read_film(const std::filesystem::path& film, const std::string& source
     const Hdf5Guard guard;
     const Hdf5Input file(film, "remove it, and the same command makes it again from " + source);
     TrackRows rows;
-    // What the converter noticed while it read the source.
+    // Findings of the converter from when it read the source.
     const auto count = [&](const char* name) {
         return static_cast<std::size_t>(integer_attribute(file, "rodwake", name));
     };
