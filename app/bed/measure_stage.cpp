@@ -53,7 +53,8 @@ std::optional<std::vector<measure::Measures>> sums_of(const std::vector<RunFiles
     SharedProgress progress(context, "measure", runs.size(), static_cast<double>(runs.size()), "runs");
     std::vector<std::optional<measure::Measures>> found(runs.size());
     parallel_for(runs.size(), context.thread_count(), [&](std::size_t i) {
-        // What the run recorded on its way if it is of these keys, else its frames measured now.
+        // The sums that the run recorded are used if they belong to these keys, else its frames are measured
+        // now.
         const RunFiles& run = runs[i];
         const auto on_progress = [&](double part) {
             progress.update(i, part);

@@ -71,7 +71,7 @@ int main(int argc, char** argv) {
     install_signal_handlers();
     try {
         const int code = parsed.exit_now ? parsed.exit_code : dispatch(parsed.options);
-        // What a verb prints may still be in the buffer; a full disk shows here.
+        // Output of a verb may still be in the buffer: a full disk shows here.
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
             throw rodwake::RunError("cannot write to standard output");
         return code;

@@ -106,7 +106,9 @@ void require_solvable(const Problem& problem) {
         failure = fmt::format("{}: the residual (model - value)/sigma is {:.3g}, which is beyond what can be "
                               "squared and summed",
                               problem.residual_name(static_cast<std::size_t>(at)), r[at]);
-    } catch (const std::runtime_error& error) {
+    } catch (const InputError& error) {
+        failure = fmt::format("the model cannot be computed: {}", error.what());
+    } catch (const RunError& error) {
         failure = fmt::format("the model cannot be computed: {}", error.what());
     }
     std::string text;

@@ -236,7 +236,6 @@ void write_track(const std::filesystem::path& folder, const FitPlan& plan, std::
     }
 
     std::vector<PredictedPoseRow> rows;
-
     for (std::size_t row = 0; row < track.data.times.size(); ++row)
         for (std::size_t i = 0; i < track.data.states[row].size(); ++i) {
             const std::size_t rod = i / 3;

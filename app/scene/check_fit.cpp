@@ -91,7 +91,6 @@ void bounds(const Fit& fit, const Report& report) {
 }
 
 void compare(const Fit& fit, const Report& report) {
-
     for (std::size_t i = 0; i < fit.compare.size(); ++i) {
         const auto& values = fit.compare[i].values;
         const std::string path = fmt::format("fit.compare.{}.values", i);
@@ -328,7 +327,6 @@ void needed_by_maps(const Fit& fit, const Report& report) {
             report("fit.parameters", std::string(text) + " (in fit.parameters, fit.fixed or fit.tied)");
     };
     if (fit_is_isotropic(fit)) {
-
         for (const char* name : {"amplitude", "force", "c11", "c22", "c12", "zeta", "rho", "eta_s"})
             need(!fit_has(fit, name),
                  fmt::format("maps with f_over_mu and eta are in units of mu: leave out {}", name).c_str());

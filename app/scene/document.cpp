@@ -1,7 +1,6 @@
 #include "rodwake/scene/document.hpp"
 
 #include "diagnostics.hpp"
-
 #include "fields.hpp"
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"

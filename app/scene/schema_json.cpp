@@ -1,4 +1,3 @@
-
 #include "figure_kinds.hpp"
 #include "fit_parameters.hpp"
 #include "rodwake/core/json_text.hpp"

@@ -283,8 +283,8 @@ StageEnd solve_noise(const Session& session, std::vector<Work>& cases) {
                                sums.ends.size(), sums.failure);
             end = StageEnd::failed; // the folder stays open for another try
         }
-        // What the runs say of capture; a warning where noise.most_runs, not a failed run, left the interval
-        // too wide. A single rod captures none.
+        // The log gives the probability of capture. It is a warning where noise.most_runs, not a failed run,
+        // left the interval too wide. A single rod captures none.
         if (const scan::Proportion captures = captured(sums, work.problem.rods.size()); captures.of > 0) {
             const auto [low, high] = captures.wilson(capture_quantile);
             session.log->info(

@@ -114,7 +114,7 @@ FarWakes::FarWakes(const Medium& medium, double strain_tolerance, double polar_t
     for (const auto& [step, wider] : {std::pair{1.0, 0.8}, {0.8, 1.6}, {1.2, 0.8}}) {
         Nodes& nodes = nodes_.emplace_back(Nodes{step / std::sqrt(cutoff_), wider, medium.eta, cutoff_, {}});
 
-        // By the first node, the distance within which what is left of a wake is not small.
+        // The first node decides within which distance the rest of a wake is not small.
         std::vector<WakeFunctions> left;
         for (std::size_t k = 0; k < distances; ++k)
             left.push_back(exact_functions(nodes.eta, 0.5 * distance_of(k)));

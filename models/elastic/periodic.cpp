@@ -250,8 +250,8 @@ FieldValues along(const Field& field, Vector at, Vector d, FieldRequest request)
         g.gradient_of_trace = sum(d.x, f.gradient_of_trace_x, d.y, f.gradient_of_trace_y);
     }
     if (request.dipole) {
-        // By what the potentials obey: with d_yy C = -d_xx C - (nu/xi) d_x C and the same of A, all of it is
-        // in the strain and the polar vectors.
+        // The potentials obey d_yy C = -d_xx C - (nu/xi) d_x C, and A the same, so all of it is in the strain
+        // and the polar vectors.
         const Vector lap = f.laplacian, trace = f.gradient_of_trace;
         const double half_axy = 0.5 * (trace.y - lap.y), half_ayy = 0.5 * (lap.x - trace.x);
         const Vector dipole_x{-f.strain_x.yy, f.strain_x.xy - half_axy - trace.y},

@@ -75,7 +75,8 @@ struct MicrorheologyValues : ScaledMicrorheology {
             field("inertia_share", {"Inertia at that $s$"},
                   {"1", "$ms^2$ over $4mT_{xy}/(s\\tilde{\\Delta})$"},
                   [](const R& r) {
-                      // Of all that resists at the upper end of the range, how much is the inertia taken off.
+                      // The share of the inertia, which was subtracted, in the resistance at the upper end of
+                      // the range.
                       if (!r.spectrum.high || r.memory.s.empty())
                           return std::nan("");
                       const auto at = std::ranges::find(r.memory.s, *r.spectrum.high) - r.memory.s.begin();
